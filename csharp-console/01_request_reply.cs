@@ -1,0 +1,43 @@
+// Lesson 01 in a terminal: the console twin of HelloClient.cs, with the same HelloRequester.
+//
+//     dotnet run --project csharp-console -- 1
+//     dotnet run --project csharp-console -- 1 --send-twice     what strict alternation means
+using System;
+using NetMQ;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson01
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5551");
+            var count = arguments.Whole("count", 10);
+            var text = arguments.Text("text", "Hello");
+            var patience = arguments.Seconds("patience", 2.5);
+            var sendTwice = arguments.Flag("send-twice");
+            arguments.RefuseTheRest();
+
+            Console.WriteLine($"asking {endpoint}");
+            using var requester = new HelloRequester(endpoint);
+            if (sendTwice) ShowRefusal(requester, text, patience);
+            for (var i = 1; i <= count; i++)
+                Console.WriteLine($"{i}: sent {text}, received {requester.Request(text, patience)}");
+            Console.WriteLine($"done: {count} replies");
+        }
+
+        private static void ShowRefusal(HelloRequester requester, string text, TimeSpan patience)
+        {
+            requester.Send(text);
+            try
+            {
+                requester.Send(text);
+            }
+            catch (FiniteStateMachineException e)
+            {
+                Console.WriteLine($"refused: {e.GetType().Name}: {e.Message}");
+            }
+            Console.WriteLine($"received {requester.Receive(patience)}: now REQ may send again");
+        }
+    }
+}

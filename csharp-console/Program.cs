@@ -1,0 +1,62 @@
+// Runs the console twin of a lesson: dotnet run --project csharp-console -- NN [options].
+//
+// A twin is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
+// its file. Exit codes: 0 done, 1 gave up, 2 wrong usage.
+using System;
+using System.Linq;
+using System.Reflection;
+using System.Runtime.ExceptionServices;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Program
+    {
+        private static int Main(string[] words)
+        {
+            Console.OutputEncoding = new System.Text.UTF8Encoding(false);
+            try
+            {
+                var twin = Twin(words.FirstOrDefault());
+                Invoke(twin, new Arguments(words.Skip(1)));
+                return 0;
+            }
+            catch (UsageException e)
+            {
+                Console.Error.WriteLine(e.Message);
+                return 2;
+            }
+            catch (ArgumentException e)
+            {
+                Console.Error.WriteLine(e.Message);
+                return 2;
+            }
+            catch (TimeoutException e)
+            {
+                Console.Error.WriteLine($"gave up: {e.Message}");
+                return 1;
+            }
+        }
+
+        private static MethodInfo Twin(string? number)
+        {
+            var twins = Assembly.GetExecutingAssembly().GetTypes()
+                .Where(type => type.Name.StartsWith("Lesson", StringComparison.Ordinal) && type.Name.Length == 8)
+                .ToDictionary(type => type.Name[6..]);
+            if (number != null && twins.TryGetValue(number.Split('_')[0].PadLeft(2, '0'), out var twin))
+                return twin.GetMethod("Run")!;
+            throw new UsageException($"which lesson? Give its number first, one of: {string.Join(" ", twins.Keys.OrderBy(key => key))}");
+        }
+
+        private static void Invoke(MethodInfo run, Arguments arguments)
+        {
+            try
+            {
+                run.Invoke(null, new object[] { arguments });
+            }
+            catch (TargetInvocationException e)
+            {
+                ExceptionDispatchInfo.Capture(e.InnerException!).Throw();
+            }
+        }
+    }
+}

@@ -1,0 +1,1 @@
+"""The parts of kit.py: finding lessons, setting up Python and C#, running programs side by side."""

@@ -1,0 +1,62 @@
+"""The lessons, discovered from the folders: a new one is added by adding its files."""
+
+from __future__ import annotations
+
+import ast
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+class KitError(Exception):
+    """What a user can mend: one line with the cause and the cure."""
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """One lesson; `key` (such as 01_request_reply) is spelled the same in every tree."""
+
+    key: str
+
+    @property
+    def number(self) -> int:
+        return int(self.key[:2])
+
+    @property
+    def python(self) -> Path:
+        return ROOT / "python" / self.key
+
+    @property
+    def unity(self) -> Path:
+        return ROOT / "unity" / "Assets" / "NetMQExample" / self.key
+
+    @property
+    def twin(self) -> Path:
+        return ROOT / "csharp-console" / f"{self.key}.cs"
+
+    @property
+    def guide(self) -> Path:
+        return ROOT / "docs" / "guide" / f"{self.key}.md"
+
+    @property
+    def title(self) -> str:
+        """The first line of the server, without the lesson's number."""
+        text = ast.get_docstring(ast.parse((self.python / "server.py").read_text(encoding="utf-8"))) or self.key
+        return re.sub(r"^Lesson \d+, ", "", text.splitlines()[0])
+
+
+def lessons() -> list[Lesson]:
+    """Every lesson, in order."""
+    servers = (ROOT / "python").glob("[0-9][0-9]_*/server.py")
+    return sorted((Lesson(path.parent.name) for path in servers), key=lambda lesson: lesson.key)
+
+
+def find(text: str) -> Lesson:
+    """The lesson that a user means by 1, 01 or 01_request_reply."""
+    found = lessons()
+    for lesson in found:
+        if text in (lesson.key, str(lesson.number), lesson.key[:2]):
+            return lesson
+    raise KitError(f"there is no lesson {text}; there are: " + ", ".join(lesson.key for lesson in found))

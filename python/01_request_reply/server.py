@@ -1,0 +1,74 @@
+"""Lesson 01, request-reply: one side asks, the other answers, strictly in turn.
+
+    python python/01_request_reply/server.py       prints: listening on tcp://127.0.0.1:5551
+    python python/01_request_reply/client.py       or: dotnet run --project csharp-console -- 1
+
+Bytes: UTF-8 text, one frame each way. `Hello` is answered with `World`, anything else with a text that begins with
+`error:`. Any ZeroMQ program that says Hello is answered, in whatever language it is written.
+Trouble on command: `--delay 5` answers later than the client waits. Take home: this file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import signal
+import sys
+import time
+
+import zmq
+
+
+def answer(frames: list[bytes]) -> str:
+    """The reply to one request, given as the frames of one message."""
+    if len(frames) != 1:
+        return f"error: expected one frame, got {len(frames)}"
+    # The clients of some older tutorials send the closing zero byte of a C string along.
+    if frames[0].rstrip(b"\0 \r\n") == b"Hello":
+        return "World"
+    return f"error: expected Hello, got {len(frames[0])} bytes beginning {frames[0][:20]!r}"
+
+
+def serve(socket: zmq.Socket[bytes], delay: float) -> None:
+    """Answer for ever. REP alternates strictly: receive, send, receive, send."""
+    while True:
+        # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
+        if socket.poll(200):
+            reply = answer(socket.recv_multipart())
+            time.sleep(delay)
+            socket.send_string(reply)
+            print(f"sent {reply}", flush=True)
+
+
+def endpoint(text: str) -> str:
+    """What --endpoint takes. libzmq itself would listen on port 99999 - 65536 without a word."""
+    port = re.fullmatch(r"tcp://[^\s:]+:(\*|\d{1,5})", text)
+    if not port or (port[1] != "*" and int(port[1]) > 65535):
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 0 to 65535 or *")
+    return text
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Answers Hello with World.")
+    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5551", help="port * takes a free one")
+    parser.add_argument("--delay", type=float, default=0.0, help="seconds to wait before each reply")
+    options = parser.parse_args()
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with zmq.Context() as context, context.socket(zmq.REP) as socket:
+        # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
+        socket.linger = 0
+        try:
+            socket.bind(options.endpoint)
+        except zmq.ZMQError as error:
+            cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "this machine has no such address"
+            sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
+        print(f"listening on {socket.last_endpoint.decode()}", flush=True)
+        serve(socket, options.delay)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        pass

@@ -1,0 +1,95 @@
+"""What every test shares: the real programs, started as processes and gone at the end of the test."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from kitlib import dotnet
+from kitlib.lessons import KitError
+from tests.programs import ROOT, Program
+
+PYTHON = Path(sys.executable)
+CLIENTS = ("python", "csharp", "unity")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the offline engine over libzmq")
+    parser.addoption("--long", action="store_true", help="also run the tests that take minutes")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if not config.getoption("--long"):
+        for item in items:
+            if "long" in item.keywords:
+                item.add_marker(pytest.mark.skip(reason="takes minutes: run with --long"))
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    try:
+        engine = dotnet.choose_engine(config.getoption("--engine")) if dotnet.sdk() else None
+    except KitError as error:
+        return f"C#: {error}"
+    return f"C# engine: {engine.name} ({engine.why})" if engine else f"C#: {dotnet.DOWNLOAD}"
+
+
+@pytest.fixture(scope="session")
+def engine(request: pytest.FixtureRequest) -> dotnet.Engine:
+    """The engine of this run; skips where there is no .NET SDK."""
+    if not dotnet.sdk():
+        pytest.skip(dotnet.DOWNLOAD)
+    return dotnet.choose_engine(request.config.getoption("--engine"))
+
+
+@pytest.fixture(scope="session")
+def console(engine: dotnet.Engine) -> list[str]:
+    """The command of the console twins, built once per run from the files as they are now."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine))]
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., Program]]:
+    """Starts a program that the end of the test ends, whatever happens."""
+    started: list[Program] = []
+
+    def start(*command: str | Path, **environment: str) -> Program:
+        program = Program(command, **environment)
+        started.append(program)
+        return program
+
+    yield start
+    for program in started:
+        program.kill()
+
+
+@pytest.fixture
+def serve(start: Callable[..., Program]) -> Callable[..., tuple[Program, str]]:
+    """serve("01_request_reply", "--delay", "1") starts a lesson's server on a free port: (program, endpoint)."""
+
+    def serve(key: str, *options: str, endpoint: str = "tcp://127.0.0.1:*") -> tuple[Program, str]:
+        program = start(PYTHON, ROOT / "python" / key / "server.py", "--endpoint", endpoint, *options)
+        return program, program.wait_for(r"^listening on (\S+)")[1]
+
+    return serve
+
+
+@pytest.fixture
+def client_command(request: pytest.FixtureRequest) -> Callable[..., list[str]]:
+    """client_command("csharp", "01_request_reply", endpoint, "--count", "3"): the words that start this client."""
+
+    def command(kind: str, key: str, endpoint: str, *options: str) -> list[str]:
+        if kind == "python":
+            return [str(PYTHON), str(ROOT / "python" / key / "client.py"), "--endpoint", endpoint, *options]
+        # Asked for only now, so that the Python clients are tested where there is no .NET SDK.
+        console: list[str] = request.getfixturevalue("console")
+        if kind == "csharp":
+            return [*console, key, "--endpoint", endpoint, *options]
+        # The MonoBehaviour's serialized fields have the names of the options.
+        fields = [f"{name[2:]}={value}" for name, value in zip(options[::2], options[1::2], strict=True)]
+        return [*console, key, "--unity", *(word for field in [f"endpoint={endpoint}", *fields] for word in ("--set", field))]
+
+    return command
+

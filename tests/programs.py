@@ -1,0 +1,86 @@
+"""Programs as a user starts them: what they print is read line by line, and every wait has a limit."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+# Generous, since it only decides how long a broken program is waited for.
+LIMIT = 30.0
+
+
+class Program:
+    """A running process. `lines` grows as it prints, stdout and stderr together."""
+
+    def __init__(self, command: Sequence[str | Path], **environment: str) -> None:
+        self.command = [str(word) for word in command]
+        self.lines: list[str] = []
+        self._news = threading.Condition()
+        self.process = subprocess.Popen(
+            self.command,
+            cwd=ROOT,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            env={**os.environ, "PYTHONUNBUFFERED": "1", **environment},
+        )
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout
+        for line in self.process.stdout:
+            with self._news:
+                self.lines.append(line.rstrip("\r\n"))
+                self._news.notify_all()
+        with self._news:
+            self._news.notify_all()
+
+    @property
+    def output(self) -> str:
+        return "\n".join(self.lines)
+
+    def wait_for(self, pattern: str, limit: float = LIMIT, start: int = 0) -> re.Match[str]:
+        """The first match of a regular expression in a line from number `start` on; fails after `limit` seconds."""
+        deadline = time.monotonic() + limit
+        with self._news:
+            while True:
+                for line in self.lines[start:]:
+                    if match := re.search(pattern, line):
+                        return match
+                ended = not self._reader.is_alive()
+                if ended or not self._news.wait(min(0.5, max(0.0, deadline - time.monotonic()))):
+                    if ended or time.monotonic() >= deadline:
+                        why = "it ended" if ended else f"{limit:g} s passed"
+                        raise AssertionError(f"no line matches {pattern!r} before {why}; printed:\n{self.output}")
+
+    def wait(self, limit: float = LIMIT) -> int:
+        """The exit code, once everything it printed is in `lines`."""
+        try:
+            code = self.process.wait(limit)
+        except subprocess.TimeoutExpired:
+            self.kill()
+            raise AssertionError(f"still running after {limit:g} s: {self.command}; printed:\n{self.output}") from None
+        self._reader.join(limit)
+        return code
+
+    def stop(self, how: signal.Signals = signal.SIGTERM, limit: float = LIMIT) -> int:
+        """Ask it to end, as Ctrl-C (SIGINT) or a process manager (SIGTERM) would."""
+        self.process.send_signal(how)
+        return self.wait(limit)
+
+    def kill(self) -> None:
+        """End it without asking: SIGKILL."""
+        self.process.kill()
+        self.process.wait()
+        self._reader.join(LIMIT)

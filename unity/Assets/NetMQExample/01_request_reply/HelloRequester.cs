@@ -1,0 +1,93 @@
+// Lesson 01, request-reply: ask one question, wait for its answer, then ask the next.
+//
+// Take home: this file and NetMQLifetime.cs. The Python side is python/01_request_reply/server.py.
+// Bytes: UTF-8 text, one frame each way.
+// Trouble: a REQ socket alternates strictly. A second request before the reply is refused with
+// "Req.XSend - cannot send another request"; the console twin shows it with --send-twice.
+using System;
+using System.Diagnostics;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace NetMQExample
+{
+    /// <summary>
+    /// Asks a REP server over one REQ socket. Make it, use it and dispose it on one thread, and not on Unity's main
+    /// thread: a request blocks until its reply is there.
+    /// </summary>
+    public sealed class HelloRequester : IDisposable
+    {
+        // Short enough that Stop in the editor is felt at once, long enough to cost nothing.
+        private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
+
+        private readonly NetMQLifetime lifetime = new NetMQLifetime();
+        private readonly RequestSocket socket = new RequestSocket();
+        private readonly string endpoint;
+
+        /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public HelloRequester(string endpoint)
+        {
+            this.endpoint = endpoint;
+            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
+            socket.Options.Linger = TimeSpan.Zero;
+            try
+            {
+                NetMQLifetime.Connect(socket, endpoint);
+            }
+            catch
+            {
+                Dispose();
+                throw;
+            }
+        }
+
+        /// <summary>Sends a request and waits for its reply.</summary>
+        /// <param name="text">The request, sent as UTF-8.</param>
+        /// <param name="patience">How long to wait for the reply.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <returns>The reply's text.</returns>
+        /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
+        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        public string Request(string text, TimeSpan patience, CancellationToken stop = default)
+        {
+            Send(text);
+            return Receive(patience, stop);
+        }
+
+        /// <summary>The first half of a request.</summary>
+        /// <param name="text">The request, sent as UTF-8.</param>
+        /// <exception cref="FiniteStateMachineException">The reply to the last request was not received yet.</exception>
+        public void Send(string text) => socket.SendFrame(text);
+
+        /// <summary>The second half: waits for the reply, as <see cref="Request"/> does.</summary>
+        /// <param name="patience">How long to wait for the reply.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <returns>The reply's text.</returns>
+        public string Receive(TimeSpan patience, CancellationToken stop = default)
+        {
+            var waited = Stopwatch.StartNew();
+            string reply;
+            bool more;
+            while (!socket.TryReceiveFrameString(Slice, out reply, out more))
+            {
+                stop.ThrowIfCancellationRequested();
+                if (waited.Elapsed >= patience)
+                    throw new TimeoutException(FormattableString.Invariant(
+                        $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+            }
+            // A reply of several frames is one message: its rest must not be taken for the next reply.
+            while (more) socket.SkipFrame(out more);
+            return reply;
+        }
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose()
+        {
+            socket.Dispose();
+            lifetime.Dispose();
+        }
+    }
+}

@@ -1,0 +1,74 @@
+// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, and a connect that
+// names what is wrong with an endpoint. Take it along with any client of this kit.
+//
+// NetMQ keeps one set of background threads per process. NetMQConfig.Cleanup() ends it, and with it every other
+// client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
+// counted, and the last one to leave cleans up.
+using System;
+using System.Net;
+using System.Net.Sockets;
+using AsyncIO;
+using NetMQ;
+
+namespace NetMQExample
+{
+    /// <summary>
+    /// One user of NetMQ's process-wide state. Make it on the network thread before the first socket and dispose it
+    /// there after the last: <c>using var lifetime = new NetMQLifetime(); using var socket = new RequestSocket();</c>
+    /// </summary>
+    public sealed class NetMQLifetime : IDisposable
+    {
+        private static readonly object Gate = new object();
+        private static int users;
+        private bool left;
+
+        /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
+        public NetMQLifetime()
+        {
+            lock (Gate)
+            {
+                // On Windows NetMQ would use I/O completion ports, which outlive a domain reload in the Unity editor.
+                // Elsewhere this call does nothing. It only counts before the first socket.
+                if (users++ == 0) ForceDotNet.Force();
+            }
+        }
+
+        /// <summary>Leaves. The last user to leave ends NetMQ's background threads.</summary>
+        public void Dispose()
+        {
+            lock (Gate)
+            {
+                if (left) return;
+                left = true;
+                // false: do not wait for sockets that somebody else forgot to dispose. The lock keeps a new user
+                // out until the old state is gone, because a socket made meanwhile would be refused.
+                if (--users == 0) NetMQConfig.Cleanup(false);
+            }
+        }
+
+        /// <summary>Connects, after a look at what NetMQ itself reports in riddles.</summary>
+        /// <param name="socket">A socket of the calling thread.</param>
+        /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public static void Connect(NetMQSocket socket, string endpoint)
+        {
+            const string cure = "write it like tcp://127.0.0.1:5551";
+            // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
+            if (endpoint == null || !endpoint.StartsWith("tcp://", StringComparison.Ordinal))
+                throw new ArgumentException($"bad endpoint '{endpoint}': it does not begin with tcp://; {cure}");
+            var colon = endpoint.LastIndexOf(':');
+            if (!ushort.TryParse(endpoint.Substring(colon + 1), out var port) || port == 0)
+                throw new ArgumentException($"bad endpoint '{endpoint}': the port must be 1 to 65535; {cure}");
+            var host = colon > 6 ? endpoint.Substring(6, colon - 6) : "";
+            try
+            {
+                if (!host.StartsWith("[", StringComparison.Ordinal)) Dns.GetHostAddresses(host.Length == 0 ? "?" : host);
+                socket.Connect(endpoint);
+            }
+            catch (Exception e) when (e is SocketException || e is NetMQException || e is ArgumentException)
+            {
+                throw new ArgumentException($"bad endpoint '{endpoint}': unknown host '{host}'; check its spelling, or {cure}");
+            }
+        }
+    }
+}
