@@ -1,4 +1,5 @@
 // Runs the console twin of a lesson: dotnet run --project csharp-console -- NN [options].
+// With --unity it plays the lesson's MonoBehaviours instead; see Play.cs.
 //
 // A twin is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
 // its file. Exit codes: 0 done, 1 gave up, 2 wrong usage.
@@ -16,6 +17,7 @@ namespace NetMQExample.Terminal
             Console.OutputEncoding = new System.Text.UTF8Encoding(false);
             try
             {
+                if (words.Contains("--unity")) return Play.Run(words[0], new Arguments(words.Skip(1)));
                 var twin = Twin(words.FirstOrDefault());
                 Invoke(twin, new Arguments(words.Skip(1)));
                 return 0;

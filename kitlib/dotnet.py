@@ -141,7 +141,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
     now = fingerprint(engine, [CONSOLE, project, ROOT / "unity" / "Assets" / "NetMQExample"])
     if dll.exists() and stamp.exists() and stamp.read_text(encoding="utf-8") == now:
         return dll
-    command = ["dotnet", "build", project, *engine.properties, "-v:quiet", "-clp:NoSummary"]
+    command: list[str | Path] = ["dotnet", "build", project, *engine.properties, "-v:quiet", "-clp:NoSummary"]
     result = step(f"building {project.name} with {engine.name}", command, 300, ENVIRONMENT)
     if not result.ok:
         raise KitError(f"the C# build failed:\n{result.output.strip()}")

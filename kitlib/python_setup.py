@@ -96,19 +96,34 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
     python = venv_python()
     if has(python, wanted):
         return python
-    if not python.exists() and not make_venv():
+    made = not python.exists()
+    if made and not make_venv():
         return None
-    pip = [python, "-m", "pip"]
+    pip: list[str | Path] = [python, "-m", "pip"]
     if not quietly([*pip, "--version"], limit=60).ok:
         # A venv without pip of its own (Debian without python3-venv): the pip of this interpreter installs into it.
         pip = [Path(sys.executable), "-m", "pip", "--python", python]
     # One try and ten seconds: pip's own default goes on for minutes when no index can be reached.
-    install = [*pip, "install", "--quiet", "--disable-pip-version-check", "--retries", "0", "--timeout", "10", "--prefer-binary"]
+    install = [
+        *pip,
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--retries",
+        "0",
+        "--timeout",
+        "10",
+        "--prefer-binary",
+    ]
     for requirements in [wanted] if wanted == required else [wanted, required]:
-        result = step(f"installing {', '.join(map(name, requirements))} into .venv", [*install, *requirements], limit=600)
+        result = step(
+            f"installing {', '.join(map(name, requirements))} into .venv", [*install, *requirements], limit=600
+        )
         if result.ok and has(python, requirements):
             return python
         say(f"pip could not: {result.first('ERROR', 'error', 'No module')}")
+    if made:
+        shutil.rmtree(VENV, ignore_errors=True)
     return None
 
 
@@ -125,7 +140,13 @@ def make_venv() -> bool:
 
 def from_this_machine(required: list[str]) -> Path | None:
     """An interpreter that has the packages already."""
-    names = ["python3", "python", *(f"python3.{minor}" for minor in range(11, 20)), "/usr/bin/python3", "/usr/local/bin/python3"]
+    names = [
+        "python3",
+        "python",
+        *(f"python3.{minor}" for minor in range(11, 20)),
+        "/usr/bin/python3",
+        "/usr/local/bin/python3",
+    ]
     found = [sys.executable, *(shutil.which(candidate) for candidate in names)]
     for python in dict.fromkeys(path for path in found if path):
         if has(python, required):

@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+SCREEN = threading.Lock()
 COLOURS = {"server": "36", "client": "33", "kit": "32", "error": "31"}
 
 
@@ -19,9 +21,15 @@ def coloured(text: str, colour: str) -> str:
     return f"\033[{COLOURS[colour]}m{text}\033[0m"
 
 
+def show(speaker: str, line: str) -> None:
+    """One line behind the name of its speaker, whole even when two speak at once."""
+    with SCREEN:
+        print(coloured(f"{speaker:6} |", speaker), line, flush=True)
+
+
 def say(text: str) -> None:
     """One line of kit.py itself."""
-    print(coloured("kit    |", "kit"), text, flush=True)
+    show("kit", text)
 
 
 class Result:
@@ -38,7 +46,9 @@ class Result:
     def first(self, *words: str) -> str:
         """The first printed line with one of the words, or the last line."""
         lines = [line.strip() for line in self.output.splitlines() if line.strip()]
-        return next((line for line in lines if any(word in line for word in words)), lines[-1] if lines else "no output")
+        return next(
+            (line for line in lines if any(word in line for word in words)), lines[-1] if lines else "no output"
+        )
 
 
 def quietly(
@@ -68,9 +78,7 @@ def quietly(
     return Result(done.returncode, done.stdout)
 
 
-def step(
-    what: str, command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None
-) -> Result:
+def step(what: str, command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None) -> Result:
     """A long step: says what it does before it starts, and how long it took."""
     say(f"{what} …")
     start = time.monotonic()

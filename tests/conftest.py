@@ -89,7 +89,11 @@ def client_command(request: pytest.FixtureRequest) -> Callable[..., list[str]]:
             return [*console, key, "--endpoint", endpoint, *options]
         # The MonoBehaviour's serialized fields have the names of the options.
         fields = [f"{name[2:]}={value}" for name, value in zip(options[::2], options[1::2], strict=True)]
-        return [*console, key, "--unity", *(word for field in [f"endpoint={endpoint}", *fields] for word in ("--set", field))]
+        return [
+            *console,
+            key,
+            "--unity",
+            *(word for field in [f"endpoint={endpoint}", *fields] for word in ("--set", field)),
+        ]
 
     return command
-

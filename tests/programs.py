@@ -58,11 +58,12 @@ class Program:
                 for line in self.lines[start:]:
                     if match := re.search(pattern, line):
                         return match
-                ended = not self._reader.is_alive()
-                if ended or not self._news.wait(min(0.5, max(0.0, deadline - time.monotonic()))):
-                    if ended or time.monotonic() >= deadline:
-                        why = "it ended" if ended else f"{limit:g} s passed"
-                        raise AssertionError(f"no line matches {pattern!r} before {why}; printed:\n{self.output}")
+                if not self._reader.is_alive():
+                    raise AssertionError(f"it ended before a line matched {pattern!r}; printed:\n{self.output}")
+                if time.monotonic() >= deadline:
+                    raise AssertionError(f"no line matched {pattern!r} in {limit:g} s; printed:\n{self.output}")
+                # Short, because a program that ends between the look and the wait says nothing any more.
+                self._news.wait(0.2)
 
     def wait(self, limit: float = LIMIT) -> int:
         """The exit code, once everything it printed is in `lines`."""

@@ -16,7 +16,7 @@ namespace NetMQ
         RouterMandatory = 33, TcpKeepalive = 34, TcpKeepaliveCount = 35, TcpKeepaliveIdle = 36,
         TcpKeepaliveInterval = 37, Immediate = 39, XPubVerbose = 40, IPv6 = 42, CurveServer = 47, CurvePublicKey = 48,
         CurveSecretKey = 49, CurveServerKey = 50, RequestCorrelate = 52, RequestRelaxed = 53, RouterHandover = 56,
-        XPubManual = 71, XPubWelcome = 72, HeartbeatInterval = 75, HeartbeatTtl = 76, HeartbeatTimeout = 77,
+        XPubWelcome = 72, HeartbeatInterval = 75, HeartbeatTtl = 76, HeartbeatTimeout = 77,
     }
 
     /// <summary>The functions of libzmq. There is no callback into managed code, so an assembly can be unloaded.</summary>

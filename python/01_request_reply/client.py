@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from socket import getaddrinfo
 
 import zmq
 
@@ -24,7 +25,9 @@ def request(socket: zmq.Socket[bytes], text: str, patience: float) -> str:
 def receive(socket: zmq.Socket[bytes], patience: float) -> str:
     """The second half of a request: wait for the reply, at most `patience` seconds."""
     if not socket.poll(int(patience * 1000)):
-        raise TimeoutError(f"no reply from {socket.last_endpoint.decode()} within {patience:g} s; is the server running?")
+        raise TimeoutError(
+            f"no reply from {socket.getsockopt_string(zmq.LAST_ENDPOINT)} within {patience:g} s; is the server running?"
+        )
     return socket.recv_multipart()[0].decode(errors="replace")
 
 
@@ -39,10 +42,16 @@ def show_refusal(socket: zmq.Socket[bytes], text: str, patience: float) -> None:
 
 
 def endpoint(text: str) -> str:
-    """What --endpoint takes. libzmq itself would connect to port 99999 - 65536 without a word."""
-    port = re.fullmatch(r"tcp://[^\s:]+:(\d{1,5})", text)
-    if not port or not 0 < int(port[1]) < 65536:
+    """What --endpoint takes. libzmq itself takes port 99999 and an unknown host without a word, and waits."""
+    parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", text)
+    if not parts or not 0 < int(parts[2]) < 65536:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 1 to 65535")
+    try:
+        getaddrinfo(parts[1], None)
+    except OSError:
+        raise argparse.ArgumentTypeError(
+            f"bad endpoint '{text}': unknown host '{parts[1]}'; check its spelling"
+        ) from None
     return text
 
 
@@ -54,6 +63,8 @@ def main() -> None:
     parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait for each reply")
     parser.add_argument("--send-twice", action="store_true", help="send a second request before the reply")
     options = parser.parse_args()
+    if options.count < 0 or not 0 < options.patience < 86400:
+        parser.error("--count takes a whole number, --patience seconds, and neither is negative")
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.

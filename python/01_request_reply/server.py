@@ -44,7 +44,9 @@ def endpoint(text: str) -> str:
     """What --endpoint takes. libzmq itself would listen on port 99999 - 65536 without a word."""
     port = re.fullmatch(r"tcp://[^\s:]+:(\*|\d{1,5})", text)
     if not port or (port[1] != "*" and int(port[1]) > 65535):
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 0 to 65535 or *")
+        raise argparse.ArgumentTypeError(
+            f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 0 to 65535 or *"
+        )
     return text
 
 
@@ -53,6 +55,8 @@ def main() -> None:
     parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5551", help="port * takes a free one")
     parser.add_argument("--delay", type=float, default=0.0, help="seconds to wait before each reply")
     options = parser.parse_args()
+    if not 0 <= options.delay < 86400:
+        parser.error("--delay takes seconds, 0 or more")
     # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with zmq.Context() as context, context.socket(zmq.REP) as socket:
@@ -63,7 +67,7 @@ def main() -> None:
         except zmq.ZMQError as error:
             cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "this machine has no such address"
             sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
-        print(f"listening on {socket.last_endpoint.decode()}", flush=True)
+        print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         serve(socket, options.delay)
 
 

@@ -1,0 +1,30 @@
+// Lesson 02 in a terminal: the console twin of LazyPirateClient.cs, with the same LazyPirateRequester.
+//
+//     dotnet run --project csharp-console -- 2
+//     dotnet run --project csharp-console -- 2 --text balance     only asks
+//     dotnet run --project csharp-console -- 2 --relaxed          keeps its socket: the second way to ask again
+using System;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson02
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5552");
+            var count = arguments.Whole("count", 10);
+            var text = arguments.Text("text", "add 1");
+            var patience = arguments.Seconds("patience", 0.5);
+            var tries = arguments.Whole("tries", 20);
+            var relaxed = arguments.Flag("relaxed");
+            arguments.RefuseTheRest();
+            if (tries < 1) throw new UsageException("--tries takes 1 or more");
+
+            Console.WriteLine($"asking {endpoint}");
+            using var pirate = new LazyPirateRequester(endpoint, patience, tries, Console.WriteLine, relaxed);
+            for (var i = 1; i <= count; i++)
+                Console.WriteLine($"{i}: sent {text}, received {pirate.Request(text)}");
+            Console.WriteLine($"done: {count} replies");
+        }
+    }
+}

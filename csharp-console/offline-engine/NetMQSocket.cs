@@ -1,0 +1,413 @@
+// The base of all sockets: addresses, sending, receiving and waiting.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Globalization;
+using System.Net.Sockets;
+using System.Runtime.InteropServices;
+using System.Text;
+using System.Threading;
+
+namespace NetMQ
+{
+    /// <summary>A ZeroMQ socket. It belongs to one thread: make it, use it and dispose it there.</summary>
+    public abstract unsafe class NetMQSocket : INetMQSocket
+    {
+        internal enum DefaultAction
+        {
+            Connect,
+            Bind,
+        }
+
+        // A frame up to this size lives inside libzmq's message; a larger one is freed as soon as it was read.
+        private const int InlineSize = 32;
+
+        private readonly Context context;
+        private readonly Native native;
+        private readonly ZmqSocketType type;
+        private readonly NetMQSocketEventArgs eventArgs;
+        // NetMQ finds an endpoint by the text that Bind or Connect got, libzmq by the resolved one.
+        private readonly Dictionary<string, string> endpoints = new Dictionary<string, string>();
+        private EventHandler<NetMQSocketEventArgs>? receiveReady;
+        private EventHandler<NetMQSocketEventArgs>? sendReady;
+        private PollSet? pollSet;
+        private IntPtr handle;
+        private byte* message;
+        private int frameSize;
+        private int receiveLimit = -1;
+        private int sendLimit = -1;
+        private int closed;
+
+        internal NetMQSocket(ZmqSocketType type, string? connectionString, DefaultAction defaultAction)
+        {
+            this.type = type;
+            context = NetMQConfig.Context;
+            native = context.Native;
+            handle = context.NewSocket(type);
+            message = (byte*)Marshal.AllocHGlobal(Native.MessageSize);
+            native.InitMessage(message);
+            eventArgs = new NetMQSocketEventArgs(this);
+            Options = new SocketOptions(this) { Linger = NetMQConfig.Linger };
+            try
+            {
+                foreach (var part in (connectionString ?? "").Split(',')) Attach(part.Trim(), defaultAction);
+            }
+            catch
+            {
+                // Nobody else can: the caller gets no socket.
+                Close();
+                throw;
+            }
+        }
+
+        /// <summary>A message can be received. Raised by <see cref="Poll()"/> and by a <see cref="NetMQPoller"/>.</summary>
+        public event EventHandler<NetMQSocketEventArgs> ReceiveReady
+        {
+            add { receiveReady += value; EventsChanged?.Invoke(); }
+            remove { receiveReady -= value; EventsChanged?.Invoke(); }
+        }
+
+        /// <summary>A message can be sent. Raised by <see cref="Poll()"/> and by a <see cref="NetMQPoller"/>.</summary>
+        public event EventHandler<NetMQSocketEventArgs> SendReady
+        {
+            add { sendReady += value; EventsChanged?.Invoke(); }
+            remove { sendReady -= value; EventsChanged?.Invoke(); }
+        }
+
+        internal event Action? EventsChanged;
+
+        /// <summary>The settings.</summary>
+        public SocketOptions Options { get; }
+
+        /// <summary>True once the socket was disposed.</summary>
+        public bool IsDisposed => closed != 0;
+
+        /// <summary>True if a message can be received now.</summary>
+        public bool HasIn => ((PollEvents)GetInt(Option.Events)).HasIn();
+
+        /// <summary>True if a message can be sent now.</summary>
+        public bool HasOut => ((PollEvents)GetInt(Option.Events)).HasOut();
+
+        NetMQSocket ISocketPollable.Socket => this;
+
+        internal ZmqSocketType Type => type;
+
+        internal string? LastEndpoint { get; private set; }
+
+        /// <summary>True if further frames of the message follow the one received last.</summary>
+        internal bool FrameHasMore { get; private set; }
+
+        /// <summary>The frame received last, in libzmq's memory: valid until <see cref="DropFrame"/>.</summary>
+        internal ReadOnlySpan<byte> Frame => new ReadOnlySpan<byte>(native.Data(message), frameSize);
+
+        internal IntPtr Handle => closed == 0 ? handle : throw new ObjectDisposedException(GetType().FullName);
+
+        internal PollEvents WantedEvents
+            => (receiveReady == null ? 0 : PollEvents.PollIn) | (sendReady == null ? 0 : PollEvents.PollOut);
+
+        /// <summary>Listens at an address.</summary>
+        public void Bind(string address)
+        {
+            _ = Handle;
+            Endpoint.Split(address, out var protocol, out var rest);
+            Endpoint.CheckProtocol(protocol, type);
+            if (protocol == "inproc")
+            {
+                Offer(address);
+                Call(native.Bind, address);
+                LastEndpoint = address;
+                return;
+            }
+            Call(native.Bind, protocol == "tcp" ? "tcp://" + Endpoint.ResolveTcp(rest, Options.IPv4Only) : address);
+            LastEndpoint = Encoding.UTF8.GetString(GetBytes(Option.LastEndpoint)).TrimEnd('\0');
+            if (protocol == "tcp") address = $"tcp://{rest.Substring(0, rest.IndexOf(':'))}:{Port(LastEndpoint)}";
+            endpoints[address] = LastEndpoint;
+        }
+
+        /// <summary>Listens at a free port, and returns it. The address has no port: <c>tcp://127.0.0.1</c>.</summary>
+        public int BindRandomPort(string address)
+        {
+            _ = Handle;
+            Endpoint.Split(address, out var protocol, out _);
+            if (protocol != "tcp") throw new ProtocolNotSupportedException("Address must use the TCP protocol.");
+            Bind(address + ":0");
+            return int.Parse(Port(LastEndpoint!), CultureInfo.InvariantCulture);
+        }
+
+        /// <summary>Connects to an address, now or as soon as somebody listens there.</summary>
+        public void Connect(string address)
+        {
+            _ = Handle;
+            Endpoint.Split(address, out var protocol, out var rest);
+            Endpoint.CheckProtocol(protocol, type);
+            if (protocol == "inproc" && !context.IsOffered(address)) throw new EndpointNotFoundException();
+            var resolved = protocol == "tcp" ? "tcp://" + Endpoint.ResolveTcp(rest, Options.IPv4Only) : address;
+            Call(native.Connect, resolved);
+            LastEndpoint = endpoints[address] = resolved;
+        }
+
+        /// <summary>Undoes <see cref="Connect"/>.</summary>
+        public void Disconnect(string address)
+        {
+            _ = Handle;
+            if (address == null) throw new ArgumentNullException(nameof(address));
+            Endpoint.Split(address, out var protocol, out _);
+            Endpoint.CheckProtocol(protocol, type);
+            if (!endpoints.TryGetValue(address, out var resolved))
+            {
+                if (protocol != "inproc" || !context.IsOfferedBy(address, this))
+                {
+                    throw new EndpointNotFoundException("Endpoint was not found and cannot be disconnected");
+                }
+                context.Withdraw(this, address);
+                resolved = address;
+            }
+            endpoints.Remove(address);
+            Call(native.Disconnect, resolved);
+        }
+
+        /// <summary>Undoes <see cref="Bind"/>. For port 0 or * the address has the real port.</summary>
+        public void Unbind(string address) => Disconnect(address);
+
+        /// <summary>Sends one frame and leaves the Msg empty, or returns false if that was not possible in time.</summary>
+        public virtual bool TrySend(ref Msg msg, TimeSpan timeout, bool more)
+        {
+            if (!msg.IsInitialised) throw new FaultException("SocketBase.Send passed an uninitialised Msg.");
+            if (!TrySendBytes(msg.Slice(), timeout, more)) return false;
+            msg.Close();
+            msg.InitEmpty();
+            return true;
+        }
+
+        /// <summary>Receives one frame into the Msg, or returns false if none came in time.</summary>
+        public virtual bool TryReceive(ref Msg msg, TimeSpan timeout)
+        {
+            if (!msg.IsInitialised) throw new FaultException("SocketBase.Recv passed an uninitialised Msg.");
+            if (!TryReceiveFrame(timeout)) return false;
+            msg.Close();
+            msg.InitPool(frameSize);
+            Frame.CopyTo(msg.Slice());
+            if (FrameHasMore) msg.SetFlags(MsgFlags.More);
+            DropFrame();
+            return true;
+        }
+
+        internal virtual bool TrySendBytes(ReadOnlySpan<byte> data, TimeSpan timeout, bool more)
+        {
+            var socket = Handle;
+            var limit = Milliseconds(timeout);
+            var start = limit > 0 ? Stopwatch.GetTimestamp() : 0;
+            var left = limit;
+            while (true)
+            {
+                if (left != 0 && left != sendLimit) SetInt(Option.SendTimeout, sendLimit = left);
+                int sent;
+                fixed (byte* bytes = data)
+                {
+                    sent = native.Send(socket, bytes, (IntPtr)data.Length,
+                        (more ? Native.SendMore : 0) | (left == 0 ? Native.DontWait : 0));
+                }
+                if (sent >= 0) return true;
+                if (!Interrupted(native.Error, sending: true)) return false;
+                if (limit > 0) left = TimeLeft(limit, start);
+            }
+        }
+
+        internal virtual bool TryReceiveFrame(TimeSpan timeout)
+        {
+            var socket = Handle;
+            var limit = Milliseconds(timeout);
+            var start = limit > 0 ? Stopwatch.GetTimestamp() : 0;
+            var left = limit;
+            while (true)
+            {
+                if (left != 0 && left != receiveLimit) SetInt(Option.ReceiveTimeout, receiveLimit = left);
+                frameSize = native.Receive(message, socket, left == 0 ? Native.DontWait : 0);
+                if (frameSize >= 0)
+                {
+                    FrameHasMore = native.HasMore(message) != 0;
+                    return true;
+                }
+                frameSize = 0;
+                if (!Interrupted(native.Error, sending: false)) return false;
+                if (limit > 0) left = TimeLeft(limit, start);
+            }
+        }
+
+        internal void DropFrame()
+        {
+            if (frameSize <= InlineSize) return;
+            native.CloseMessage(message);
+            native.InitMessage(message);
+            frameSize = 0;
+        }
+
+        /// <summary>Waits until the socket is ready and raises its events.</summary>
+        public void Poll() => Poll(SendReceiveConstants.InfiniteTimeout);
+
+        /// <summary>Waits until the socket is ready and raises its events; false if it was not ready in time.</summary>
+        public bool Poll(TimeSpan timeout)
+        {
+            var events = Poll(WantedEvents, timeout);
+            RaiseEvents(this, events);
+            return events != PollEvents.None;
+        }
+
+        /// <summary>Waits until the socket is ready, without events.</summary>
+        public PollEvents Poll(PollEvents pollEvents, TimeSpan timeout)
+        {
+            pollSet ??= new PollSet(new[] { this });
+            pollSet.Want(0, pollEvents);
+            pollSet.Wait(Milliseconds(timeout));
+            return pollSet.Ready(0);
+        }
+
+        internal void RaiseEvents(object sender, PollEvents events)
+        {
+            if (closed != 0) return;
+            eventArgs.Init(events);
+            if (events.HasIn()) receiveReady?.Invoke(sender, eventArgs);
+            if (events.HasOut()) sendReady?.Invoke(sender, eventArgs);
+        }
+
+        /// <summary>Reports what happens to the socket at an in-process address; see NetMQMonitor.</summary>
+        public void Monitor(string endpoint, SocketEvents events = SocketEvents.All)
+        {
+            if (endpoint == null) throw new ArgumentNullException(nameof(endpoint));
+            if (endpoint.Length == 0) throw new ArgumentException("Cannot be empty.", nameof(endpoint));
+            var socket = Handle;
+            Endpoint.Split(endpoint, out var protocol, out _);
+            Endpoint.CheckProtocol(protocol, type);
+            if (protocol != "inproc")
+            {
+                throw new ProtocolNotSupportedException($"In SocketBase.Monitor({endpoint},), protocol must be inproc");
+            }
+            Offer(endpoint);
+            fixed (byte* text = Native.CString(endpoint)) Check(native.Monitor(socket, text, (int)events));
+        }
+
+        /// <summary>Ends the socket.</summary>
+        public void Close()
+        {
+            if (Interlocked.Exchange(ref closed, 1) != 0) return;
+            native.CloseMessage(message);
+            Marshal.FreeHGlobal((IntPtr)message);
+            context.CloseSocket(this, handle, Options.Lingers);
+        }
+
+        /// <inheritdoc/>
+        public void Dispose()
+        {
+            Dispose(true);
+            GC.SuppressFinalize(this);
+        }
+
+        /// <summary>Ends the socket.</summary>
+        protected virtual void Dispose(bool disposing)
+        {
+            if (disposing) Close();
+        }
+
+        internal int GetInt(Option option)
+        {
+            int value;
+            var size = (IntPtr)sizeof(int);
+            Check(native.GetOption(Handle, option, &value, &size));
+            return value;
+        }
+
+        internal void SetInt(Option option, int value)
+            => Check(native.SetOption(Handle, option, &value, (IntPtr)sizeof(int)));
+
+        internal long GetLong(Option option)
+        {
+            long value;
+            var size = (IntPtr)sizeof(long);
+            Check(native.GetOption(Handle, option, &value, &size));
+            return value;
+        }
+
+        internal void SetLong(Option option, long value)
+            => Check(native.SetOption(Handle, option, &value, (IntPtr)sizeof(long)));
+
+        internal byte[] GetBytes(Option option, int limit = 1024)
+        {
+            var value = stackalloc byte[limit];
+            var size = (IntPtr)limit;
+            Check(native.GetOption(Handle, option, value, &size));
+            return new ReadOnlySpan<byte>(value, (int)size).ToArray();
+        }
+
+        internal void SetBytes(Option option, byte[]? value)
+        {
+            fixed (byte* bytes = value) Check(native.SetOption(Handle, option, bytes, (IntPtr)(value?.Length ?? 0)));
+        }
+
+        /// <summary>Whole milliseconds: 0 only for no waiting at all, -1 for ever.</summary>
+        internal static int Milliseconds(TimeSpan timeout)
+        {
+            if (timeout == TimeSpan.Zero) return 0;
+            var wanted = Math.Ceiling(timeout.TotalMilliseconds);
+            return wanted < 0 || wanted > int.MaxValue ? -1 : (int)wanted;
+        }
+
+        internal static int TimeLeft(int limit, long start)
+            => Math.Max(0, limit - (int)((Stopwatch.GetTimestamp() - start) * 1000 / Stopwatch.Frequency));
+
+        private void Attach(string address, DefaultAction action)
+        {
+            if (address.Length == 0) return;
+            var bare = address[0] == '@' || address[0] == '>' ? address.Substring(1) : address;
+            if (address[0] == '@' || (address[0] != '>' && action == DefaultAction.Bind)) Bind(bare);
+            else Connect(bare);
+        }
+
+        private static string Port(string endpoint) => endpoint.Substring(endpoint.LastIndexOf(':') + 1);
+
+        private void Offer(string address)
+        {
+            if (context.Offer(address, this)) return;
+            throw new AddressAlreadyInUseException($"Cannot bind address ( {address} ) - already in use.");
+        }
+
+        private void Call(Native.EndpointCall call, string endpoint)
+        {
+            fixed (byte* text = Native.CString(endpoint)) Check(call(Handle, text));
+        }
+
+        private void Check(int result)
+        {
+            if (result < 0) throw Failure(native.Error);
+        }
+
+        /// <summary>True if a signal cut the call short, false if its time is over.</summary>
+        private bool Interrupted(int error, bool sending)
+        {
+            if (error == Native.Interrupted) return true;
+            if (error == Native.Again) return false;
+            throw Native.ToErrorCode(error) switch
+            {
+                ErrorCode.FiniteStateMachine => new FiniteStateMachineException(null, OutOfTurn(sending)),
+                ErrorCode.HostUnreachable => new HostUnreachableException(null, "In Router.XSend"),
+                _ => Failure(error),
+            };
+        }
+
+        private string OutOfTurn(bool sending) => (type, sending) switch
+        {
+            (ZmqSocketType.Req, true) => "Req.XSend - cannot send another request",
+            (ZmqSocketType.Req, false) => "Req.XRecv - cannot receive another reply",
+            (_, true) => "Rep.XSend - cannot send another reply",
+            (_, false) => "Rep.XRecv - cannot receive another request",
+        };
+
+        internal static Exception Failure(int error) => Native.ToErrorCode(error) switch
+        {
+            ErrorCode.ContextTerminated => new TerminatingException("CheckContextTerminated - yes, is terminated."),
+            // NetMQ passes the system's exception on inside one whose own text says nothing.
+            ErrorCode.AddressAlreadyInUse => NetMQException.Create(ErrorCode.AddressAlreadyInUse,
+                new SocketException((int)SocketError.AddressAlreadyInUse)),
+            var code => NetMQException.Create(Native.Instance.ErrorText(error), code),
+        };
+    }
+}

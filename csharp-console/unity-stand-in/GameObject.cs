@@ -1,0 +1,217 @@
+// Game objects and their components, with the life of a MonoBehaviour in the order that Unity documents.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using System.Reflection;
+
+namespace UnityEngine
+{
+    public sealed class GameObject : Object
+    {
+        private bool active = true;
+
+        public GameObject() : this("New Game Object") { }
+
+        public GameObject(string name)
+        {
+            this.name = name;
+            AddComponent<Transform>();
+            Scene.Objects.Add(this);
+        }
+
+        internal List<Component> Components { get; } = new List<Component>();
+
+        public Transform transform => GetComponent<Transform>();
+
+        public bool activeSelf => active;
+
+        public void SetActive(bool value)
+        {
+            MainThread.Only(nameof(SetActive));
+            if (active == value) return;
+            active = value;
+            for (var i = 0; i < Components.Count; i++) (Components[i] as MonoBehaviour)?.Refresh();
+        }
+
+        public T AddComponent<T>() where T : Component => (T)AddComponent(typeof(T));
+
+        public Component AddComponent(Type componentType)
+        {
+            MainThread.Only(nameof(AddComponent));
+            foreach (var need in componentType.GetCustomAttributes<RequireComponent>())
+                if (GetComponent(need.m_Type0) == null) AddComponent(need.m_Type0);
+            var component = (Component)Activator.CreateInstance(componentType);
+            component.Owner = this;
+            component.name = name;
+            Components.Add(component);
+            (component as MonoBehaviour)?.Refresh();
+            return component;
+        }
+
+        public T GetComponent<T>() => Components.OfType<T>().FirstOrDefault();
+
+        public Component GetComponent(Type type) => Components.FirstOrDefault(type.IsInstanceOfType);
+    }
+
+    public class Component : Object
+    {
+        internal GameObject Owner { get; set; }
+
+        public GameObject gameObject
+        {
+            get { MainThread.Only("get_gameObject"); return Owner; }
+        }
+
+        public Transform transform
+        {
+            get { MainThread.Only("get_transform"); return Owner.transform; }
+        }
+
+        public T GetComponent<T>()
+        {
+            MainThread.Only(nameof(GetComponent));
+            return Owner.GetComponent<T>();
+        }
+    }
+
+    public class Behaviour : Component
+    {
+        private bool on = true;
+
+        public bool enabled
+        {
+            get { MainThread.Only("get_enabled"); return on; }
+            set
+            {
+                MainThread.Only("set_enabled");
+                on = value;
+                (this as MonoBehaviour)?.Refresh();
+            }
+        }
+
+        public bool isActiveAndEnabled
+        {
+            get { MainThread.Only("get_isActiveAndEnabled"); return !Destroyed && on && Owner.activeSelf; }
+        }
+    }
+
+    public class MonoBehaviour : Behaviour
+    {
+        private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
+        private bool awoken;
+        private bool running;
+        private bool started;
+
+        public static void print(object message) => Debug.Log(message);
+
+        /// <summary>Awake once, then OnEnable or OnDisable as this component is switched on or off.</summary>
+        internal void Refresh()
+        {
+            if (!Destroyed && !awoken && Owner.activeSelf)
+            {
+                awoken = true;
+                Send("Awake");
+            }
+            if (!awoken || running == isActiveAndEnabled) return;
+            running = !running;
+            Send(running ? "OnEnable" : "OnDisable");
+        }
+
+        internal void BeginFrame()
+        {
+            if (!running || started) return;
+            started = true;
+            Send("Start");
+        }
+
+        /// <summary>A message of the frame: only a component that is on, and has started, gets it.</summary>
+        internal void Tick(string message)
+        {
+            if (running && started) Send(message);
+        }
+
+        internal void End()
+        {
+            if (awoken) Send("OnDestroy");
+        }
+
+        /// <summary>Calls a message by its name, whatever its access. What it throws is logged and the Play goes on.</summary>
+        internal void Send(string message)
+        {
+            if (!messages.TryGetValue(message, out var call)) messages[message] = call = Find(message);
+            if (call == null) return;
+            try
+            {
+                call();
+            }
+            catch (Exception e)
+            {
+                Debug.LogException(e, this);
+            }
+        }
+
+        private Action Find(string message)
+        {
+            const BindingFlags any = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
+            for (var type = GetType(); type != typeof(MonoBehaviour); type = type.BaseType)
+            {
+                var method = type.GetMethod(message, any, null, Type.EmptyTypes, null);
+                if (method == null) continue;
+                if (method.ReturnType == typeof(void)) return (Action)method.CreateDelegate(typeof(Action), this);
+                throw new NotSupportedException($"{type.Name}.{message} returns {method.ReturnType.Name}: the player runs no coroutines");
+            }
+            return null;
+        }
+    }
+
+    public class Transform : Component
+    {
+        private Vector3 place;
+        private Quaternion turn = Quaternion.identity;
+
+        public Vector3 position
+        {
+            get { MainThread.Only("get_position"); return place; }
+            set { MainThread.Only("set_position"); place = value; }
+        }
+
+        public Quaternion rotation
+        {
+            get { MainThread.Only("get_rotation"); return turn; }
+            set { MainThread.Only("set_rotation"); turn = value; }
+        }
+    }
+
+    /// <summary>Every game object there is.</summary>
+    internal static class Scene
+    {
+        public static List<GameObject> Objects { get; } = new List<GameObject>();
+
+        public static List<Object> Doomed { get; } = new List<Object>();
+
+        public static void Remove(Object thing)
+        {
+            if (thing is GameObject whole)
+            {
+                whole.SetActive(false);
+                foreach (var part in whole.Components.ToArray()) Remove(part);
+                Objects.Remove(whole);
+            }
+            else if (thing is Component part)
+            {
+                if (part is Behaviour behaviour) behaviour.enabled = false;
+                (part as MonoBehaviour)?.End();
+                part.Owner.Components.Remove(part);
+            }
+            thing.Destroyed = true;
+        }
+
+        public static void RemoveDoomed()
+        {
+            // By index: what OnDestroy dooms is removed as well.
+            for (var i = 0; i < Doomed.Count; i++)
+                if (Doomed[i] != null) Remove(Doomed[i]);
+            Doomed.Clear();
+        }
+    }
+}

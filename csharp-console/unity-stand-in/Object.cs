@@ -1,0 +1,67 @@
+// What every thing in a scene has: a name, and an end after which it equals null.
+using System;
+
+namespace UnityEngine
+{
+    public class Object
+    {
+        private string title = "";
+
+        internal bool Destroyed { get; set; }
+
+        public string name
+        {
+            get { MainThread.Only("GetName"); return title; }
+            set { MainThread.Only("SetName"); title = value; }
+        }
+
+        /// <summary>Takes effect at the end of the frame.</summary>
+        public static void Destroy(Object obj)
+        {
+            MainThread.Only(nameof(Destroy));
+            if (obj != null && !Scene.Doomed.Contains(obj)) Scene.Doomed.Add(obj);
+        }
+
+        public static void DestroyImmediate(Object obj)
+        {
+            MainThread.Only(nameof(DestroyImmediate));
+            if (obj != null) Scene.Remove(obj);
+        }
+
+        public static implicit operator bool(Object exists) => exists != null;
+
+        public static bool operator ==(Object x, Object y) =>
+            ReferenceEquals(x, y) || (IsGone(x) && IsGone(y));
+
+        public static bool operator !=(Object x, Object y) => !(x == y);
+
+        public override bool Equals(object other) => other is Object thing ? this == thing : other == null && Destroyed;
+
+        public override int GetHashCode() => base.GetHashCode();
+
+        public override string ToString() => $"{title} ({GetType().FullName})";
+
+        private static bool IsGone(Object thing) => thing is null || thing.Destroyed;
+    }
+
+    public class UnityException : SystemException
+    {
+        public UnityException(string message) : base(message) { }
+    }
+
+    /// <summary>The thread that the player runs on, and the refusal that any other one gets.</summary>
+    internal static class MainThread
+    {
+        public static int? Id { get; set; }
+
+        public static void Only(string api)
+        {
+            if (Id == null || Id == Environment.CurrentManagedThreadId) return;
+            throw new UnityException(
+                $"{api} can only be called from the main thread.\n" +
+                "Constructors and field initializers will be executed from the loading thread when loading a scene.\n" +
+                "Don't use this function in the constructor or field initializers, instead move initialization code to " +
+                "the Awake or Start function.");
+        }
+    }
+}

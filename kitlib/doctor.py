@@ -1,0 +1,76 @@
+"""One table of what is on this machine, each missing thing with its cure."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from . import dotnet
+from .lessons import KitError, lessons
+from .terminal import coloured, quietly
+
+Row = tuple[bool, str, str]
+
+
+def rows(python: Path | None) -> Iterator[Row]:
+    """(fine, what, finding) for each thing a lesson may need."""
+    yield True, "Python", f"{sys.version.split()[0]} ({sys.executable})"
+    if python is None:
+        yield False, "pyzmq", "missing; `python3 kit.py run 1` installs it, or says what to run"
+    else:
+        code = "import zmq; print(zmq.__version__, 'with libzmq', zmq.zmq_version())"
+        yield True, "pyzmq", f"{quietly([python, '-c', code], 20).output.strip()} ({python})"
+    yield from csharp_rows()
+    mono = quietly(["mono", "--version"], 20)
+    yield (
+        mono.ok,
+        "Mono",
+        mono.first("version") if mono.ok else "missing; only the Play/Stop tests use it (Debian: mono-runtime)",
+    )
+    for lesson in lessons():
+        yield port_row(lesson.number)
+
+
+def csharp_rows() -> Iterator[Row]:
+    sdk = dotnet.sdk()
+    if not sdk:
+        yield False, ".NET SDK", f"{dotnet.DOWNLOAD}; until then the Python clients run"
+        return
+    yield True, ".NET SDK", sdk
+    try:
+        engine = dotnet.choose_engine(ask_again=True)
+    except KitError as error:
+        yield False, "engine", str(error)
+        return
+    cure = "" if engine.name == "netmq" else "; the offline engine serves all lessons, and NetMQ needs NuGet"
+    yield engine.name == "netmq", "NetMQ", f"{engine.why}{cure}"
+    yield True, "engine", engine.name
+
+
+def port_row(number: int) -> Row:
+    """Whether the lesson's own port can be listened on."""
+    port = 5550 + number
+    with socket.socket() as probe:
+        # As libzmq listens; on Windows the option would mean sharing a taken port.
+        if sys.platform != "win32":
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return (
+                False,
+                f"port {port}",
+                f"taken; end what holds it, or use `kit.py run {number} --endpoint tcp://127.0.0.1:*`",
+            )
+    return True, f"port {port}", "free"
+
+
+def show(python: Path | None) -> None:
+    for fine, what, finding in rows(python):
+        mark = coloured("ok", "kit") if fine else coloured("--", "error")
+        print(f"{mark}  {what:10} {finding}", flush=True)
+    if shutil.which("dotnet") is None and sys.platform.startswith("linux"):
+        print("    a distribution may have it as a package: dotnet-sdk-8.0 or later")

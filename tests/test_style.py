@@ -1,0 +1,129 @@
+"""The house rules that a program can check: linters, sizes, and the same names in every tree."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from kitlib import dotnet
+from kitlib.lessons import lessons
+from tests.programs import ROOT
+
+UNITY = ROOT / "unity" / "Assets" / "NetMQExample"
+
+
+def check(*command, **options):
+    done = subprocess.run(
+        [str(word) for word in command], cwd=ROOT, capture_output=True, text=True, timeout=300, **options
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def needs_tool(name):
+    if not importlib.util.find_spec(name):
+        pytest.skip(f"{name} is not installed: pip install {name}")
+
+
+@pytest.mark.parametrize("how", [["check"], ["format", "--check"]], ids=["check", "format"])
+def test_ruff(how):
+    needs_tool("ruff")
+    check(sys.executable, "-m", "ruff", *how, "kit.py", "kitlib", "python", "tests")
+
+
+def test_mypy():
+    """One file at a time: every lesson has a server.py, and to mypy they would be one module."""
+    needs_tool("mypy")
+    check(sys.executable, "-m", "mypy", "kit.py")
+    for path in sorted((ROOT / "python").glob("*/*.py")):
+        check(sys.executable, "-m", "mypy", path)
+
+
+@pytest.mark.parametrize(
+    "project",
+    [
+        "csharp-console.csproj",
+        "lessons/NetMQExample.csproj",
+        "unity-stand-in/UnityEngine.csproj",
+        "offline-engine/NetMQ.csproj",
+    ],
+)
+def test_dotnet_format(project, console):
+    check(
+        "dotnet",
+        "format",
+        ROOT / "csharp-console" / project,
+        "--verify-no-changes",
+        "--no-restore",
+        env={**__import__("os").environ, **dotnet.ENVIRONMENT},
+    )
+
+
+def code_lines(path):
+    """The lines that do something: no blank ones, comments, docstring of the file, usings, or lone braces."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".py":
+        docstring = ast.parse(text).body[0]
+        lines = text.splitlines()[docstring.end_lineno :]
+        return [line for line in lines if line.strip() and not line.strip().startswith(("#", "import ", "from "))]
+    return [line for line in text.splitlines() if not re.fullmatch(r"\s*((//|using [\w.= ]+;).*|[{}();,]*)", line)]
+
+
+def limit(path):
+    """DESIGN: a server about 60 lines, a C# class about 120, a MonoBehaviour about 60, a console twin about 30."""
+    if path.name == "server.py":
+        return 60
+    if path.suffix == ".py":
+        return 60
+    if path.parent.name == "csharp-console":
+        return 30
+    return 60 if ": MonoBehaviour" in path.read_text(encoding="utf-8") else 120
+
+
+LESSON_FILES = [
+    path
+    for lesson in lessons()
+    for path in [*lesson.python.glob("*.py"), *lesson.unity.glob("*.cs"), lesson.twin]
+    if path.exists()
+]
+
+
+@pytest.mark.parametrize("path", LESSON_FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_a_lesson_stays_short(path):
+    assert len(code_lines(path)) <= limit(path), "split the idea in two"
+
+
+@pytest.mark.parametrize("lesson", lessons(), ids=lambda lesson: lesson.key)
+def test_a_lesson_is_whole(lesson):
+    """The same key in every tree."""
+    assert (lesson.python / "client.py").exists()
+    assert list(lesson.unity.glob("*.cs"))
+    assert lesson.twin.exists()
+    assert lesson.guide.exists()
+    assert (ROOT / "img" / f"{lesson.key}.svg").exists()
+    assert (ROOT / "tests" / f"test_{lesson.key}.py").exists()
+    port = f"tcp://127.0.0.1:{5550 + lesson.number}"
+    for path in [lesson.python / "server.py", lesson.python / "client.py", lesson.twin]:
+        assert port in path.read_text(encoding="utf-8"), f"{path.name}: the default endpoint is {port}"
+
+
+def tracked():
+    if not shutil.which("git") or not (ROOT / ".git").exists():
+        pytest.skip("not a git checkout")
+    names = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
+    return [ROOT / name for name in names if name and (ROOT / name).exists()]
+
+
+def test_no_binary_and_no_path_of_somebodys_machine_is_in_the_repository():
+    for path in tracked():
+        assert path.suffix not in {".dll", ".so", ".dylib", ".nupkg", ".whl", ".exe"}, path
+        if path.suffix != ".png":
+            text = path.read_text(encoding="utf-8")
+            assert not re.search(r"/(home|Users)/\w+/|[A-Z]:\\\\Users", text) or path == Path(__file__), path
+            assert text.endswith("\n") or not text, f"{path}: no newline at the end"
