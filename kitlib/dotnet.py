@@ -55,15 +55,17 @@ class Engine:
 
     @property
     def properties(self) -> list[str]:
-        return [f"-p:NetMQEngine={self.name}", f"-p:LibraryFramework={self.framework}"]
+        # Without NuGet its list of vulnerable packages cannot be had either, and asking for it takes long.
+        audit = ["-p:NuGetAudit=false"] if self.offline else []
+        return [f"-p:NetMQEngine={self.name}", f"-p:LibraryFramework={self.framework}", *audit]
 
     @property
     def framework(self) -> str:
         return f"net{(sdk() or '').split('.')[0]}.0" if self.offline else "netstandard2.1"
 
 
-def restore(engine: Engine) -> Result:
-    return quietly(["dotnet", "restore", CONSOLE, *engine.properties], PATIENCE, ENVIRONMENT)
+def restore(engine: Engine, limit: float = PATIENCE) -> Result:
+    return quietly(["dotnet", "restore", CONSOLE, *engine.properties], limit, ENVIRONMENT)
 
 
 def choose_engine(asked: str | None = None, ask_again: bool = False) -> Engine:
@@ -95,7 +97,7 @@ def ask_nuget(asked: str | None) -> Engine:
         why = refusal(result)
         if asked == "netmq":
             raise KitError(f"{why}; without --engine netmq the offline engine is used")
-    if not restore(Engine("libzmq", "")).ok:
+    if not restore(Engine("libzmq", ""), PATIENCE / 3).ok:
         result = restore(Engine("libzmq", "", offline=True))
         if not result.ok:
             raise KitError(f"dotnet restore failed: {result.first(' error ')}")
@@ -123,9 +125,9 @@ def libzmq(python: Path) -> str:
     return result.output.strip() if result.ok else ""
 
 
-def fingerprint(engine: Engine, sources: list[Path]) -> str:
+def fingerprint(engine: Engine, library: str, sources: list[Path]) -> str:
     """Changes when a source file, the SDK, the engine or the place of libzmq does."""
-    digest = hashlib.sha256(f"{sdk()} {engine} {(BUILD / 'engine.props').read_text(encoding='utf-8')}".encode())
+    digest = hashlib.sha256(f"{sdk()} {engine.properties} {library}".encode())
     for folder in sources:
         for path in sorted(folder.rglob("*")):
             if path.suffix in (".cs", ".csproj", ".props", ".targets") and not {"bin", "obj"} & set(path.parts):
@@ -135,13 +137,23 @@ def fingerprint(engine: Engine, sources: list[Path]) -> str:
 
 def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
     """Build a project with an engine, if anything changed since the last time; returns its .dll."""
-    record_choice(python, engine)
+    library = libzmq(python)
+    if project == CONSOLE:
+        record_choice(engine, library)
     dll = BUILD / engine.name / "bin" / project.name / "release" / f"{project.name}.dll"
     stamp = BUILD / engine.name / f"{project.name}.stamp"
-    now = fingerprint(engine, [CONSOLE, project, ROOT / "unity" / "Assets" / "NetMQExample"])
+    now = fingerprint(engine, library, [CONSOLE, project, ROOT / "unity" / "Assets" / "NetMQExample"])
     if dll.exists() and stamp.exists() and stamp.read_text(encoding="utf-8") == now:
         return dll
-    command: list[str | Path] = ["dotnet", "build", project, *engine.properties, "-v:quiet", "-clp:NoSummary"]
+    command: list[str | Path] = [
+        "dotnet",
+        "build",
+        project,
+        *engine.properties,
+        f"-p:Libzmq={library}",
+        "-v:quiet",
+        "-clp:NoSummary",
+    ]
     result = step(f"building {project.name} with {engine.name}", command, 300, ENVIRONMENT)
     if not result.ok:
         raise KitError(f"the C# build failed:\n{result.output.strip()}")
@@ -149,13 +161,13 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
     return dll
 
 
-def record_choice(python: Path, engine: Engine) -> None:
+def record_choice(engine: Engine, library: str) -> None:
     """Where Directory.Build.props looks, so that a plain `dotnet run` builds what kit.py builds."""
     text = (
         "<Project><PropertyGroup>\n"
         f"  <NetMQEngine Condition=\"'$(NetMQEngine)' == ''\">{engine.name}</NetMQEngine>\n"
         f"  <LibraryFramework Condition=\"'$(LibraryFramework)' == ''\">{engine.framework}</LibraryFramework>\n"
-        f"  <Libzmq>{libzmq(python)}</Libzmq>\n"
+        f"  <Libzmq>{library}</Libzmq>\n"
         "</PropertyGroup></Project>\n"
     )
     path = BUILD / "engine.props"

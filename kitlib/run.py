@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import queue
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -90,6 +91,8 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
 
 def run(lesson: Lesson, python: Path, client: list[str], endpoint: str | None, server_options: list[str]) -> int:
     """Start the server, run the client against it, stop the server; returns the client's exit code."""
+    # An end from outside must not leave a server behind that keeps the port.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     given = ["--endpoint", endpoint] if endpoint else []
     server = Side("server", [str(python), str(lesson.python / "server.py"), *given, *server_options], {})
     started = [server]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -88,6 +89,20 @@ def test_a_second_build_happens_only_after_a_change(engine, copy, start):
     assert third.wait(300) == 0
     assert "building" in third.output
     assert "client | 1: sent Hello, received error: expected Hello, got 3 bytes beginning b'Bye'" in third.lines
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no signals to end a program with")
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_leaves_nothing_running(how, start, serve):
+    program = start(
+        PYTHON, KIT, "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:*",
+        "--server=--delay 300", "--options=--patience 300",
+    )  # fmt: skip
+    endpoint = program.wait_for(r"client \| asking (\S+)")[1]
+    assert program.stop(how) == 130
+    assert "Traceback" not in program.output
+    # The port is free again, so the server is gone.
+    assert serve("01_request_reply", endpoint=endpoint)[1] == endpoint
 
 
 @pytest.mark.parametrize("number", ["99", "0", "request"])

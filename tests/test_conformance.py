@@ -1,0 +1,39 @@
+"""Both engines print the transcript that was recorded from NetMQ."""
+
+from __future__ import annotations
+
+import difflib
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from kitlib import dotnet
+from kitlib.lessons import KitError
+from tests.conftest import PYTHON
+from tests.programs import ROOT
+
+PROJECT = ROOT / "tests" / "conformance"
+
+
+def built(name: str) -> Path:
+    """The conformance program on one engine; skips where this machine cannot build it."""
+    if not dotnet.sdk():
+        pytest.skip(dotnet.DOWNLOAD)
+    try:
+        engine = dotnet.ask_nuget(name)
+    except KitError as error:
+        pytest.skip(str(error))
+    return dotnet.build(PYTHON, engine, PROJECT)
+
+
+@pytest.mark.parametrize("name", dotnet.ENGINES)
+@pytest.mark.timeout(400)
+def test_the_transcript_is_the_one_recorded_from_netmq(name):
+    done = subprocess.run(
+        ["dotnet", str(built(name))], cwd=ROOT, capture_output=True, text=True, encoding="utf-8", timeout=120
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    recorded = (PROJECT / "transcript.txt").read_text(encoding="utf-8").splitlines()
+    differences = difflib.unified_diff(recorded, done.stdout.splitlines(), "transcript.txt", name, lineterm="")
+    assert not list(differences), "\n".join(difflib.unified_diff(recorded, done.stdout.splitlines(), lineterm=""))
