@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """The one entry to the kit: does all set-up, runs a lesson, runs the tests.
 
-python3 kit.py run 1        lesson 01: the Python server and the C# client, side by side
-python3 kit.py test         every test that this machine can run
-python3 kit.py list         the lessons
-python3 kit.py doctor       what is on this machine, and what is missing
+    python3 kit.py run 1         lesson 01: the Python server and the C# client, side by side
+    python3 kit.py test          every test that this machine can run
+    python3 kit.py list          the lessons
+    python3 kit.py doctor        what is on this machine, and what is missing
+    python3 kit.py unity PATH    put the scripts and NetMQ's DLLs into your own Unity project
+
+Each command explains itself: python3 kit.py run --help
 """
 
 import sys
@@ -20,7 +23,7 @@ import shlex
 import subprocess
 from pathlib import Path
 
-from kitlib import doctor, dotnet, python_setup
+from kitlib import doctor, dotnet, python_setup, unity_install
 from kitlib import run as runner
 from kitlib.lessons import ROOT, KitError, find, lessons
 from kitlib.terminal import coloured, say
@@ -40,6 +43,10 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--options", default="", metavar="OPTIONS", help="options for the client: --options='--count 3'")
     commands.add_parser("list", help="the lessons")
     commands.add_parser("doctor", help="what is on this machine, and what is missing")
+    unity = commands.add_parser("unity", help="install into a project: python3 kit.py unity ../MyGame --lesson 4")
+    unity.add_argument("project", type=Path, metavar="PATH", help="the folder that holds Assets and ProjectSettings")
+    unity.add_argument("--lesson", help="copy only this lesson's take-home files")
+    unity.add_argument("--force", action="store_true", help="overwrite files that were changed")
     commands.add_parser("test", help="run the tests: python3 kit.py test -k request_reply", add_help=False)
     return top
 
@@ -66,6 +73,11 @@ def test(arguments: list[str]) -> int:
     return subprocess.run([python, "-m", "pytest", *arguments], cwd=ROOT).returncode
 
 
+def unity(options: argparse.Namespace) -> int:
+    unity_install.install(options.project, options.lesson, options.force)
+    return 0
+
+
 def show_doctor() -> int:
     required = python_setup.needs()
     here = [python_setup.venv_python(), Path(sys.executable), Path("/usr/bin/python3")]
@@ -79,7 +91,9 @@ def main() -> int:
         return test(rest)
     if rest:
         parser().error(f"unknown: {' '.join(rest)}")
-    return {"run": lambda: run(options), "list": list_lessons, "doctor": show_doctor}[options.command]()
+    if options.command in ("run", "unity"):
+        return {"run": run, "unity": unity}[options.command](options)
+    return {"list": list_lessons, "doctor": show_doctor}[options.command]()
 
 
 if __name__ == "__main__":

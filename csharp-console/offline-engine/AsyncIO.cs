@@ -1,7 +1,9 @@
 // The one call of NetMQ's own dependency AsyncIO that programs make.
 namespace AsyncIO
 {
-    /// <summary>On Windows, NetMQ chooses between two kinds of sockets with it. libzmq has one kind: nothing to choose.</summary>
+    /// <summary>
+    /// On Windows, NetMQ chooses between two kinds of sockets with it. libzmq has one kind: nothing to choose.
+    /// </summary>
     public static class ForceDotNet
     {
         /// <summary>Does nothing here.</summary>

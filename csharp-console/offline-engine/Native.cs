@@ -19,10 +19,12 @@ namespace NetMQ
         XPubWelcome = 72, HeartbeatInterval = 75, HeartbeatTtl = 76, HeartbeatTimeout = 77,
     }
 
-    /// <summary>The functions of libzmq. There is no callback into managed code, so an assembly can be unloaded.</summary>
+    /// <summary>
+    /// The functions of libzmq. There is no callback into managed code, so an assembly can be unloaded.
+    /// </summary>
     internal sealed unsafe class Native
     {
-        // SetLastError makes the marshalling stub keep errno: the runtime may overwrite it right after the call.
+        // SetLastError makes .NET's marshalling stub keep errno, which the runtime may overwrite right after the call.
         [UnmanagedFunctionPointer(CallingConvention.Cdecl, SetLastError = true)]
         internal delegate IntPtr NewContextCall();
         [UnmanagedFunctionPointer(CallingConvention.Cdecl, SetLastError = true)]
@@ -72,6 +74,10 @@ namespace NetMQ
         internal static readonly bool IsWindows = RuntimeInformation.IsOSPlatform(OSPlatform.Windows);
         private static readonly bool isMac = RuntimeInformation.IsOSPlatform(OSPlatform.OSX);
         internal static readonly int Again = isMac ? 35 : 11;
+
+        // On Windows libzmq's C runtime has an errno of its own, and Mono's stub for delegates keeps none.
+        private static readonly bool keepsError
+            = !IsWindows && RuntimeInformation.FrameworkDescription.StartsWith(".NET", StringComparison.Ordinal);
 
         // One failure has another number on each system: Linux, macOS, Windows.
         private static readonly (ErrorCode Code, int Linux, int Mac, int Windows)[] errors =
@@ -142,13 +148,17 @@ namespace NetMQ
             DecodeZ85 = Find<DecodeCall>(library, "zmq_z85_decode");
             errorNumber = Find<ErrorNumberCall>(library, "zmq_errno");
             errorText = Find<ErrorTextCall>(library, "zmq_strerror");
+            // A first call is compiled, and compiling changes errno.
+            errorNumber();
         }
 
-        /// <summary>The library, loaded at the first use. Not a static constructor: its exception would be wrapped.</summary>
+        /// <summary>
+        /// The library, loaded at the first use. Not a static constructor: its exception would be wrapped.
+        /// </summary>
         internal static Native Instance => loaded ??= new Native(Load());
 
-        /// <summary>The error of the last call on this thread. On Windows libzmq's C runtime has an errno of its own.</summary>
-        internal int Error => IsWindows ? errorNumber() : Marshal.GetLastWin32Error();
+        /// <summary>The error of the last call on this thread.</summary>
+        internal int Error => keepsError ? Marshal.GetLastWin32Error() : errorNumber();
 
         internal string ErrorText(int error) => Marshal.PtrToStringAnsi((IntPtr)errorText(error)) ?? "";
 
@@ -190,7 +200,8 @@ namespace NetMQ
                 if (note.Key == "libzmq" && note.Value is string path) yield return path;
             }
             var names = IsWindows ? new[] { "libzmq.dll", "libzmq-mt-4_3_5.dll", "libzmq-v142-mt-4_3_5.dll" }
-                : isMac ? new[] { "/opt/homebrew/lib/libzmq.5.dylib", "/usr/local/lib/libzmq.5.dylib", "libzmq.5.dylib" }
+                : isMac ? new[] { "libzmq.5.dylib", "/opt/homebrew/lib/libzmq.5.dylib",
+                    "/usr/local/lib/libzmq.5.dylib" }
                 : new[] { "libzmq.so.5", "libzmq.so" };
             foreach (var name in names) yield return name;
         }

@@ -71,7 +71,8 @@ namespace NetMQ
         public static NetMQCertificate FromPublicKey(string publicKey) => FromPublicKey(Key(publicKey));
 
         private static byte[] Key(string text)
-            => text.Length == 40 ? Decode(Native.CString(text)) : throw new ArgumentException("key must be 40 bytes length");
+            => text.Length == 40 ? Decode(Native.CString(text))
+                : throw new ArgumentException("key must be 40 bytes length");
 
         private static byte[] PublicOf(byte[] secretKey)
         {

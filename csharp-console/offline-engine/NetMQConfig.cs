@@ -25,7 +25,9 @@ namespace NetMQ
             }
         }
 
-        /// <summary>How long a new socket keeps trying to send what it holds when it is disposed. Not at all, at first.</summary>
+        /// <summary>
+        /// How long a new socket keeps trying to send what it holds when it is disposed. Not at all, at first.
+        /// </summary>
         public static TimeSpan Linger
         {
             get { lock (sync) return linger; }
@@ -92,7 +94,8 @@ namespace NetMQ
                 }
                 var code = abandoned ? ErrorCode.ContextTerminated : Native.ToErrorCode(Native.Error);
                 if (code != ErrorCode.ContextTerminated) throw NetMQException.Create(code);
-                throw new TerminatingException($"Ctx.CreateSocket({type}), cannot create new socket while terminating.");
+                throw new TerminatingException(
+                    $"Ctx.CreateSocket({type}), cannot create new socket while terminating.");
             }
         }
 
@@ -127,20 +130,17 @@ namespace NetMQ
             if (last) Free();
         }
 
-        /// <summary>Notes an in-process name. libzmq lets a socket connect to one that nobody has; NetMQ does not.</summary>
+        /// <summary>
+        /// Notes an in-process name. libzmq lets a socket connect to one that nobody has; NetMQ does not.
+        /// </summary>
         internal bool Offer(string address, NetMQSocket owner)
         {
             lock (inproc) return inproc.TryAdd(address, owner);
         }
 
-        internal bool IsOffered(string address)
+        internal NetMQSocket? OwnerOf(string address)
         {
-            lock (inproc) return inproc.ContainsKey(address);
-        }
-
-        internal bool IsOfferedBy(string address, NetMQSocket owner)
-        {
-            lock (inproc) return inproc.TryGetValue(address, out var present) && present == owner;
+            lock (inproc) return inproc.TryGetValue(address, out var owner) ? owner : null;
         }
 
         internal void Withdraw(NetMQSocket owner, string? address)

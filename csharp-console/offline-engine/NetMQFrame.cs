@@ -100,7 +100,9 @@ namespace NetMQ
         /// <summary>The first eight bytes as a number, the highest byte first.</summary>
         public long ConvertToInt64() => BinaryPrimitives.ReadInt64BigEndian(Buffer);
 
-        /// <summary>The array itself, or with <paramref name="copy"/> a copy of the content if the array is larger.</summary>
+        /// <summary>
+        /// The array itself, or with <paramref name="copy"/> a copy of the content if the array is larger.
+        /// </summary>
         public byte[] ToByteArray(bool copy = false) => copy && MessageSize != BufferSize ? AsSpan().ToArray() : Buffer;
 
         /// <summary>The content.</summary>

@@ -8,7 +8,10 @@ using System.Text;
 
 namespace NetMQ
 {
-    /// <summary>The frames of one message. Append adds at the end, Push at the beginning; text is ASCII unless an encoding is given.</summary>
+    /// <summary>
+    /// The frames of one message. Append adds at the end, Push at the beginning; text is ASCII unless an encoding is
+    /// given.
+    /// </summary>
     public class NetMQMessage : IEnumerable<NetMQFrame>
     {
         private readonly List<NetMQFrame> frames;
@@ -22,7 +25,7 @@ namespace NetMQ
 
         /// <summary>One frame for each array.</summary>
         public NetMQMessage(IEnumerable<byte[]> buffers)
-            => frames = (buffers ?? throw new ArgumentNullException(nameof(buffers))).Select(b => new NetMQFrame(b)).ToList();
+            : this((buffers ?? throw new ArgumentNullException(nameof(buffers))).Select(b => new NetMQFrame(b))) { }
 
         /// <summary>The first frame.</summary>
         public NetMQFrame First => frames[0];
@@ -102,7 +105,8 @@ namespace NetMQ
 
         /// <inheritdoc/>
         public override string ToString()
-            => IsEmpty ? "NetMQMessage[<no frames>]" : $"NetMQMessage[{string.Join(",", frames.Select(f => f.ConvertToString()))}]";
+            => IsEmpty ? "NetMQMessage[<no frames>]"
+                : $"NetMQMessage[{string.Join(",", frames.Select(f => f.ConvertToString()))}]";
 
         private static byte[] Bytes(int value)
         {

@@ -71,7 +71,8 @@ namespace NetMQ.Monitoring
     public class NetMQMonitorErrorEventArgs : NetMQMonitorEventArgs
     {
         /// <summary>What failed, and why.</summary>
-        public NetMQMonitorErrorEventArgs(NetMQMonitor monitor, string address, ErrorCode errorCode, SocketEvents socketEvent)
+        public NetMQMonitorErrorEventArgs(NetMQMonitor monitor, string address, ErrorCode errorCode,
+            SocketEvents socketEvent)
             : base(monitor, address, socketEvent) => ErrorCode = errorCode;
 
         /// <summary>Why it failed.</summary>
@@ -82,14 +83,17 @@ namespace NetMQ.Monitoring
     public class NetMQMonitorIntervalEventArgs : NetMQMonitorEventArgs
     {
         /// <summary>After how many milliseconds.</summary>
-        public NetMQMonitorIntervalEventArgs(NetMQMonitor monitor, string address, int interval, SocketEvents socketEvent)
+        public NetMQMonitorIntervalEventArgs(NetMQMonitor monitor, string address, int interval,
+            SocketEvents socketEvent)
             : base(monitor, address, socketEvent) => Interval = interval;
 
         /// <summary>After how many milliseconds.</summary>
         public int Interval { get; }
     }
 
-    /// <summary>Watches one socket: on a thread of its own (Start, StartAsync), or in a poller (AttachToPoller).</summary>
+    /// <summary>
+    /// Watches one socket: on a thread of its own (Start, StartAsync), or in a poller (AttachToPoller).
+    /// </summary>
     public class NetMQMonitor : IDisposable
     {
         private readonly NetMQSocket reports;
@@ -180,7 +184,7 @@ namespace NetMQ.Monitoring
         {
             if (poller != null)
             {
-                throw new InvalidOperationException("Monitor attached to a poller, please detach from poller and don't use the stop method");
+                throw new InvalidOperationException("Monitor attached to a poller: detach it instead of stopping it");
             }
             cancelled = true;
             stopped.WaitOne();
@@ -239,6 +243,9 @@ namespace NetMQ.Monitoring
         {
             stopped.Reset();
             IsRunning = true;
+            // No limit: libzmq would wait for room, NetMQ would drop reports.
+            reports.Options.ReceiveHighWatermark = 0;
+            reports.MonitoredAt(Endpoint)?.Report(true);
             reports.Connect(Endpoint);
         }
 
@@ -246,11 +253,11 @@ namespace NetMQ.Monitoring
         {
             try
             {
-                reports.Disconnect(Endpoint);
+                reports.MonitoredAt(Endpoint)?.Report(false);
             }
-            catch (Exception)
+            catch (TerminatingException)
             {
-                // The monitored socket may be gone already, and the connection with it.
+                // Cleanup ended the reports already.
             }
             finally
             {

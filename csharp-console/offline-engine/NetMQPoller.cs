@@ -43,7 +43,7 @@ namespace NetMQ
     {
         private readonly List<NetMQSocket> sockets = new List<NetMQSocket>();
         private readonly List<NetMQTimer> timers = new List<NetMQTimer>();
-        private readonly NetMQQueue<Task> tasks = new NetMQQueue<Task>();
+        private readonly NetMQQueue<Task?> tasks = new NetMQQueue<Task?>();
         private readonly object gate = new object();
         private volatile bool running;
         private volatile bool stopRequested;
@@ -134,7 +134,9 @@ namespace NetMQ
             return Ask(() => timers.Contains(timer));
         }
 
-        /// <summary>Runs something on the poller's thread: at once if this is it or it does not run, later otherwise.</summary>
+        /// <summary>
+        /// Runs something on the poller's thread: at once if this is it or it does not run, later otherwise.
+        /// </summary>
         public void Run(Action action)
         {
             if (!IsRunning || CanExecuteTaskInline) action();
@@ -152,7 +154,12 @@ namespace NetMQ
         {
             CheckCanStart();
             using var started = new ManualResetEventSlim();
-            new Thread(() => Run(new PollerContext(this), started)) { Name = threadName, IsBackground = isBackgroundThread }.Start();
+            var thread = new Thread(() => Run(new PollerContext(this), started))
+            {
+                Name = threadName,
+                IsBackground = isBackgroundThread,
+            };
+            thread.Start();
             started.Wait();
         }
 
@@ -185,7 +192,10 @@ namespace NetMQ
         /// <summary>Stops it. Its sockets stay open.</summary>
         public void Dispose()
         {
-            if (CanExecuteTaskInline) throw new InvalidOperationException("Cannot dispose poller from the poller thread.");
+            if (CanExecuteTaskInline)
+            {
+                throw new InvalidOperationException("Cannot dispose poller from the poller thread.");
+            }
             if (Interlocked.CompareExchange(ref disposed, 1, 0) != 0) return;
             if (IsRunning)
             {
@@ -197,7 +207,9 @@ namespace NetMQ
             {
                 if (socket.IsDisposed)
                 {
-                    throw new NetMQException("Invalid state detected: NetMQPoller contains a disposed NetMQSocket. Sockets must be either removed before being disposed, or disposed after the poller is disposed.");
+                    throw new NetMQException(
+                        "Invalid state detected: NetMQPoller contains a disposed NetMQSocket. Sockets must be either "
+                        + "removed before being disposed, or disposed after the poller is disposed.");
                 }
                 socket.EventsChanged -= OnChanged;
             }
@@ -230,7 +242,6 @@ namespace NetMQ
             var before = SynchronizationContext.Current;
             SynchronizationContext.SetSynchronizationContext(syncContext);
             threadId = Environment.CurrentManagedThreadId;
-            stopRequested = false;
             running = true;
             started?.Set();
             try
@@ -241,6 +252,7 @@ namespace NetMQ
             {
                 // NetMQ's poller watches nothing any more after it was stopped.
                 foreach (var socket in sockets.ToArray()) Forget(socket);
+                stopRequested = false;
                 threadId = -1;
                 SynchronizationContext.SetSynchronizationContext(before);
                 lock (gate)
@@ -296,14 +308,17 @@ namespace NetMQ
 
         private void RunTasks()
         {
-            while (tasks.TryDequeue(out var task, TimeSpan.Zero)) TryExecuteTask(task);
+            while (tasks.TryDequeue(out var task, TimeSpan.Zero))
+            {
+                if (task != null) TryExecuteTask(task);
+            }
         }
 
         private void RequestStop()
         {
             stopRequested = true;
             // An item in the queue ends the wait for sockets.
-            if (IsRunning) tasks.Enqueue(new Task(() => { }));
+            tasks.Enqueue(null);
         }
 
         private void WaitUntilStopped()
@@ -341,7 +356,9 @@ namespace NetMQ
         private static void CheckStillThere(ISocketPollable socket, string operation)
         {
             if (!socket.IsDisposed) return;
-            throw new InvalidOperationException($"NetMQPoller.{operation} was called from a non-poller thread, and the {socket.GetType().Name} was disposed before the poller thread came to it. Use RemoveAndDispose, or dispose the poller first.");
+            throw new InvalidOperationException(
+                $"NetMQPoller.{operation} was called from a non-poller thread, and the {socket.GetType().Name} was "
+                + "disposed before the poller thread came to it. Use RemoveAndDispose, or dispose the poller first.");
         }
 
         private void CheckCanStart()

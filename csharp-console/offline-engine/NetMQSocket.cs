@@ -31,6 +31,8 @@ namespace NetMQ
         private EventHandler<NetMQSocketEventArgs>? receiveReady;
         private EventHandler<NetMQSocketEventArgs>? sendReady;
         private PollSet? pollSet;
+        private string? monitorEndpoint;
+        private SocketEvents monitorEvents;
         private IntPtr handle;
         private byte* message;
         private int frameSize;
@@ -60,7 +62,9 @@ namespace NetMQ
             }
         }
 
-        /// <summary>A message can be received. Raised by <see cref="Poll()"/> and by a <see cref="NetMQPoller"/>.</summary>
+        /// <summary>
+        /// A message can be received. Raised by <see cref="Poll()"/> and by a <see cref="NetMQPoller"/>.
+        /// </summary>
         public event EventHandler<NetMQSocketEventArgs> ReceiveReady
         {
             add { receiveReady += value; EventsChanged?.Invoke(); }
@@ -140,7 +144,7 @@ namespace NetMQ
             _ = Handle;
             Endpoint.Split(address, out var protocol, out var rest);
             Endpoint.CheckProtocol(protocol, type);
-            if (protocol == "inproc" && !context.IsOffered(address)) throw new EndpointNotFoundException();
+            if (protocol == "inproc" && context.OwnerOf(address) == null) throw new EndpointNotFoundException();
             var resolved = protocol == "tcp" ? "tcp://" + Endpoint.ResolveTcp(rest, Options.IPv4Only) : address;
             Call(native.Connect, resolved);
             LastEndpoint = endpoints[address] = resolved;
@@ -155,7 +159,7 @@ namespace NetMQ
             Endpoint.CheckProtocol(protocol, type);
             if (!endpoints.TryGetValue(address, out var resolved))
             {
-                if (protocol != "inproc" || !context.IsOfferedBy(address, this))
+                if (protocol != "inproc" || context.OwnerOf(address) != this)
                 {
                     throw new EndpointNotFoundException("Endpoint was not found and cannot be disconnected");
                 }
@@ -169,7 +173,9 @@ namespace NetMQ
         /// <summary>Undoes <see cref="Bind"/>. For port 0 or * the address has the real port.</summary>
         public void Unbind(string address) => Disconnect(address);
 
-        /// <summary>Sends one frame and leaves the Msg empty, or returns false if that was not possible in time.</summary>
+        /// <summary>
+        /// Sends one frame and leaves the Msg empty, or returns false if that was not possible in time.
+        /// </summary>
         public virtual bool TrySend(ref Msg msg, TimeSpan timeout, bool more)
         {
             if (!msg.IsInitialised) throw new FaultException("SocketBase.Send passed an uninitialised Msg.");
@@ -179,12 +185,17 @@ namespace NetMQ
             return true;
         }
 
-        /// <summary>Receives one frame into the Msg, or returns false if none came in time.</summary>
+        /// <summary>Receives one frame into the Msg, or empties it and returns false if none came in time.</summary>
         public virtual bool TryReceive(ref Msg msg, TimeSpan timeout)
         {
             if (!msg.IsInitialised) throw new FaultException("SocketBase.Recv passed an uninitialised Msg.");
-            if (!TryReceiveFrame(timeout)) return false;
+            var received = TryReceiveFrame(timeout);
             msg.Close();
+            if (!received)
+            {
+                msg.InitEmpty();
+                return false;
+            }
             msg.InitPool(frameSize);
             Frame.CopyTo(msg.Slice());
             if (FrameHasMore) msg.SetFlags(MsgFlags.More);
@@ -202,7 +213,8 @@ namespace NetMQ
             {
                 if (left != 0 && left != sendLimit) SetInt(Option.SendTimeout, sendLimit = left);
                 int sent;
-                fixed (byte* bytes = data)
+                // Not `fixed (… = data)`: Mono 6 lacks the method that the compiler would call.
+                fixed (byte* bytes = &MemoryMarshal.GetReference(data))
                 {
                     sent = native.Send(socket, bytes, (IntPtr)data.Length,
                         (more ? Native.SendMore : 0) | (left == 0 ? Native.DontWait : 0));
@@ -275,7 +287,7 @@ namespace NetMQ
         {
             if (endpoint == null) throw new ArgumentNullException(nameof(endpoint));
             if (endpoint.Length == 0) throw new ArgumentException("Cannot be empty.", nameof(endpoint));
-            var socket = Handle;
+            _ = Handle;
             Endpoint.Split(endpoint, out var protocol, out _);
             Endpoint.CheckProtocol(protocol, type);
             if (protocol != "inproc")
@@ -283,8 +295,27 @@ namespace NetMQ
                 throw new ProtocolNotSupportedException($"In SocketBase.Monitor({endpoint},), protocol must be inproc");
             }
             Offer(endpoint);
-            fixed (byte* text = Native.CString(endpoint)) Check(native.Monitor(socket, text, (int)events));
+            monitorEndpoint = endpoint;
+            monitorEvents = events;
         }
+
+        /// <summary>
+        /// Begins or ends the reports, from any thread. Without a reader libzmq's I/O thread would wait for one, and
+        /// all communication with it; so the reports begin when the reader is ready, and end before it goes.
+        /// </summary>
+        internal void Report(bool wanted)
+        {
+            lock (endpoints)
+            {
+                if (closed != 0) return;
+                fixed (byte* text = wanted ? Native.CString(monitorEndpoint!) : null)
+                {
+                    Check(native.Monitor(handle, text, (int)monitorEvents));
+                }
+            }
+        }
+
+        internal NetMQSocket? MonitoredAt(string endpoint) => context.OwnerOf(endpoint);
 
         /// <summary>Ends the socket.</summary>
         public void Close()
@@ -292,7 +323,7 @@ namespace NetMQ
             if (Interlocked.Exchange(ref closed, 1) != 0) return;
             native.CloseMessage(message);
             Marshal.FreeHGlobal((IntPtr)message);
-            context.CloseSocket(this, handle, Options.Lingers);
+            lock (endpoints) context.CloseSocket(this, handle, Options.Lingers);
         }
 
         /// <inheritdoc/>

@@ -63,7 +63,8 @@ namespace NetMQ
         }
 
         /// <summary>Tries to send a frame of the first bytes.</summary>
-        public static bool TrySendFrame(this IOutgoingSocket socket, TimeSpan timeout, byte[] data, int length, bool more = false)
+        public static bool TrySendFrame(this IOutgoingSocket socket, TimeSpan timeout, byte[] data, int length,
+            bool more = false)
             => TrySend(socket, timeout, data.AsSpan(0, length), more);
 
         /// <summary>Tries to send a frame of bytes.</summary>
@@ -79,7 +80,8 @@ namespace NetMQ
             => TrySend(socket, TimeSpan.Zero, data.AsSpan(0, length), more);
 
         /// <summary>Tries to send a frame of UTF-8 text.</summary>
-        public static bool TrySendFrame(this IOutgoingSocket socket, TimeSpan timeout, string message, bool more = false)
+        public static bool TrySendFrame(this IOutgoingSocket socket, TimeSpan timeout, string message,
+            bool more = false)
             => TrySend(socket, timeout, message, more);
 
         /// <summary>Tries to send a frame of UTF-8 text.</summary>
@@ -136,7 +138,8 @@ namespace NetMQ
             => socket.TrySendMultipartBytes(timeout, (IEnumerable<byte[]>)frames);
 
         /// <summary>Tries to send a message of byte frames.</summary>
-        public static bool TrySendMultipartBytes(this IOutgoingSocket socket, TimeSpan timeout, IEnumerable<byte[]> frames)
+        public static bool TrySendMultipartBytes(this IOutgoingSocket socket, TimeSpan timeout,
+            IEnumerable<byte[]> frames)
         {
             using var frame = frames.GetEnumerator();
             if (!frame.MoveNext()) throw new ArgumentException("frames is empty", nameof(frames));

@@ -9,7 +9,8 @@ namespace NetMQ
     {
         // zmq_pollitem_t: a socket, a file descriptor (a pointer's size on Windows, an int elsewhere), two shorts.
         private static readonly int eventsAt = IntPtr.Size + (Native.IsWindows ? IntPtr.Size : sizeof(int));
-        private static readonly int stride = (eventsAt + 2 * sizeof(short) + IntPtr.Size - 1) / IntPtr.Size * IntPtr.Size;
+        private static readonly int stride
+            = (eventsAt + 2 * sizeof(short) + IntPtr.Size - 1) / IntPtr.Size * IntPtr.Size;
 
         private readonly IReadOnlyList<NetMQSocket> sockets;
         private readonly byte[] items;

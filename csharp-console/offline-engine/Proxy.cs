@@ -16,7 +16,8 @@ namespace NetMQ
         private int state;
 
         /// <summary>Sends a copy of what passes to a control socket for each direction.</summary>
-        public Proxy(NetMQSocket frontend, NetMQSocket backend, NetMQSocket? controlIn, NetMQSocket? controlOut, INetMQPoller? poller = null)
+        public Proxy(NetMQSocket frontend, NetMQSocket backend, NetMQSocket? controlIn, NetMQSocket? controlOut,
+            INetMQPoller? poller = null)
         {
             this.frontend = frontend;
             this.backend = backend;
@@ -26,7 +27,8 @@ namespace NetMQ
         }
 
         /// <summary>Sends a copy of what passes to a control socket, if there is one.</summary>
-        public Proxy(NetMQSocket frontend, NetMQSocket backend, NetMQSocket? control = null, INetMQPoller? poller = null)
+        public Proxy(NetMQSocket frontend, NetMQSocket backend, NetMQSocket? control = null,
+            INetMQPoller? poller = null)
             : this(frontend, backend, control, null, poller) { }
 
         /// <summary>Works until <see cref="Stop"/>; with a poller of the program it returns at once.</summary>

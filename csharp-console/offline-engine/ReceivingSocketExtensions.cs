@@ -35,15 +35,18 @@ namespace NetMQ
             => TryTake(socket, TimeSpan.Zero, asBytes, utf8, out bytes, out _);
 
         /// <summary>Tries to receive a frame as bytes.</summary>
-        public static bool TryReceiveFrameBytes(this IReceivingSocket socket, [NotNullWhen(true)] out byte[]? bytes, out bool more)
+        public static bool TryReceiveFrameBytes(this IReceivingSocket socket, [NotNullWhen(true)] out byte[]? bytes,
+            out bool more)
             => TryTake(socket, TimeSpan.Zero, asBytes, utf8, out bytes, out more);
 
         /// <summary>Tries to receive a frame as bytes.</summary>
-        public static bool TryReceiveFrameBytes(this IReceivingSocket socket, TimeSpan timeout, [NotNullWhen(true)] out byte[]? bytes)
+        public static bool TryReceiveFrameBytes(this IReceivingSocket socket, TimeSpan timeout,
+            [NotNullWhen(true)] out byte[]? bytes)
             => TryTake(socket, timeout, asBytes, utf8, out bytes, out _);
 
         /// <summary>Tries to receive a frame as bytes.</summary>
-        public static bool TryReceiveFrameBytes(this IReceivingSocket socket, TimeSpan timeout, [NotNullWhen(true)] out byte[]? bytes, out bool more)
+        public static bool TryReceiveFrameBytes(this IReceivingSocket socket, TimeSpan timeout,
+            [NotNullWhen(true)] out byte[]? bytes, out bool more)
             => TryTake(socket, timeout, asBytes, utf8, out bytes, out more);
 
         /// <summary>Receives a frame as text.</summary>
@@ -62,35 +65,43 @@ namespace NetMQ
             => Take(socket, asText, encoding, out more);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, [NotNullWhen(true)] out string? frameString)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket,
+            [NotNullWhen(true)] out string? frameString)
             => TryTake(socket, TimeSpan.Zero, asText, utf8, out frameString, out _);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, [NotNullWhen(true)] out string? frameString, out bool more)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket,
+            [NotNullWhen(true)] out string? frameString, out bool more)
             => TryTake(socket, TimeSpan.Zero, asText, utf8, out frameString, out more);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, Encoding encoding, [NotNullWhen(true)] out string? frameString)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket, Encoding encoding,
+            [NotNullWhen(true)] out string? frameString)
             => TryTake(socket, TimeSpan.Zero, asText, encoding, out frameString, out _);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, Encoding encoding, [NotNullWhen(true)] out string? frameString, out bool more)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket, Encoding encoding,
+            [NotNullWhen(true)] out string? frameString, out bool more)
             => TryTake(socket, TimeSpan.Zero, asText, encoding, out frameString, out more);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout, [NotNullWhen(true)] out string? frameString)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout,
+            [NotNullWhen(true)] out string? frameString)
             => TryTake(socket, timeout, asText, utf8, out frameString, out _);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout, [NotNullWhen(true)] out string? frameString, out bool more)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout,
+            [NotNullWhen(true)] out string? frameString, out bool more)
             => TryTake(socket, timeout, asText, utf8, out frameString, out more);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout, Encoding encoding, [NotNullWhen(true)] out string? frameString)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout, Encoding encoding,
+            [NotNullWhen(true)] out string? frameString)
             => TryTake(socket, timeout, asText, encoding, out frameString, out _);
 
         /// <summary>Tries to receive a frame as text.</summary>
-        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout, Encoding encoding, [NotNullWhen(true)] out string? frameString, out bool more)
+        public static bool TryReceiveFrameString(this IReceivingSocket socket, TimeSpan timeout, Encoding encoding,
+            [NotNullWhen(true)] out string? frameString, out bool more)
             => TryTake(socket, timeout, asText, encoding, out frameString, out more);
 
         /// <summary>Receives a message as byte frames.</summary>
@@ -102,15 +113,18 @@ namespace NetMQ
         }
 
         /// <summary>Receives a message as byte frames into a list.</summary>
-        public static void ReceiveMultipartBytes(this IReceivingSocket socket, [AllowNull] ref List<byte[]> frames, int expectedFrameCount = 4)
+        public static void ReceiveMultipartBytes(this IReceivingSocket socket, [AllowNull] ref List<byte[]> frames,
+            int expectedFrameCount = 4)
             => socket.TryReceiveMultipartBytes(forEver, ref frames!, expectedFrameCount);
 
         /// <summary>Tries to receive a message as byte frames into a list.</summary>
-        public static bool TryReceiveMultipartBytes(this IReceivingSocket socket, ref List<byte[]> frames, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartBytes(this IReceivingSocket socket, ref List<byte[]> frames,
+            int expectedFrameCount = 4)
             => socket.TryReceiveMultipartBytes(TimeSpan.Zero, ref frames, expectedFrameCount);
 
         /// <summary>Tries to receive a message as byte frames into a list.</summary>
-        public static bool TryReceiveMultipartBytes(this IReceivingSocket socket, TimeSpan timeout, ref List<byte[]> frames, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartBytes(this IReceivingSocket socket, TimeSpan timeout,
+            ref List<byte[]> frames, int expectedFrameCount = 4)
             => TryTakeAll(socket, timeout, asBytes, utf8, ref frames!, expectedFrameCount);
 
         /// <summary>Receives a message as text frames.</summary>
@@ -118,7 +132,8 @@ namespace NetMQ
             => socket.ReceiveMultipartStrings(utf8, expectedFrameCount);
 
         /// <summary>Receives a message as text frames.</summary>
-        public static List<string> ReceiveMultipartStrings(this IReceivingSocket socket, Encoding encoding, int expectedFrameCount = 4)
+        public static List<string> ReceiveMultipartStrings(this IReceivingSocket socket, Encoding encoding,
+            int expectedFrameCount = 4)
         {
             List<string>? frames = null;
             TryTakeAll(socket, forEver, asText, encoding, ref frames, expectedFrameCount);
@@ -126,19 +141,23 @@ namespace NetMQ
         }
 
         /// <summary>Tries to receive a message as text frames into a list.</summary>
-        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket, [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket,
+            [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
             => TryTakeAll(socket, TimeSpan.Zero, asText, utf8, ref frames, expectedFrameCount);
 
         /// <summary>Tries to receive a message as text frames into a list.</summary>
-        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket, Encoding encoding, [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket, Encoding encoding,
+            [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
             => TryTakeAll(socket, TimeSpan.Zero, asText, encoding, ref frames, expectedFrameCount);
 
         /// <summary>Tries to receive a message as text frames into a list.</summary>
-        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket, TimeSpan timeout, [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket, TimeSpan timeout,
+            [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
             => TryTakeAll(socket, timeout, asText, utf8, ref frames, expectedFrameCount);
 
         /// <summary>Tries to receive a message as text frames into a list.</summary>
-        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket, TimeSpan timeout, Encoding encoding, [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartStrings(this IReceivingSocket socket, TimeSpan timeout, Encoding encoding,
+            [NotNullWhen(true)] ref List<string>? frames, int expectedFrameCount = 4)
             => TryTakeAll(socket, timeout, asText, encoding, ref frames, expectedFrameCount);
 
         /// <summary>Receives a message.</summary>
@@ -150,11 +169,13 @@ namespace NetMQ
         }
 
         /// <summary>Tries to receive a message.</summary>
-        public static bool TryReceiveMultipartMessage(this IReceivingSocket socket, [NotNullWhen(true)] ref NetMQMessage? message, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartMessage(this IReceivingSocket socket,
+            [NotNullWhen(true)] ref NetMQMessage? message, int expectedFrameCount = 4)
             => socket.TryReceiveMultipartMessage(TimeSpan.Zero, ref message, expectedFrameCount);
 
         /// <summary>Tries to receive a message.</summary>
-        public static bool TryReceiveMultipartMessage(this IReceivingSocket socket, TimeSpan timeout, [NotNullWhen(true)] ref NetMQMessage? message, int expectedFrameCount = 4)
+        public static bool TryReceiveMultipartMessage(this IReceivingSocket socket, TimeSpan timeout,
+            [NotNullWhen(true)] ref NetMQMessage? message, int expectedFrameCount = 4)
         {
             if (!TryTake(socket, timeout, asBytes, utf8, out var frame, out var more)) return false;
             if (message == null) message = new NetMQMessage(expectedFrameCount);
@@ -168,23 +189,27 @@ namespace NetMQ
         public static void SkipFrame(this IReceivingSocket socket) => socket.SkipFrame(out _);
 
         /// <summary>Receives a frame and forgets it.</summary>
-        public static void SkipFrame(this IReceivingSocket socket, out bool more) => Take(socket, asNothing, utf8, out more);
+        public static void SkipFrame(this IReceivingSocket socket, out bool more)
+            => Take(socket, asNothing, utf8, out more);
 
         /// <summary>Tries to receive a frame, and forgets it.</summary>
         public static bool TrySkipFrame(this IReceivingSocket socket) => socket.TrySkipFrame(TimeSpan.Zero, out _);
 
         /// <summary>Tries to receive a frame, and forgets it.</summary>
-        public static bool TrySkipFrame(this IReceivingSocket socket, out bool more) => socket.TrySkipFrame(TimeSpan.Zero, out more);
+        public static bool TrySkipFrame(this IReceivingSocket socket, out bool more)
+            => socket.TrySkipFrame(TimeSpan.Zero, out more);
 
         /// <summary>Tries to receive a frame, and forgets it.</summary>
-        public static bool TrySkipFrame(this IReceivingSocket socket, TimeSpan timeout) => socket.TrySkipFrame(timeout, out _);
+        public static bool TrySkipFrame(this IReceivingSocket socket, TimeSpan timeout)
+            => socket.TrySkipFrame(timeout, out _);
 
         /// <summary>Tries to receive a frame, and forgets it.</summary>
         public static bool TrySkipFrame(this IReceivingSocket socket, TimeSpan timeout, out bool more)
             => TryTake(socket, timeout, asNothing, utf8, out _, out more);
 
         /// <summary>Receives a message and forgets it.</summary>
-        public static void SkipMultipartMessage(this IReceivingSocket socket) => socket.TrySkipMultipartMessage(forEver);
+        public static void SkipMultipartMessage(this IReceivingSocket socket)
+            => socket.TrySkipMultipartMessage(forEver);
 
         /// <summary>Tries to receive a frame, and forgets it: NetMQ skips no further than the first one here.</summary>
         public static bool TrySkipMultipartMessage(this IReceivingSocket socket) => socket.TrySkipFrame();
@@ -203,7 +228,8 @@ namespace NetMQ
             return result!;
         }
 
-        private static bool TryTakeAll<T>(IReceivingSocket socket, TimeSpan timeout, Reader<T> read, Encoding encoding, ref List<T>? frames, int expectedFrameCount)
+        private static bool TryTakeAll<T>(IReceivingSocket socket, TimeSpan timeout, Reader<T> read, Encoding encoding,
+            ref List<T>? frames, int expectedFrameCount)
         {
             if (!TryTake(socket, timeout, read, encoding, out var frame, out var more)) return false;
             if (frames == null) frames = new List<T>(expectedFrameCount);
@@ -213,7 +239,8 @@ namespace NetMQ
             return true;
         }
 
-        private static bool TryTake<T>(IReceivingSocket socket, TimeSpan timeout, Reader<T> read, Encoding encoding, [MaybeNull] out T result, out bool more)
+        private static bool TryTake<T>(IReceivingSocket socket, TimeSpan timeout, Reader<T> read, Encoding encoding,
+            [MaybeNull] out T result, out bool more)
         {
             result = default;
             more = false;

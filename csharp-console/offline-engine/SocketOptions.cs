@@ -10,8 +10,6 @@ namespace NetMQ
         private readonly NetMQSocket socket;
         private TimeSpan keepaliveIdle = TimeSpan.FromMilliseconds(-1);
         private TimeSpan keepaliveInterval = TimeSpan.FromMilliseconds(-1);
-        private bool relaxed;
-        private bool correlate;
 
         /// <summary>For one socket.</summary>
         public SocketOptions(NetMQSocket socket) => this.socket = socket;
@@ -117,7 +115,9 @@ namespace NetMQ
         /// <summary>What the last Bind or Connect led to, with the real port.</summary>
         public string? LastEndpoint => socket.LastEndpoint;
 
-        /// <summary>True to throw <see cref="HostUnreachableException"/> for an unknown identity, not to drop.</summary>
+        /// <summary>
+        /// True to throw <see cref="HostUnreachableException"/> for an unknown identity, not to drop.
+        /// </summary>
         public bool RouterMandatory
         {
             set => socket.SetInt(Option.RouterMandatory, value ? 1 : 0);
@@ -195,19 +195,20 @@ namespace NetMQ
             set => SetTime(Option.HeartbeatTimeout, value);
         }
 
-        /// <summary>True to let a REQ socket send again without having the reply.</summary>
+        /// <summary>True to let a REQ socket send again without having the reply. It cannot be read back.</summary>
         public bool Relaxed
         {
-            // NetMQ's REQ socket takes the value and keeps nothing to read back.
-            get => relaxed;
-            set => relaxed = SetRequest(Option.RequestRelaxed, value);
+            get => throw new InvalidException("GetSocketOption called with invalid ZmqSocketOption of Relaxed");
+            set => SetRequest(Option.RequestRelaxed, value);
         }
 
-        /// <summary>True to number requests, so that a late reply is not taken for the present one.</summary>
+        /// <summary>
+        /// True to number requests, so that a late reply is not taken for the present one. It cannot be read back.
+        /// </summary>
         public bool Correlate
         {
-            get => correlate;
-            set => correlate = SetRequest(Option.RequestCorrelate, value);
+            get => throw new InvalidException("GetSocketOption called with invalid ZmqSocketOption of Correlate");
+            set => SetRequest(Option.RequestCorrelate, value);
         }
 
         /// <summary>True for the side of an encrypted connection that has the known key.</summary>
@@ -253,11 +254,10 @@ namespace NetMQ
         private void SetSeconds(Option option, TimeSpan value)
             => socket.SetInt(option, value < TimeSpan.Zero ? -1 : (int)Math.Ceiling(value.TotalSeconds));
 
-        private bool SetRequest(Option option, bool value)
+        // Other sockets take these options in NetMQ, and ignore them.
+        private void SetRequest(Option option, bool value)
         {
-            if (socket.Type != ZmqSocketType.Req) return value;
-            socket.SetInt(option, value ? 1 : 0);
-            return false;
+            if (socket.Type == ZmqSocketType.Req) socket.SetInt(option, value ? 1 : 0);
         }
     }
 }

@@ -168,34 +168,5 @@ namespace NetMQ.Sockets
         /// <summary>Connects to each address, unless it begins with @.</summary>
         public XSubscriberSocket(string? connectionString = null)
             : base(ZmqSocketType.Xsub, connectionString, DefaultAction.Connect) { }
-
-        /// <summary>Subscribes to a topic in ASCII.</summary>
-        public virtual void Subscribe(string topic) => Subscribe(topic, Encoding.ASCII);
-
-        /// <summary>Subscribes to a topic.</summary>
-        public virtual void Subscribe(string topic, Encoding encoding) => Subscribe(encoding.GetBytes(topic));
-
-        /// <summary>Subscribes to a topic.</summary>
-        public virtual void Subscribe(byte[] topic) => Tell(1, topic);
-
-        /// <summary>Subscribes to everything.</summary>
-        public virtual void SubscribeToAnyTopic() => Subscribe(string.Empty);
-
-        /// <summary>Undoes a subscription to a topic in ASCII.</summary>
-        public virtual void Unsubscribe(string topic) => Unsubscribe(topic, Encoding.ASCII);
-
-        /// <summary>Undoes a subscription.</summary>
-        public virtual void Unsubscribe(string topic, Encoding encoding) => Unsubscribe(encoding.GetBytes(topic));
-
-        /// <summary>Undoes a subscription.</summary>
-        public virtual void Unsubscribe(byte[] topic) => Tell(0, topic);
-
-        private void Tell(byte what, byte[] topic)
-        {
-            var message = new byte[topic.Length + 1];
-            message[0] = what;
-            topic.CopyTo(message, 1);
-            TrySendBytes(message, SendReceiveConstants.InfiniteTimeout, false);
-        }
     }
 }

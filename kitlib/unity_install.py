@@ -1,0 +1,255 @@
+"""Puts the lessons' scripts and NetMQ's DLLs into a user's own Unity project.
+
+Nothing is written before everything is at hand and nothing stands in the way: an interrupted run leaves no half.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import re
+import shutil
+import tempfile
+import urllib.error
+import urllib.request
+import zipfile
+from pathlib import Path
+
+from . import dotnet
+from .lessons import KitError, find
+from .terminal import say
+from .unity_meta import FOLDER, PACKAGE, assets, behaviours, guid, meta_of
+
+# The three DLLs of NetMQ inside Unity: package, version, and the file in it.
+LIBRARIES = (
+    ("NetMQ", "4.0.2.2", "lib/netstandard2.1/NetMQ.dll"),
+    ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
+    ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
+)
+NUGET = "https://api.nuget.org/v3-flatcontainer"
+TARGET = "Assets/NetMQExample"
+PLUGINS = f"{TARGET}/Plugins"
+# What this command wrote, and so may write again. Unity ignores names that begin with a dot.
+RECORD = f"{TARGET}/.kit.json"
+
+# validateReferences: NetMQ.dll names System.ServiceModel.Primitives, which only BufferPool uses.
+LIBRARY_META = """fileFormatVersion: 2
+guid: {guid}
+PluginImporter:
+  externalObjects: {{}}
+  serializedVersion: 2
+  iconMap: {{}}
+  executionOrder: {{}}
+  defineConstraints: []
+  isPreloaded: 0
+  isOverridable: 0
+  isExplicitlyReferenced: 0
+  validateReferences: 0
+  platformData:
+  - first:
+      : Any
+    second:
+      enabled: 0
+      settings:
+        Exclude Editor: 0
+        Exclude WebGL: 1
+  - first:
+      Any:
+    second:
+      enabled: 1
+      settings: {{}}
+  - first:
+      Editor: Editor
+    second:
+      enabled: 1
+      settings:
+        DefaultValueInitialized: true
+  - first:
+      WebGL: WebGL
+    second:
+      enabled: 0
+      settings: {{}}
+  userData:
+  assetBundleName:
+  assetBundleVariant:
+"""
+
+
+def install(project: Path, lesson: str | None = None, force: bool = False) -> None:
+    """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not."""
+    root = find_project(project)
+    manifest = packages_of(root)
+    files = {} if has_scripts(root, manifest) else scripts(lesson)
+    if has_netmq(root, manifest):
+        say("NetMQ is in this project already: its DLLs are left as they are")
+    else:
+        files |= libraries()
+    write(root, files, force)
+    for line in next_steps(root, lesson):
+        say(line)
+
+
+def find_project(path: Path) -> Path:
+    """The Unity project that PATH is, or is inside of."""
+    for folder in [path.resolve(), *path.resolve().parents]:
+        version = folder / "ProjectSettings" / "ProjectVersion.txt"
+        if (folder / "Assets").is_dir() and version.is_file():
+            check_version(version.read_text(encoding="utf-8"))
+            return folder
+    reason = "there is no such folder" if not path.exists() else "no Assets folder beside a ProjectSettings folder"
+    raise KitError(f"{path} is no Unity project: {reason}; give the folder that Unity Hub shows")
+
+
+def check_version(text: str) -> None:
+    found = re.search(r"^m_EditorVersion: (\d+)\.(\d+)", text, re.MULTILINE)
+    if found and (int(found[1]), int(found[2])) < (2021, 2):
+        raise KitError(
+            f"this project is for Unity {found[1]}.{found[2]}; NetMQ needs 2021.2 or later (.NET Standard 2.1)"
+        )
+
+
+def packages_of(root: Path) -> dict[str, str]:
+    path = root / "Packages" / "manifest.json"
+    if not path.exists():
+        return {}
+    try:
+        dependencies: dict[str, str] = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
+    except (ValueError, AttributeError) as error:
+        raise KitError(f"{path} is no valid manifest: {error}") from None
+    return dependencies
+
+
+def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
+    """True if the package is there by another route; a second copy would not compile."""
+    if (root / TARGET).resolve() == PACKAGE.resolve():
+        return True
+    name = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))["name"]
+    if name in manifest:
+        say(f"the scripts come from {name} in Packages/manifest.json: they are not copied")
+    return name in manifest
+
+
+def has_netmq(root: Path, manifest: dict[str, str]) -> bool:
+    places = [p for folder in ("Assets", "Packages") for p in (root / folder).rglob("NetMQ.dll")]
+    return "org.nuget.netmq" in manifest or any(place.parent != root / PLUGINS for place in places)
+
+
+def scripts(lesson: str | None) -> dict[str, bytes]:
+    """The files to copy, with their .meta: all of the package, or what one lesson takes home."""
+    chosen = assets() if lesson is None else take_home(find(lesson).unity)
+    found: dict[str, bytes] = {}
+    for path in chosen:
+        name = f"{TARGET}/{path.relative_to(PACKAGE).as_posix()}".removesuffix("/.")
+        if path.is_file():
+            found[name] = path.read_bytes()
+        if meta_of(path).exists():
+            found[f"{name}.meta"] = meta_of(path).read_bytes()
+    return found
+
+
+def take_home(folder: Path) -> list[Path]:
+    """A lesson's scripts, the earlier scripts that they use, and what IL2CPP must know."""
+    if not folder.is_dir():
+        raise KitError(f"lesson {folder.name} has no Unity scripts")
+    chosen = sorted(folder.glob("*.cs"))
+    others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent != folder]
+    for path in chosen:  # It grows meanwhile: what is used may use others.
+        code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
+        chosen += [other for other in others if other not in chosen and re.search(rf"\b{other.stem}\b", code)]
+    folders = sorted({path.parent for path in chosen})
+    return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml"]
+
+
+def libraries() -> dict[str, bytes]:
+    """The DLLs with their import settings."""
+    found = {f"{PLUGINS}.meta": f"fileFormatVersion: 2\nguid: {guid('Plugins')}\n{FOLDER}".encode()}
+    for package, version, inside in LIBRARIES:
+        name = inside.rsplit("/", 1)[1]
+        found[f"{PLUGINS}/{name}"] = library(package, version, inside)
+        found[f"{PLUGINS}/{name}.meta"] = LIBRARY_META.format(guid=guid(f"Plugins/{name}")).encode()
+    return found
+
+
+def library(package: str, version: str, inside: str) -> bytes:
+    """One DLL: from NuGet's folder on this machine, put there by dotnet if there is one, or from NuGet itself."""
+    here = nuget_folder() / package.lower() / version / inside
+    if not here.exists() and dotnet.sdk():
+        say(f"asking NuGet for {package} …")
+        result = dotnet.restore(dotnet.Engine("netmq", ""))
+        if not result.ok:
+            raise KitError(f"{dotnet.refusal(result)}: nothing was copied; try again when it can be reached")
+    return here.read_bytes() if here.exists() else download(package, version, inside)
+
+
+def nuget_folder() -> Path:
+    return Path(os.environ.get("NUGET_PACKAGES") or Path.home() / ".nuget" / "packages")
+
+
+def download(package: str, version: str, inside: str) -> bytes:
+    name = package.lower()
+    say(f"downloading {package} {version} from NuGet …")
+    try:
+        with urllib.request.urlopen(f"{NUGET}/{name}/{version}/{name}.{version}.nupkg", timeout=20) as answer:
+            return zipfile.ZipFile(io.BytesIO(answer.read())).read(inside)
+    except (OSError, urllib.error.URLError, zipfile.BadZipFile, KeyError) as error:
+        raise KitError(f"NuGet gave no {package} {version} ({error}): nothing was copied") from None
+
+
+def write(root: Path, files: dict[str, bytes], force: bool) -> None:
+    """All of them or none."""
+    record = read_record(root)
+    # Unity writes .meta files itself, and other files may refer to what they say: one that exists stays.
+    wanted = {n: d for n, d in files.items() if not (n.endswith(".meta") and (root / n).exists())}
+    news = {n: d for n, d in wanted.items() if not (root / n).exists() or digest((root / n).read_bytes()) != digest(d)}
+    changed = [n for n in news if (root / n).exists() and digest((root / n).read_bytes()) != record.get(n)]
+    if changed and not force:
+        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        raise KitError(f"{changed[0]}{more} was changed in your project: nothing was copied; --force overwrites it")
+    # Beside the project, and so on the same disk: what can fail fails before the first file is moved to its place.
+    stage = Path(tempfile.mkdtemp(prefix=".netmqexample-", dir=root))
+    try:
+        for number, data in enumerate(news.values()):
+            (stage / str(number)).write_bytes(data)
+        for name in news:
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+        for number, name in enumerate(news):
+            os.replace(stage / str(number), root / name)
+        if news:
+            record |= {name: digest(data) for name, data in news.items()}
+            (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
+    except OSError as error:
+        raise KitError(f"could not write into {root}: {error}") from None
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+    for name in news:
+        if not name.endswith(".meta"):
+            say(f"wrote {name}")
+    same = sum(not name.endswith(".meta") for name in files.keys() - news.keys())
+    if same:
+        say(f"{same} files were there already")
+
+
+def read_record(root: Path) -> dict[str, str]:
+    try:
+        record: dict[str, str] = json.loads((root / RECORD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return record
+
+
+def digest(data: bytes) -> str:
+    """Git may have changed the ends of the lines, which is no change."""
+    return hashlib.sha256(data.replace(b"\r\n", b"\n")).hexdigest()
+
+
+def next_steps(root: Path, lesson: str | None) -> list[str]:
+    key = find(lesson or "1").key
+    first = next((path.stem for path in behaviours(PACKAGE / key)), "of the lesson")
+    scene = f"{TARGET}/{key}/{key}.unity"
+    there = f"open {scene}" if (root / scene).exists() else f"add the component {first} to any GameObject"
+    return [
+        f"next, in a terminal: python python/{key}/server.py",
+        f"then, in Unity: wait for the import, {there}, and press Play",
+    ]
