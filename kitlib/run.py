@@ -50,8 +50,9 @@ class Side:
             self.lines.put(line)
         self.lines.put(None)
 
-    def endpoint(self) -> str:
-        """What the ready line says the server listens on."""
+    def endpoints(self) -> dict[str, str]:
+        """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""
+        found: dict[str, str] = {}
         deadline = time.monotonic() + READY
         while True:
             try:
@@ -60,8 +61,10 @@ class Side:
                 raise KitError(f"the server printed no ready line within {READY:.0f} s") from None
             if line is None:
                 raise KitError("the server ended before it was ready; its own line above says why")
-            if ready := re.match(r"listening on (\S+)", line):
-                return ready[1]
+            if ready := re.match(r"(\w+) on (tcp://\S+)$", line):
+                if ready[1] == "listening":
+                    return {"endpoint": ready[2], **found}
+                found[ready[1]] = ready[2]
 
     def end(self) -> None:
         """End it if it still runs, and let its last lines appear."""
@@ -97,9 +100,10 @@ def run(lesson: Lesson, python: Path, client: list[str], endpoint: str | None, s
     server = Side("server", [str(python), str(lesson.python / "server.py"), *given, *server_options], {})
     started = [server]
     try:
-        address = server.endpoint()
-        where = ["--set", f"endpoint={address}"] if "--unity" in client else ["--endpoint", address]
-        started.append(Side("client", [*client, *where], {}))
+        # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
+        for name, address in server.endpoints().items():
+            client += ["--set", f"{name}={address}"] if "--unity" in client else [f"--{name}", address]
+        started.append(Side("client", client, {}))
         return started[-1].process.wait()
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.

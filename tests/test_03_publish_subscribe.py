@@ -1,0 +1,552 @@
+"""Lesson 03: the exact state after joining late, loss and a restart; prefixes; newest only; and all that goes wrong."""
+
+from __future__ import annotations
+
+import re
+import signal
+import socket
+import sys
+from pathlib import Path
+
+import pytest
+import zmq
+
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import ROOT
+
+KEY = "03_publish_subscribe"
+GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
+TERMINAL = ["python", "csharp"]
+JOINED = r"^joined run (\w+) at (\d+), checksum (\d+)$"
+DONE = r"^done: received (\d+), missed (\d+); run (\w+) at (\d+), checksum (\d+)$"
+
+
+@pytest.fixture
+def context():
+    with zmq.Context() as context:
+        yield context
+
+
+@pytest.fixture
+def publish(serve):
+    """Starts the server: the program, the stream's endpoint and the snapshots'."""
+
+    def publish(*options, **where):
+        server, endpoint = serve(KEY, *options, **where)
+        return server, endpoint, server.wait_for(r"^snapshots on (\S+)")[1]
+
+    return publish
+
+
+@pytest.fixture
+def follow(start, client_command):
+    """Starts a client against both endpoints."""
+
+    def follow(kind, endpoint, snapshots, *options, **environment):
+        return start(*client_command(kind, KEY, endpoint, "--snapshots", snapshots, *options), **environment)
+
+    return follow
+
+
+def numbers(client, pattern):
+    """All matches of the pattern in the client's lines, each as a list of its whole numbers."""
+    found = (re.search(pattern, line) for line in client.lines)
+    return [[int(word) for word in match.groups() if word.isdecimal()] for match in found if match]
+
+
+def request(context, endpoint, *frames):
+    with context.socket(zmq.REQ) as asker:
+        asker.linger = 0
+        asker.connect(endpoint)
+        asker.send_multipart(frames)
+        assert asker.poll(20_000), f"no reply to {frames!r:.80}"
+        (reply,) = asker.recv_multipart()
+        return reply
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def add(checksum, message):
+    return (31 * checksum + sum(message)) % 2**32
+
+
+# With the real server
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_following(kind, publish, follow):
+    server, endpoint, snapshots = publish("--rate", "600")
+    client = follow(kind, endpoint, snapshots, "--count", "120")
+    assert client.wait() == 0, client.output
+    assert client.lines[0] == f"following {endpoint}, snapshots from {snapshots}"
+    run, joined, checksum = re.search(JOINED, client.lines[1]).groups()
+    server.wait_for(f"^snapshot at {joined}, checksum {checksum}$")
+    for line, number in zip(client.lines[2:5], (int(joined) + n for n in (0, 60, 120)), strict=True):
+        assert re.fullmatch(rf"{number}: at -?[0-2]\.\d{{4}} 0\.0000 -?[0-2]\.\d{{4}}", line), line
+    assert re.fullmatch(
+        rf"done: received 120, missed 0; run {run} at {int(joined) + 120}, checksum \d+", client.lines[5]
+    )
+    assert len(client.lines) == 6
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_joining_in_the_middle_of_100_000_messages_gives_the_exact_state(kind, publish, follow):
+    total = 100_000
+    server, endpoint, snapshots = publish("--rate", "15000", "--count", str(total), "--hwm", "0")
+    options = ["--hwm", "0", "--count", str(total), "--until", str(total), "--every", "0"]
+    client = follow(kind, endpoint, snapshots, *options)
+    assert client.wait(60) == 0, client.output
+    joined = int(client.wait_for(JOINED)[2])
+    assert 0 < joined < total, "the client did not join in the middle"
+    received, missed, _, last, checksum = client.wait_for(DONE).groups()
+    assert (int(received), int(missed), int(last)) == (total - joined, 0, total)
+    assert server.wait_for(r"^published 100000, checksum (\d+)")[1] == checksum
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+def test_a_slow_subscriber_loses_messages_says_which_and_has_the_exact_state(kind, publish, follow):
+    total = 400_000
+    server, endpoint, snapshots = publish("--rate", "0", "--count", str(total), "--hwm", "50")
+    options = ["--hwm", "50", "--count", str(total), "--until", str(total), "--every", "0", "--work", "0.001"]
+    client = follow(kind, endpoint, snapshots, *options)
+    assert client.wait(90) == 0, client.output
+    joined = int(client.wait_for(JOINED)[2])
+    assert 0 < joined < total, "the client did not join in the middle"
+    received, missed, _, last, checksum = client.wait_for(DONE).groups()
+    gaps = numbers(client, r"^missed (\d+) to (\d+)$")
+    assert gaps
+    assert sum(last - first + 1 for first, last in gaps) == int(missed)
+    assert int(received) + int(missed) == int(last) - joined == total - joined
+    assert server.wait_for(r"^published 400000, checksum (\d+)")[1] == checksum
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_after_a_restart_the_subscriber_goes_on_and_says_what_it_missed(kind, publish, follow):
+    first, endpoint, snapshots = publish("--rate", "300")
+    options = ["--count", "1000000", "--until", "1500", "--every", "30", "--patience", "20"]
+    client = follow(kind, endpoint, snapshots, *options)
+    run = client.wait_for(JOINED)[1]
+    client.wait_for(r"^\d+: at ", start=3)
+    first.kill()
+    second, _, _ = publish("--rate", "300", "--count", "1500", "--snapshots", snapshots, endpoint=endpoint)
+    said = client.wait_for(rf"^missed run {run} from (\d+) on, and run (\w+) up to (\d+)$")
+    assert said[2] != run
+    assert client.wait() == 0, client.output
+    received, missed, last_run, last, checksum = client.wait_for(DONE).groups()
+    assert (last_run, last) == (said[2], "1500")
+    assert second.wait_for(r"^published 1500, checksum (\d+)")[1] == checksum
+    # Each number of both runs was either received or missed, and none was both.
+    joined = int(client.wait_for(JOINED)[2])
+    within = sum(last - first + 1 for first, last in numbers(client, r"^missed (\d+) to (\d+)$"))
+    assert int(missed) == int(said[3]) + within
+    assert int(received) + within == int(said[1]) - 1 - joined + 1500 - int(said[3])
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_who_comes_when_all_is_said_has_the_state_too(kind, publish, follow):
+    server, endpoint, snapshots = publish("--rate", "0", "--count", "1000")
+    checksum = server.wait_for(r"^published 1000, checksum (\d+)")[1]
+    client = follow(kind, endpoint, snapshots, "--until", "1000")
+    assert client.wait() == 0, client.output
+    run = client.wait_for(JOINED)[1]
+    assert client.lines[-1] == f"done: received 0, missed 0; run {run} at 1000, checksum {checksum}"
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+def test_a_topic_is_a_prefix_and_a_delimiter_cures_it(kind, publish, start, client_command):
+    _, endpoint, _ = publish("--rate", "3000")
+    loose = start(*client_command(kind, KEY, endpoint, "--count", "20", "--listen", "news"))
+    strict = start(*client_command(kind, KEY, endpoint, "--count", "20", "--listen", "news/"))
+    assert (loose.wait(), strict.wait()) == (0, 0)
+    assert loose.lines[0] == f"listening to 'news' from {endpoint}"
+    assert loose.lines[-1] == "done: received 20"
+    assert {line.split()[1] for line in loose.lines[1:-1]} == {"news/", "newsflash/"}
+    assert {line.split()[1] for line in strict.lines[1:-1]} == {"news/"}
+    heard = [int(line.split()[3]) for line in strict.lines[1:-1]]
+    assert heard == list(range(heard[0], heard[0] + 20))
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_client_without_a_server_gives_up(kind, start, client_command):
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5"))
+    assert client.wait() == 1, client.output
+    higher = f"tcp://127.0.0.1:{int(endpoint.rpartition(':')[2]) + 100}"
+    assert client.lines[0] == f"following {endpoint}, snapshots from {higher}"
+    assert client.lines[-1] == f"gave up: no snapshot from {higher} within 0.5 s; is the server running?"
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+@pytest.mark.parametrize("mode", [["--newest"], ["--listen", "news/"]], ids=["newest", "listen"])
+def test_the_other_modes_without_a_server_give_up_too(kind, mode, start, client_command):
+    client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{free_port()}", "--patience", "0.5", *mode))
+    assert client.wait() == 1, client.output
+    assert re.match(r"gave up: no.* within 0\.5 s; is the server running\?", client.lines[-1])
+
+
+# With a publisher of the test's own, which decides on every message
+
+
+class FakePublisher:
+    """An XPUB, which sees subscriptions come, and a ROUTER, which answers a request when the test says so."""
+
+    def __init__(self, context):
+        self.stream, self.router = context.socket(zmq.XPUB), context.socket(zmq.ROUTER)
+        for end in (self.stream, self.router):
+            end.linger = 0
+        self.endpoint = f"tcp://127.0.0.1:{self.stream.bind_to_random_port('tcp://127.0.0.1')}"
+        self.snapshots = f"tcp://127.0.0.1:{self.router.bind_to_random_port('tcp://127.0.0.1')}"
+
+    def close(self):
+        self.stream.close()
+        self.router.close()
+
+    def subscribed(self):
+        assert self.stream.poll(20_000), "nobody subscribed"
+        return self.stream.recv()
+
+    def request(self):
+        """The next request: who asks, and what."""
+        assert self.router.poll(20_000), "nobody asked for a snapshot"
+        who, empty, *frames = self.router.recv_multipart()
+        assert empty == b""
+        return who, frames
+
+    def reply(self, who, frame):
+        self.router.send_multipart([who, b"", frame])
+
+    def asked_for_a_snapshot(self, frame):
+        who, frames = self.request()
+        assert frames == [b"pose/"]
+        self.reply(who, frame)
+
+
+@pytest.fixture
+def fake(context):
+    publisher = FakePublisher(context)
+    yield publisher
+    publisher.close()
+
+
+def pose(run, number):
+    return f"pose/ {run} {number} {number}.5 -0.25 1234.0625 0.0000 0.7071 0.0000 -0.7071".encode()
+
+
+def place(number):
+    return f"{number}: at {number}.5000 -0.2500 1234.0625"
+
+
+@pytest.mark.parametrize("environment", [{}, GERMAN], ids=["", "german"])
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
+    """Byte for byte as the server's header says; numbers have a point under a German locale, too."""
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "4", "--every", "1", **environment)
+    assert fake.subscribed() == b"\x01pose/"
+    fake.stream.send(pose("one", 5))
+    who, frames = fake.request()
+    assert frames == [b"pose/"]
+    # 6 and 7 are on their way when the snapshot, which contains 6, is made.
+    fake.stream.send(pose("one", 6))
+    fake.stream.send(pose("one", 7))
+    fake.reply(who, b"4000000000 " + pose("one", 6))
+    fake.stream.send(pose("one", 8))
+    fake.stream.send(pose("one", 8))
+    # 9 is lost.
+    fake.stream.send(pose("one", 10))
+    fake.asked_for_a_snapshot(b"17 " + pose("one", 10))
+    fake.stream.send(pose("one", 11))
+    client.wait_for("^11: at")
+    # What is no pose is checked against a snapshot, and changes nothing.
+    for noise in (
+        [b"pose/ hello"],
+        [b"pose/", pose("one", 12)],
+        [b"pose/ \xff"],
+        [pose("one", 12) + b" 1"],
+        [b"pose/"],
+    ):
+        fake.stream.send_multipart(noise)
+        fake.asked_for_a_snapshot(b"99 " + pose("one", 11))
+    # The publisher was restarted. A message of its first run comes late.
+    fake.stream.send(pose("two", 3))
+    fake.asked_for_a_snapshot(b"0 " + pose("two", 4))
+    fake.stream.send(pose("one", 12))
+    fake.asked_for_a_snapshot(b"0 " + pose("two", 4))
+    fake.stream.send(pose("two", 4))
+    fake.stream.send(pose("two", 5))
+    assert client.wait() == 0, client.output
+    assert client.lines == [
+        f"following {fake.endpoint}, snapshots from {fake.snapshots}",
+        "joined run one at 6, checksum 4000000000",
+        place(6),
+        place(7),
+        place(8),
+        "missed 9 to 10",
+        place(10),
+        place(11),
+        "missed run one from 12 on, and run two up to 4",
+        place(4),
+        place(5),
+        f"done: received 4, missed 6; run two at 5, checksum {add(0, pose('two', 5))}",
+    ]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_gap_is_noticed_at_once_and_not_by_silence(kind, fake, follow):
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "0")
+    fake.subscribed()
+    fake.stream.send(pose("one", 1))
+    fake.asked_for_a_snapshot(b"0 " + pose("one", 1))
+    # 2 is lost, and from then on the stream is never silent for long.
+    for number in range(3, 200):
+        fake.stream.send(pose("one", number))
+        if fake.router.poll(100):
+            break
+    else:
+        pytest.fail("nobody asked for a snapshot")
+    fake.asked_for_a_snapshot(b"0 " + pose("one", number))
+    client.wait_for(f"^missed 2 to {number}$")
+    fake.stream.send(pose("one", number + 1))
+    assert client.wait() == 0, client.output
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_every_message_counts_in_the_checksum(kind, fake, follow):
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0")
+    fake.subscribed()
+    fake.stream.send(pose("one", 1))
+    fake.asked_for_a_snapshot(b"4294967295 " + pose("one", 1))
+    checksum = 4294967295
+    for number in range(2, 22):
+        fake.stream.send(pose("one", number))
+        checksum = add(checksum, pose("one", number))
+    assert client.wait() == 0, client.output
+    assert client.lines[-1] == f"done: received 20, missed 0; run one at 21, checksum {checksum}"
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
+    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4")
+    fake.subscribed()
+    fake.stream.send(pose("one", 2))
+    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
+    fake.stream.send(pose("one", 3))
+    fake.asked_for_a_snapshot(b"1 " + pose("one", 4))
+    assert client.wait() == 0, client.output
+    assert client.lines[-2:] == ["missed 4 to 4", "done: received 1, missed 1; run one at 4, checksum 1"]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_request_that_got_lost_is_asked_again(kind, fake, follow):
+    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2", "--patience", "30")
+    fake.subscribed()
+    fake.request()
+    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
+    assert client.wait() == 0, client.output
+    assert client.lines[-1] == "done: received 0, missed 0; run one at 2, checksum 1"
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_stream_that_never_comes_is_said(kind, fake, follow):
+    """Such as a firewall that lets only the snapshots through."""
+    nowhere = f"tcp://127.0.0.1:{free_port()}"
+    client = follow(kind, nowhere, fake.snapshots, "--until", "9")
+    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
+    fake.asked_for_a_snapshot(b"1 " + pose("one", 9))
+    assert client.wait() == 1, client.output
+    assert client.lines[-1] == f"gave up: no pose came over {nowhere}; is that the publisher, and its port open?"
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+@pytest.mark.parametrize(
+    "answer", [b"error: expected Hello", b"", b"\xff\xfe", b"-1 " + pose("one", 1), pose("one", 1)]
+)
+def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, follow):
+    client = follow(kind, fake.endpoint, fake.snapshots)
+    fake.asked_for_a_snapshot(answer)
+    assert client.wait() == 1, client.output
+    assert client.lines[-1].startswith(f"gave up: what answers at {fake.snapshots} gives no snapshots: ")
+    assert len(client.lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("kind", "how"), [("python", "--newest"), ("python", "--conflate"), ("csharp", "--newest")], ids=lambda word: word
+)
+def test_newest_only(kind, how, fake, follow):
+    """While the subscriber works on 1, the others arrive; it then takes the last of them."""
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "2", "--every", "1", "--work", "2", how)
+    fake.subscribed()
+    fake.stream.send(pose("one", 1))
+    client.wait_for("^1: at")
+    for number in range(2, 501):
+        fake.stream.send(pose("one", number))
+    assert client.wait() == 0, client.output
+    assert client.lines[1:] == [
+        place(1),
+        place(500),
+        "done: received 2, missed 498; run one at 500, checksum 0",
+    ]
+
+
+# The server by itself
+
+
+def snapshot_of(reply):
+    """Checksum and number."""
+    checksum, _, _, number = reply.split(b" ")[:4]
+    return int(checksum), int(number)
+
+
+def test_the_bytes_of_the_stream_and_of_a_snapshot(start, context):
+    server = start(
+        PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:*", "--rate", "600", **GERMAN
+    )
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    snapshots = server.wait_for(r"^snapshots on (\S+)")[1]
+    with context.socket(zmq.SUB) as stream:
+        stream.linger = 0
+        stream.subscribe("")
+        stream.connect(endpoint)
+        last, runs, checksum, target = {}, set(), 0, None
+        while last.get("newsflash/", 0) < 2 or not target or last["pose/"] < target[1]:
+            assert stream.poll(20_000)
+            (frame,) = stream.recv_multipart()
+            topic, run, number, body = frame.decode().split(" ", 3)
+            assert int(number) == last.get(topic, int(number) - 1) + 1, "numbers follow one another in each topic"
+            runs.add(run)
+            if topic == "pose/":
+                assert re.fullmatch(r"(-?\d\.\d{4} ){6}-?\d\.\d{4}", body), body
+                x, y, z, *turn = map(float, body.split(" "))
+                assert (x * x + z * z, y) == (pytest.approx(4, abs=0.01), 0)
+                assert sum(value * value for value in turn) == pytest.approx(1, abs=0.001)
+                # From one snapshot, with the stream, to exactly what the next snapshot says.
+                if topic not in last:
+                    checksum, at = snapshot_of(request(context, snapshots, b"pose/"))
+                elif int(number) > at:
+                    checksum = add(checksum, frame)
+                if not target and int(number) == at + 100:
+                    target = snapshot_of(request(context, snapshots, b"pose/"))
+            last[topic] = int(number)
+            if target and (topic, int(number)) == ("pose/", target[1]):
+                assert checksum == target[0]
+        assert len(runs) == 1
+    assert set(last) == {"pose/", "news/", "newsflash/"}
+    assert server.stop() == 0
+
+
+def test_facing_forward(context, publish):
+    """Unity's forward, (0, 0, 1) turned by the rotation, points to where the next pose is."""
+    poses = []
+    for count in ("1", "2"):
+        server, _, snapshots = publish("--rate", "0", "--count", count)
+        server.wait_for("^published")
+        poses.append([float(word) for word in request(context, snapshots, b"pose/").split(b" ")[4:]])
+    (x, _, z, qx, qy, qz, qw), (next_x, _, next_z, *_) = poses
+    forward = 2 * (qx * qz + qw * qy), 1 - 2 * (qx * qx + qy * qy)
+    assert (x + forward[0] / 30, z + forward[1] / 30) == pytest.approx((next_x, next_z), abs=0.001)
+
+
+@pytest.mark.parametrize(
+    "frames", [[b""], [b"pose"], [b"pose/", b"pose/"], [b"\xff\xfe"], [b"x" * 10_000_000], [b"", b""]]
+)
+def test_a_bad_request_gets_an_error_and_the_next_one_a_snapshot(frames, publish, context):
+    server, _, snapshots = publish()
+    assert request(context, snapshots, *frames).startswith(b"error: expected pose/")
+    assert re.match(rb"\d+ pose/ \w+ \d+ ", request(context, snapshots, b"pose/"))
+    assert server.stop() == 0
+
+
+def test_raw_bytes_on_both_ports(publish, follow):
+    server, *places = publish("--rate", "600")
+    for where in places:
+        for noise in [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, b"\xff" * 64]:
+            with socket.create_connection(("127.0.0.1", int(where.rpartition(":")[2]))) as raw:
+                raw.sendall(noise)
+    client = follow("python", *places, "--count", "60")
+    assert client.wait() == 0, client.output
+    assert server.stop() == 0
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("rate", ["0", "1"])
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
+def test_a_server_ends_at_once_and_leaves_its_ports(how, rate, publish):
+    server, endpoint, snapshots = publish("--rate", rate)
+    assert server.stop(how, limit=5) == 0
+    assert "Traceback" not in server.output
+    again, *same = publish("--snapshots", snapshots, endpoint=endpoint)
+    assert same == [endpoint, snapshots]
+    assert again.stop() == 0
+
+
+def test_a_taken_port_is_named_with_its_cure(publish, start):
+    _, endpoint, snapshots = publish()
+    for first, second, taken in (
+        (endpoint, "tcp://127.0.0.1:*", endpoint),
+        ("tcp://127.0.0.1:*", snapshots, snapshots),
+    ):
+        other = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", first, "--snapshots", second)
+        assert other.wait() == 1
+        assert other.lines == [f"cannot listen on {taken}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        (["--endpoint", "127.0.0.1:5553"], 2),
+        (["--endpoint", "tcp://127.0.0.1:99999"], 2),
+        (["--endpoint", "tcp://127.0.0.1"], 2),
+        (["--endpoint", "tcp://127.0.0.1:65500"], 2),
+        (["--endpoint", "tcp://127.0.0.1:*", "--snapshots", "here"], 2),
+        (["--endpoint", "tcp://192.0.2.1:0"], 1),
+        (["--rate", "-1"], 2),
+        (["--rate", "60.5"], 2),
+        (["--hwm", "3000000000"], 2),
+        (["--count", "many"], 2),
+    ],
+)
+def test_a_server_names_what_is_wrong(options, code, start):
+    server = start(PYTHON, ROOT / "python" / KEY / "server.py", *options)
+    assert server.wait() == code, server.output
+    assert "Traceback" not in server.output
+    assert options[0] in server.lines[-1] or "--snapshots" in server.lines[-1]
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+@pytest.mark.parametrize(
+    "options", [["--count", "many"], ["--patience", "1,5"], ["--work", "-1"], ["--every", "-1"], ["--untli", "3"]]
+)
+def test_wrong_usage_is_one_line_and_2(kind, options, start, client_command):
+    client = start(*client_command(kind, KEY, "tcp://127.0.0.1:5553", *options))
+    assert client.wait() == 2, client.output
+    assert options[0] in client.lines[-1]
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+@pytest.mark.parametrize("endpoint", ["127.0.0.1:5553", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", "tcp://:5553", ""])
+def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, client_command):
+    client = start(*client_command(kind, KEY, endpoint))
+    assert client.wait() == 2, client.output
+    assert f"bad endpoint '{endpoint}'" in client.lines[-1]
+    assert "Traceback" not in client.output
+    assert "Unhandled" not in client.output
+
+
+def test_without_its_own_option_the_snapshots_are_100_higher(serve):
+    port = free_port()
+    server, endpoint = serve(KEY, endpoint=f"tcp://127.0.0.1:{port}")
+    assert endpoint == f"tcp://127.0.0.1:{port}"
+    assert server.wait_for(r"^snapshots on (\S+)")[1] == f"tcp://127.0.0.1:{port + 100}"
+
+
+def test_the_default_endpoint_is_spelled_the_same_everywhere():
+    for path in (
+        f"python/{KEY}/server.py",
+        f"python/{KEY}/client.py",
+        f"csharp-console/{KEY}.cs",
+        f"unity/Assets/NetMQExample/{KEY}/PoseFollower.cs",
+    ):
+        assert "tcp://127.0.0.1:5553" in Path(ROOT, path).read_text(encoding="utf-8"), path
