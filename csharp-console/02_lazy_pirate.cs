@@ -18,7 +18,6 @@ namespace NetMQExample.Terminal
             var tries = arguments.Whole("tries", 20);
             var relaxed = arguments.Flag("relaxed");
             arguments.RefuseTheRest();
-            if (tries < 1) throw new UsageException("--tries takes 1 or more");
 
             Console.WriteLine($"asking {endpoint}");
             using var pirate = new LazyPirateRequester(endpoint, patience, tries, Console.WriteLine, relaxed);

@@ -7,7 +7,6 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
-using System.Reflection;
 using System.Runtime.InteropServices;
 using System.Threading;
 using UnityEngine;
@@ -26,7 +25,7 @@ namespace NetMQExample.Terminal
             arguments.RefuseTheRest();
 
             var scripts = typeof(NetMQLifetime).Assembly;
-            var types = Scripts(scripts, (lesson ?? "").Split('_')[0].PadLeft(2, '0'));
+            var types = Scripts.Of(scripts, lesson ?? "");
             var stopped = 0;
             void Stop(PosixSignalContext signal)
             {
@@ -64,19 +63,6 @@ namespace NetMQExample.Terminal
                 Inspector.Set(scripts, setting[..equals], setting[(equals + 1)..]);
             }
             thing.SetActive(true);
-        }
-
-        // Unity finds a script's class by the name of its file; NetMQExample.csproj writes down the files of each folder.
-        private static Type[] Scripts(Assembly assembly, string number)
-        {
-            var files = assembly.GetCustomAttributes<AssemblyMetadataAttribute>()
-                .Where(data => data.Value == "script").Select(data => data.Key.Split('/', '\\'));
-            var found = files
-                .Select(path => (Lesson: path[0], Type: assembly.GetType($"NetMQExample.{path[^1]}")))
-                .Where(script => script.Type != null && typeof(MonoBehaviour).IsAssignableFrom(script.Type) && !script.Type.IsAbstract)
-                .ToLookup(script => script.Lesson[..2], script => script.Type!);
-            if (found.Contains(number)) return found[number].ToArray();
-            throw new UsageException($"which lesson? Give its number first, one of: {string.Join(" ", found.Select(lesson => lesson.Key).OrderBy(key => key))}");
         }
     }
 }

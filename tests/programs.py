@@ -19,14 +19,14 @@ LIMIT = 30.0
 class Program:
     """A running process. `lines` grows as it prints, stdout and stderr together."""
 
-    def __init__(self, command: Sequence[str | Path], **environment: str) -> None:
+    def __init__(self, command: Sequence[str | Path], *, stdin: int = subprocess.DEVNULL, **environment: str) -> None:
         self.command = [str(word) for word in command]
         self.lines: list[str] = []
         self._news = threading.Condition()
         self.process = subprocess.Popen(
             self.command,
             cwd=ROOT,
-            stdin=subprocess.DEVNULL,
+            stdin=stdin,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

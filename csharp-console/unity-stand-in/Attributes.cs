@@ -67,7 +67,7 @@ namespace UnityEngine
     }
 
     [AttributeUsage(AttributeTargets.Method)]
-    public class RuntimeInitializeOnLoadMethodAttribute : Attribute
+    public class RuntimeInitializeOnLoadMethodAttribute : Scripting.PreserveAttribute
     {
         public RuntimeInitializeOnLoadMethodAttribute() { }
 
@@ -75,4 +75,10 @@ namespace UnityEngine
 
         public RuntimeInitializeLoadType loadType { get; private set; }
     }
+}
+
+namespace UnityEngine.Scripting
+{
+    [AttributeUsage(AttributeTargets.All, Inherited = false)]
+    public class PreserveAttribute : Attribute { }
 }

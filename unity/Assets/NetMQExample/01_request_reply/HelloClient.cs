@@ -37,6 +37,9 @@ namespace NetMQExample
             while (forUpdate.TryDequeue(out var action)) action();
         }
 
+        // Unity tells all objects before it disables the first: on Stop ten clients then end in the time of one.
+        private void OnApplicationQuit() => stop?.Cancel();
+
         private void OnDisable()
         {
             stop.Cancel();

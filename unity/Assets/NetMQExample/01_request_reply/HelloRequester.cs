@@ -53,6 +53,8 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Request(string text, TimeSpan patience, CancellationToken stop = default)
         {
+            // Here too: while every reply comes in time, Receive never gets to look.
+            stop.ThrowIfCancellationRequested();
             Send(text);
             return Receive(patience, stop);
         }

@@ -7,6 +7,7 @@
 using System;
 using System.Net;
 using System.Net.Sockets;
+using System.Threading;
 using AsyncIO;
 using NetMQ;
 
@@ -23,13 +24,20 @@ namespace NetMQExample
         private bool left;
 
         /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
+        /// <exception cref="TimeoutException">The last user to leave still waits for a forgotten socket.</exception>
         public NetMQLifetime()
         {
-            lock (Gate)
+            if (!Monitor.TryEnter(Gate, TimeSpan.FromSeconds(5)))
+                throw new TimeoutException("NetMQ is still closing: dispose every socket, on its own thread");
+            try
             {
                 // On Windows NetMQ would use I/O completion ports, which outlive a domain reload in the Unity editor.
                 // Elsewhere this call does nothing. It only counts before the first socket.
                 if (users++ == 0) ForceDotNet.Force();
+            }
+            finally
+            {
+                Monitor.Exit(Gate);
             }
         }
 
@@ -40,9 +48,12 @@ namespace NetMQExample
             {
                 if (left) return;
                 left = true;
-                // false: do not wait for sockets that somebody else forgot to dispose. The lock keeps a new user
-                // out until the old state is gone, because a socket made meanwhile would be refused.
-                if (--users == 0) NetMQConfig.Cleanup(false);
+                // It waits for a few milliseconds until the disposed sockets are closed, here on the network thread.
+                // Cleanup(false) does not, and leaves their connections open until the garbage collector finds them.
+                // The lock keeps a new user out meanwhile, because its socket would be refused.
+                // A thread that a domain reload aborts must not wait: NetMQ's own threads are aborted as well.
+                var aborted = (Thread.CurrentThread.ThreadState & ThreadState.AbortRequested) != 0;
+                if (--users == 0 && !aborted) NetMQConfig.Cleanup();
             }
         }
 

@@ -1,0 +1,57 @@
+// Lesson 04 in a terminal: the console twin of HelloBackground.cs, with the same BackgroundClient.
+//
+//     dotnet run --project csharp-console -- 4
+//     dotnet run --project csharp-console -- 4 --naive              lets each frame wait, to see the frames stop
+//     dotnet run --project csharp-console -- 4 --measure 10000      what a frame costs the main thread
+using System;
+using System.Diagnostics;
+using System.Threading;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson04
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5554");
+            var (count, text) = (arguments.Whole("count", 10), arguments.Text("text", "hello"));
+            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 3));
+            var (naive, measure) = (arguments.Flag("naive"), arguments.Whole("measure", 0));
+            arguments.RefuseTheRest();
+
+            Console.WriteLine($"asking {endpoint}");
+            // The client would say it too, but only as the error of a request. A terminal has the time to look first.
+            new HelloRequester(endpoint).Dispose();
+            using var client = new BackgroundClient(endpoint, patience, tries);
+            if (measure > 0) Cost04.Measure(client, text, measure);
+            else Play(client, text, count, naive);
+        }
+
+        // What a game does: frame after frame. Each one runs what came back, and asks once.
+        private static void Play(BackgroundClient client, string text, int count, bool naive)
+        {
+            var (asked, replies, frames, longest, shown, why) = (0, 0, 0, 0L, "", (string?)null);
+            void ShowTrouble()
+            {
+                if (client.LastError != shown && client.State != ClientState.Lost)
+                    Console.WriteLine($"trouble: {shown = client.LastError}");
+            }
+            void OnReply(string reply)
+            {
+                ShowTrouble();
+                Console.WriteLine($"{++replies}: sent {text}, received {reply}");
+            }
+            for (var frame = Stopwatch.StartNew(); replies < count && why == null; frames++, frame.Restart())
+            {
+                client.Poll();
+                if (asked < count && client.Request(text, OnReply, error => why ??= error)) asked++;
+                while (naive && replies < asked && why == null) client.Poll();
+                ShowTrouble();
+                Thread.Sleep(TimeSpan.FromSeconds(1 / 60.0));
+                longest = Math.Max(longest, frame.ElapsedMilliseconds);
+            }
+            Console.WriteLine($"frames: {frames}, the longest took {longest} ms");
+            Console.WriteLine(why == null ? $"done: {replies} replies" : throw new TimeoutException(why));
+        }
+    }
+}

@@ -1,0 +1,46 @@
+// Lesson 06 in a terminal: the console twin of ManyClient.cs, with the same ManyRequester.
+//
+//     dotnet run --project csharp-console -- 6                a slow request does not hold up the others
+//     dotnet run --project csharp-console -- 6 --measure      how much faster it is; lesson 01's server must run as well
+using System;
+using System.Linq;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson06
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5556");
+            var count = arguments.Whole("count", 6);
+            var texts = arguments.Text("text", "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three").Split('|');
+            var window = arguments.Whole("window", 4);
+            var patience = arguments.Seconds("patience", 2.5);
+            var tries = arguments.Whole("tries", 3);
+            var quiet = arguments.Flag("quiet");
+            var measure = arguments.Flag("measure");
+            var rounds = arguments.Whole("rounds", 9);
+            var alternation = arguments.Text("alternation", "tcp://127.0.0.1:5551");
+            arguments.RefuseTheRest();
+            if (window < 1 || tries < 1) throw new UsageException("--window and --tries take a whole number, 1 or more");
+            if (measure)
+            {
+                Measure06.Run(endpoint, alternation, Math.Max(1, rounds));
+                return;
+            }
+
+            Console.WriteLine($"asking {endpoint}, {window} in flight");
+            using var requester = new ManyRequester(endpoint, window, patience, tries, Console.WriteLine);
+            var failures = 0;
+            foreach (var answer in requester.RequestMany(Enumerable.Range(0, count).Select(i => texts[i % texts.Length])))
+            {
+                if (answer.Failure != null) failures++;
+                var outcome = answer.Failure == null ? $"received {answer.Reply}" : $"gave up: {answer.Failure}";
+                if (answer.Failure != null || !quiet)
+                    Console.WriteLine($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
+            }
+            Console.WriteLine($"done: {count - failures} replies");
+            if (failures > 0) throw new TimeoutException($"{failures} of {count} requests to {endpoint} have no reply; see above");
+        }
+    }
+}

@@ -1,0 +1,30 @@
+// Which MonoBehaviours a lesson's scene holds: those of its folder.
+using System;
+using System.Linq;
+using System.Reflection;
+using UnityEngine;
+
+namespace UnityPlayer
+{
+    public static class Scripts
+    {
+        /// <summary>The MonoBehaviours of a lesson.</summary>
+        /// <param name="assembly">The scripts, with the names of their files as NetMQExample.csproj writes them down.</param>
+        /// <param name="lesson">Such as 1, 01 or 01_request_reply.</param>
+        /// <exception cref="ArgumentException">There is no such lesson; the message says which there are.</exception>
+        public static Type[] Of(Assembly assembly, string lesson)
+        {
+            // Unity finds a script's class by the name of its file, and so does this.
+            var found = assembly.GetCustomAttributes<AssemblyMetadataAttribute>()
+                .Where(data => data.Value == "script")
+                .Select(data => data.Key.Split('/', '\\'))
+                .Select(path => (Lesson: path[0], Type: assembly.GetType($"NetMQExample.{path[path.Length - 1]}")))
+                .Where(script => typeof(MonoBehaviour).IsAssignableFrom(script.Type) && !script.Type.IsAbstract)
+                .ToLookup(script => script.Lesson.Substring(0, 2), script => script.Type);
+            var number = lesson.Split('_')[0].PadLeft(2, '0');
+            if (found.Contains(number)) return found[number].ToArray();
+            var known = string.Join(" ", found.Select(group => group.Key).OrderBy(key => key, StringComparer.Ordinal));
+            throw new ArgumentException($"which lesson? Give its number first, one of: {known}");
+        }
+    }
+}

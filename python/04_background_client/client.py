@@ -1,0 +1,188 @@
+"""Lesson 04, the client in Python: the twin of BackgroundClient.cs, and it prints the same lines.
+
+    python python/04_background_client/client.py              ten times hello, one a frame
+    python python/04_background_client/client.py --naive      the same without the thread, to see the frames stop
+
+Start the server with `--drop 3`, or stop it while the client runs: the frames go on, as the last lines say.
+Bytes: a request is two frames, [id][text], and so is its reply; all UTF-8. The client makes the id, a new one for each
+request and the same one for its retries. Take home: this file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import itertools
+import queue
+import re
+import sys
+import threading
+import time
+import uuid
+from collections.abc import Callable
+from socket import getaddrinfo
+
+import zmq
+
+Callback = Callable[[str], None]
+# How many milliseconds a wait for the network lasts before it looks whether the client was closed.
+SLICE = 50
+ENDED = "the client was disposed"
+
+
+class BackgroundClient:
+    """Asks a server without ever making the calling thread wait. Each client has its own thread."""
+
+    def __init__(self, endpoint: str, patience: float = 1.0, tries: int = 3, capacity: int = 64) -> None:
+        self.endpoint, self.patience, self.tries, self.capacity = endpoint, patience, tries, capacity
+        # Only a reply proves that the server is there: Connecting, Connected, Retrying, Lost, Disposed.
+        self.state, self.last_error, self.round_trip = "Connecting", "", 0.0
+        self._stopped, self._under_way = False, 0
+        self._waiting: queue.SimpleQueue[tuple[str, Callback, Callback] | None] = queue.SimpleQueue()
+        self._done: queue.SimpleQueue[tuple[Callback, str]] = queue.SimpleQueue()
+        self._ids = (f"{uuid.uuid4().hex}-{number}".encode() for number in itertools.count(1))
+        self._socket: zmq.Socket[bytes] | None = None
+        self._thread = threading.Thread(target=self._talk, daemon=True)
+        self._thread.start()
+
+    def request(self, text: str, reply: Callback, error: Callback) -> bool:
+        """Have one of the callbacks run in a later poll(). False if refused: neither will, and last_error says why."""
+        if self._stopped or self._under_way == self.capacity:
+            self.last_error = ENDED if self._stopped else f"refused: {self.capacity} requests are under way already"
+            return False
+        self._under_way += 1
+        self._waiting.put((text, reply, error))
+        return True
+
+    def poll(self) -> None:
+        """Run the callbacks of what has ended. Call it once a frame, on the thread that calls request()."""
+        for _ in range(self._done.qsize()):
+            callback, text = self._done.get()
+            self._under_way -= 1
+            callback(text)
+
+    def close(self) -> None:
+        """End the thread. The error callback of every request that has no reply yet runs before this returns."""
+        self._stopped = True
+        self._waiting.put(None)
+        self._thread.join(1)
+        self.state = "Disposed"
+        self.poll()
+
+    def _talk(self) -> None:
+        """The network thread. The socket is made, used and closed here."""
+        with zmq.Context() as context:
+            # Sleeps, which costs nothing, until request() or close() puts something there.
+            while call := self._waiting.get():
+                text, reply, error = call
+                try:
+                    self._done.put((reply, self._ask(context, [next(self._ids), text.encode()])))
+                except (TimeoutError, InterruptedError) as failure:
+                    self._close_socket()
+                    self.state, self.last_error = "Lost", str(failure)
+                    self._done.put((error, str(failure)))
+            self._close_socket()
+
+    def _ask(self, context: zmq.Context[zmq.Socket[bytes]], request: list[bytes]) -> str:
+        for attempt in itertools.count(1):
+            if not self._socket:
+                self._socket = context.socket(zmq.REQ)
+                # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
+                self._socket.linger = 0
+                self._socket.connect(self.endpoint)
+            try:
+                return self._try(self._socket, request)
+            except TimeoutError as error:
+                failure = f"{error} (try {attempt} of {self.tries})"
+            # A REQ socket that waits for a reply takes no other request. A new one also never gets a late reply.
+            self._close_socket()
+            if attempt == self.tries:
+                break
+            self.state, self.last_error = "Retrying", failure
+        raise TimeoutError(failure)
+
+    def _try(self, socket: zmq.Socket[bytes], request: list[bytes]) -> str:
+        start = time.monotonic()
+        socket.send_multipart(request, zmq.DONTWAIT)
+        while not socket.poll(SLICE):
+            if self._stopped:
+                raise InterruptedError(ENDED)
+            if time.monotonic() - start >= self.patience:
+                raise TimeoutError(f"no reply from {self.endpoint} within {self.patience:g} s; is the server running?")
+        reply = socket.recv_multipart()
+        if len(reply) != 2 or reply[0] != request[0]:
+            raise TimeoutError(f"garbage from {self.endpoint}: not [id][text] in two frames; is it the right server?")
+        self.round_trip, self.state = time.monotonic() - start, "Connected"
+        return reply[1].decode(errors="replace")
+
+    def _close_socket(self) -> None:
+        if self._socket:
+            self._socket.close()
+        self._socket = None
+
+
+def play(client: BackgroundClient, options: argparse.Namespace) -> None:
+    """What a game does: frame after frame. Each one runs what came back, and asks once."""
+    replies: list[str] = []
+    errors: list[str] = []
+    asked, frames, longest, shown = 0, 0, 0.0, ""
+
+    def show_trouble() -> None:
+        nonlocal shown
+        if client.last_error != shown and client.state != "Lost":
+            shown = client.last_error
+            print(f"trouble: {shown}", flush=True)
+
+    def on_reply(reply: str) -> None:
+        show_trouble()
+        replies.append(reply)
+        print(f"{len(replies)}: sent {options.text}, received {reply}", flush=True)
+
+    before = time.monotonic()
+    while len(replies) < options.count and not errors:
+        client.poll()
+        if asked < options.count and client.request(options.text, on_reply, errors.append):
+            asked += 1
+        while options.naive and len(replies) < asked and not errors:
+            client.poll()
+        show_trouble()
+        time.sleep(1 / 60)
+        now = time.monotonic()
+        frames, longest, before = frames + 1, max(longest, now - before), now
+    print(f"frames: {frames}, the longest took {longest * 1000:.0f} ms")
+    if errors:
+        raise TimeoutError(errors[0])
+    print(f"done: {len(replies)} replies")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Says hello once a frame, and never waits for world.")
+    parser.add_argument("--endpoint", default="tcp://127.0.0.1:5554", help="the server")
+    parser.add_argument("--count", type=int, default=10, help="how many requests")
+    parser.add_argument("--text", default="hello", help="what to ask: 'hello' or 'echo TEXT'")
+    parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for each reply")
+    parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
+    parser.add_argument("--naive", action="store_true", help="let each frame wait for its reply")
+    options = parser.parse_args()
+    # libzmq itself takes port 99999 and an unknown host without a word, and waits.
+    parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", options.endpoint)
+    if not parts or not 0 < int(parts[2]) < 65536:
+        parser.error(f"bad endpoint '{options.endpoint}': write it like tcp://127.0.0.1:5554, port 1 to 65535")
+    try:
+        getaddrinfo(parts[1], None)
+    except OSError:
+        parser.error(f"bad endpoint '{options.endpoint}': unknown host '{parts[1]}'; check its spelling")
+    if options.count < 0 or options.tries < 1 or not 0 < options.patience < 86400:
+        parser.error("--count takes a whole number, --tries 1 or more, --patience seconds, and none is negative")
+    print(f"asking {options.endpoint}", flush=True)
+    with contextlib.closing(BackgroundClient(options.endpoint, options.patience, options.tries)) as client:
+        play(client, options)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except TimeoutError as error:
+        sys.exit(f"gave up: {error}")
+    except KeyboardInterrupt:
+        sys.exit("stopped")

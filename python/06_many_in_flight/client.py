@@ -1,0 +1,85 @@
+"""Lesson 06, the client in Python: many requests under way, printed as their replies arrive.
+
+    python python/06_many_in_flight/client.py                            a slow request does not hold up the others
+    python python/06_many_in_flight/client.py --window 1                 one after the other, as in lesson 01
+    python python/06_many_in_flight/client.py --text "echo hello" --count 100000 --window 64 --quiet
+
+Bytes: UTF-8 text, two frames each way: [id][text]; the id is a number in digits, and a retry carries the same.
+Take home: many_requester.py.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import re
+import sys
+from socket import getaddrinfo
+
+import zmq
+from many_requester import ManyRequester
+
+
+def endpoint(text: str) -> str:
+    """What --endpoint takes. libzmq itself takes port 99999 and an unknown host without a word, and waits."""
+    parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", text)
+    if not parts or not 0 < int(parts[2]) < 65536:
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5556, port 1 to 65535")
+    try:
+        getaddrinfo(parts[1], None)
+    except OSError:
+        raise argparse.ArgumentTypeError(
+            f"bad endpoint '{text}': unknown host '{parts[1]}'; check its spelling"
+        ) from None
+    return text
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Asks without waiting for each answer.")
+    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5556", help="the server")
+    parser.add_argument("--count", type=int, default=6, help="how many requests")
+    parser.add_argument(
+        "--text",
+        default="sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three",
+        help="requests to repeat, with | between",
+    )
+    parser.add_argument("--window", type=int, default=4, help="how many requests may be under way")
+    parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait for each reply")
+    parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
+    parser.add_argument("--quiet", action="store_true", help="print only what goes wrong, and the end")
+    options = parser.parse_args()
+    if options.count < 0 or not 0 < options.patience < 86400:
+        parser.error("--count takes a whole number, --patience seconds, and neither is negative")
+    if options.window < 1 or options.tries < 1:
+        parser.error("--window and --tries take a whole number, 1 or more")
+    texts = options.text.split("|")
+    print(f"asking {options.endpoint}, {options.window} in flight", flush=True)
+    with zmq.Context() as context:
+        requester = ManyRequester(
+            context,
+            options.endpoint,
+            options.window,
+            options.patience,
+            options.tries,
+            lambda line: print(line, flush=True),
+        )
+        failures = 0
+        with requester.socket:
+            requests = itertools.islice(itertools.cycle(texts), options.count)
+            for number, reply, failure in requester.request_many(requests):
+                failures += bool(failure)
+                if failure or not options.quiet:
+                    outcome = f"gave up: {failure}" if failure else f"received {reply}"
+                    print(f"{number}: sent {texts[(number - 1) % len(texts)]}, {outcome}", flush=True)
+    print(f"done: {options.count - failures} replies", flush=True)
+    if failures:
+        raise TimeoutError(f"{failures} of {options.count} requests to {options.endpoint} have no reply; see above")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except TimeoutError as error:
+        sys.exit(f"gave up: {error}")
+    except KeyboardInterrupt:
+        sys.exit("stopped")

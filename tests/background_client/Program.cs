@@ -1,0 +1,375 @@
+// One check of BackgroundClient per run: dotnet background_client.dll CHECK ENDPOINT. The test has the server.
+//
+// Prints what happened, and ends with "ok"; ends with 1 and "failed: …" at the first thing that is wrong.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.IO;
+using System.Linq;
+using System.Threading;
+using System.Threading.Tasks;
+using NetMQ;
+
+namespace NetMQExample.Tests
+{
+    internal static class Program
+    {
+        private static readonly TimeSpan Limit = TimeSpan.FromSeconds(30);
+
+        private static int Main(string[] words)
+        {
+            try
+            {
+                var checks = new Dictionary<string, Action<string>>
+                {
+                    ["refusal"] = Refusal,
+                    ["stop"] = Stop,
+                    ["stop-answered"] = StopAnswered,
+                    ["look-up"] = LookUp,
+                    ["many"] = Many,
+                    ["await"] = Await,
+                    ["throwing"] = Throwing,
+                    ["nested"] = Nested,
+                    ["cleanup"] = Cleanup,
+                    ["state"] = State,
+                    ["asleep"] = Asleep,
+                    ["never-polled"] = NeverPolled,
+                    ["random"] = Randomly,
+                };
+                checks[words[0]](words[1]);
+                Console.WriteLine("ok");
+                return 0;
+            }
+            catch (Exception e)
+            {
+                Console.WriteLine($"failed: {e}");
+                return 1;
+            }
+        }
+
+        private static void Check(bool right, string what)
+        {
+            if (!right) throw new InvalidOperationException(what);
+        }
+
+        private static void Equal<T>(T expected, T actual) => Check(Equals(expected, actual), $"expected {expected}, got {actual}");
+
+        // Frames until something is true.
+        private static void Until(Func<bool> condition, params BackgroundClient[] clients)
+        {
+            for (var waited = Stopwatch.StartNew(); !condition(); Thread.Sleep(1))
+            {
+                Check(waited.Elapsed < Limit, "took too long: " + string.Join("; ", clients.Select(c => $"{c.State} {c.LastError}")));
+                foreach (var client in clients) client.Poll();
+            }
+        }
+
+        private static void StopInTime(BackgroundClient client)
+        {
+            var took = Stopwatch.StartNew();
+            client.Dispose();
+            Check(took.ElapsedMilliseconds <= 250, $"Dispose took {took.ElapsedMilliseconds} ms");
+            Console.WriteLine($"stopped in {took.ElapsedMilliseconds} ms");
+            Equal(ClientState.Disposed, client.State);
+        }
+
+        // Nobody answers: the fifth of four is refused, at once, and each of the four ends once, on this thread.
+        private static void Refusal(string endpoint)
+        {
+            var ended = new List<int>();
+            var thread = Environment.CurrentManagedThreadId;
+            var client = new BackgroundClient(endpoint, capacity: 4);
+            for (var i = 1; i <= 4; i++)
+            {
+                var number = i;
+                Check(client.Request("hello", _ => Check(false, "a reply"), why =>
+                {
+                    Equal("the client was disposed", why);
+                    Equal(thread, Environment.CurrentManagedThreadId);
+                    Check(!client.Request("hello", null), "accepted while it is disposed");
+                    ended.Add(number);
+                }), "refused too early");
+            }
+            Check(!client.Request("hello", _ => Check(false, "a reply"), _ => Check(false, "an error")), "not refused");
+            Equal("refused: 4 requests are under way already", client.LastError);
+            var refused = client.RequestAsync("hello");
+            Check(refused.Exception?.InnerException is IOException, "RequestAsync of a full client");
+            client.Poll();
+            Equal(0, ended.Count);
+            StopInTime(client);
+            Equal("1 2 3 4", string.Join(" ", ended));
+            client.Poll();
+            client.Dispose();
+            Check(!client.Request("hello", null), "accepted after Dispose");
+            Equal("the client was disposed", client.LastError);
+            Equal(4, ended.Count);
+        }
+
+        // Stop at every moment, twenty times, without a pause: the next client must not find a context that ends.
+        private static void Stop(string endpoint)
+        {
+            for (var round = 0; round < 20; round++)
+            {
+                var ends = 0;
+                var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(10));
+                for (var i = 0; i < round; i++) client.Request("hello", _ => ends++, _ => ends++);
+                Thread.Sleep(5 * round);
+                StopInTime(client);
+                Equal(round, ends);
+            }
+        }
+
+        // What was answered, but not polled yet, is still a reply when the client is disposed.
+        private static void StopAnswered(string endpoint)
+        {
+            string got = null;
+            var client = new BackgroundClient(endpoint);
+            client.Request("hello", reply => got = reply, why => got = why);
+            Until(() => client.Replies == 1);
+            // Replies counts a moment before the reply is there to be polled.
+            Thread.Sleep(50);
+            StopInTime(client);
+            Equal("world", got);
+        }
+
+        // A name that is looked up in vain: the reason reaches the caller, and the thread goes on.
+        private static void LookUp(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint);
+            for (var i = 0; i < 2; i++)
+            {
+                string why = null;
+                client.Request("hello", null, error => why = error);
+                Until(() => why != null, client);
+                Console.WriteLine(why);
+                Check(why.StartsWith($"bad endpoint '{endpoint}'", StringComparison.Ordinal), why);
+                Equal(why, client.LastError);
+                Equal(ClientState.Lost, client.State);
+            }
+        }
+
+        // Five clients at once, each with its own replies; one leaves early and takes nobody with it.
+        private static void Many(string endpoint)
+        {
+            const int count = 200;
+            var clients = Enumerable.Range(0, 5).Select(_ => new BackgroundClient(endpoint, TimeSpan.FromSeconds(20))).ToArray();
+            var got = clients.Select(_ => new List<string>()).ToArray();
+            for (var i = 0; i < count; i++)
+                for (var c = 0; c < clients.Length; c++)
+                {
+                    var mine = got[c];
+                    Until(() => clients[c].Request($"echo {c}-{i}", mine.Add, why => mine.Add($"! {why}")) || clients[c].State == ClientState.Disposed, clients);
+                    if (c == 2 && i == count / 2) StopInTime(clients[c]);
+                }
+            Until(() => clients.Where((_, c) => c != 2).All(client => client.Replies == count) && got[4].Count == count, clients);
+            foreach (var client in clients) client.Dispose();
+            for (var c = 0; c < clients.Length; c++)
+            {
+                if (c == 2) continue;
+                Equal(string.Join(" ", Enumerable.Range(0, count).Select(i => $"{c}-{i}")), string.Join(" ", got[c]));
+            }
+            Equal(count / 2 + 1, got[2].Count);
+        }
+
+        private static void Await(string endpoint)
+        {
+            var thread = Environment.CurrentManagedThreadId;
+            var client = new BackgroundClient(endpoint);
+            async Task<string> Talk()
+            {
+                var all = "";
+                for (var i = 0; i < 5; i++)
+                {
+                    all += await client.RequestAsync($"echo {i}");
+                    Equal(thread, Environment.CurrentManagedThreadId);
+                }
+                return all;
+            }
+            var talk = Talk();
+            Until(() => talk.IsCompleted, client);
+            Equal("01234", talk.Result);
+
+            async Task<string> Interrupted()
+            {
+                try
+                {
+                    return await client.RequestAsync("hello");
+                }
+                catch (IOException e)
+                {
+                    Equal(thread, Environment.CurrentManagedThreadId);
+                    return e.Message;
+                }
+            }
+            var interrupted = Interrupted();
+            client.Dispose();
+            Check(interrupted.IsCompleted, "Dispose left an await waiting");
+            Console.WriteLine(interrupted.Result);
+        }
+
+        // An exception of a callback comes out of Poll, and keeps no other callback from running: not in Poll, not in Dispose.
+        private static void Throwing(string endpoint)
+        {
+            int thrown = 0, ran = 0;
+            var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(20));
+            void Throw(string text)
+            {
+                ran++;
+                throw new FormatException(text);
+            }
+            for (var i = 0; i < 10; i++) client.Request("hello", Throw, Throw);
+            Until(() =>
+            {
+                try
+                {
+                    client.Poll();
+                }
+                catch (FormatException)
+                {
+                    thrown++;
+                }
+                return thrown == 10;
+            });
+            Equal(10, ran);
+            for (var i = 0; i < 10; i++) client.Request("hello", Throw, Throw);
+            try
+            {
+                client.Dispose();
+                Check(false, "Dispose kept the exception for itself");
+            }
+            catch (FormatException)
+            {
+                Equal(20, ran);
+            }
+        }
+
+        // Callbacks that ask, poll and dispose.
+        private static void Nested(string endpoint)
+        {
+            var (asked, replies, errors) = (0, 0, 0);
+            var client = new BackgroundClient(endpoint);
+            void Ask()
+            {
+                if (client.Request("hello", Again, _ => errors++)) asked++;
+            }
+            void Again(string reply)
+            {
+                Equal("world", reply);
+                replies++;
+                client.Poll();
+                if (replies >= 100) client.Dispose();
+                Ask();
+            }
+            for (var i = 0; i < 10; i++) Ask();
+            Until(() => client.State == ClientState.Disposed, client);
+            Check(replies >= 100 && replies + errors == asked, $"{asked} requests, {replies} replies, {errors} errors");
+            Console.WriteLine($"{replies} replies, {errors} errors");
+        }
+
+        // Somebody else's code ends NetMQ for the whole process, as many examples do in OnDestroy.
+        private static void Cleanup(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(0.5));
+            for (var round = 0; round < 5; round++)
+            {
+                string got = null;
+                client.Request("hello", reply => got = reply, why => got = why);
+                if (round % 2 == 0) Until(() => got != null, client);
+                NetMQConfig.Cleanup(false);
+                Until(() => got != null, client);
+                Console.WriteLine(got);
+            }
+            string last = null;
+            for (var tries = 0; last != "world"; tries++)
+            {
+                Check(tries < 5, $"did not recover: {last}");
+                last = null;
+                client.Request("hello", reply => last = reply, why => last = why);
+                Until(() => last != null, client);
+            }
+        }
+
+        // What a head-up display shows; the test has a server that loses its second reply and garbles its fourth.
+        private static void State(string endpoint)
+        {
+            var client = new BackgroundClient(endpoint);
+            var seen = new List<string>();
+            Equal((ClientState.Connecting, "", 0, TimeSpan.Zero), (client.State, client.LastError, client.Replies, client.RoundTripTime));
+            var (asked, ended) = (0, 0);
+            void See(string _)
+            {
+                if (++ended > 4) return;
+                Equal(ClientState.Connected, client.State);
+                Check(client.RoundTripTime > TimeSpan.Zero && client.RoundTripTime < Limit, $"round trip {client.RoundTripTime}");
+            }
+            Until(() =>
+            {
+                if (asked == ended && client.Request("hello", See, why => Check(ended >= 4, why))) asked++;
+                var now = $"{client.State} {client.LastError}";
+                if (seen.LastOrDefault() != now) seen.Add(now);
+                return ended == 4;
+            }, client);
+            Equal(4, client.Replies);
+            client.Dispose();
+            foreach (var line in seen) Console.WriteLine(line);
+        }
+
+        // Neither an idle client nor one that waits for a reply may use the processor.
+        private static void Asleep(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(10));
+            foreach (var what in new[] { "idle", "waiting" })
+            {
+                if (what == "waiting") client.Request("hello", null);
+                Thread.Sleep(200);
+                var before = Process.GetCurrentProcess().TotalProcessorTime;
+                Thread.Sleep(2000);
+                var used = Process.GetCurrentProcess().TotalProcessorTime - before;
+                Console.WriteLine($"{what}: {used.TotalMilliseconds:F0} ms of processor time in 2000 ms");
+                Check(used.TotalMilliseconds < 400, "it does not sleep");
+            }
+        }
+
+        // A client whose owner forgets to call Poll holds 64 replies and not more.
+        private static void NeverPolled(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint);
+            var accepted = 0;
+            var replies = 0;
+            for (; client.Request("hello", _ => replies++); accepted++) { }
+            Equal(64, accepted);
+            Until(() => client.Replies == 64);
+            Thread.Sleep(50);
+            Check(!client.Request("hello", null), "replies that nobody polled do not count");
+            client.Poll();
+            Equal(64, replies);
+            Check(client.Request("hello", _ => replies++), "no room after Poll");
+            Until(() => replies == 65, client);
+        }
+
+        // While the test kills and restarts the server: every request ends once, and a reply is that of its request.
+        private static void Randomly(string endpoint)
+        {
+            var random = new Random(4);
+            for (var round = 0; round < 15; round++)
+            {
+                var ends = new List<int>();
+                var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(0.1 + random.NextDouble() / 5), tries: 1 + random.Next(4));
+                var right = true;
+                var frames = random.Next(20, 400);
+                for (var frame = 0; frame < frames; frame++)
+                {
+                    client.Poll();
+                    var text = $"{round}-{ends.Count}";
+                    var at = ends.Count;
+                    if (client.Request($"echo {text}", reply => { ends[at]++; right &= reply == text; }, _ => ends[at]++)) ends.Add(0);
+                    Thread.Sleep(random.Next(3));
+                }
+                StopInTime(client);
+                Check(right, "a reply to another request");
+                Check(ends.All(times => times == 1), "ended " + string.Join(" ", ends));
+                Console.WriteLine($"round {round}: {ends.Count} requests, {client.Replies} replies");
+            }
+        }
+    }
+}

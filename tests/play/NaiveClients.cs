@@ -1,0 +1,88 @@
+// How the known examples do it. Never take these home: they are here to show that the test sees what is wrong.
+using System;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+using UnityEngine;
+
+namespace NetMQExample.PlayTest
+{
+    /// <summary>Waits for each reply without a limit, and OnDestroy waits for that.</summary>
+    public sealed class EndlessClient : MonoBehaviour
+    {
+        [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
+
+        private volatile bool running = true;
+        private Thread thread;
+        private string who;
+
+        private void Start()
+        {
+            who = name;
+            thread = new Thread(Ask) { IsBackground = true };
+            thread.Start();
+        }
+
+        private void OnDestroy()
+        {
+            running = false;
+            thread.Join();
+            NetMQConfig.Cleanup();
+        }
+
+        private void Ask()
+        {
+            using var socket = new RequestSocket(endpoint);
+            while (running)
+            {
+                socket.SendFrame("Hello");
+                Debug.Log($"{who}: asked");
+                Debug.Log($"{who}: received {socket.ReceiveFrameString()}");
+            }
+        }
+    }
+
+    /// <summary>Waits with a limit, but cleans up what its neighbours still use.</summary>
+    public sealed class CleaningClient : MonoBehaviour
+    {
+        [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
+
+        private volatile bool running = true;
+        private Thread thread;
+        private string who;
+
+        private void Start()
+        {
+            who = name;
+            thread = new Thread(Ask) { IsBackground = true };
+            thread.Start();
+        }
+
+        private void OnDestroy()
+        {
+            running = false;
+            thread.Join();
+            NetMQConfig.Cleanup(false);
+        }
+
+        private void Ask()
+        {
+            try
+            {
+                using var socket = new RequestSocket(endpoint);
+                while (running)
+                {
+                    socket.SendFrame("Hello");
+                    string reply;
+                    while (!socket.TryReceiveFrameString(TimeSpan.FromMilliseconds(50), out reply))
+                        if (!running) return;
+                    Debug.Log($"{who}: received {reply}");
+                }
+            }
+            catch (Exception e)
+            {
+                Debug.LogError($"{who}: {e.GetType().Name}");
+            }
+        }
+    }
+}

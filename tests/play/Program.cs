@@ -1,0 +1,149 @@
+// Presses Play and Stop. The test says when, by lines on the standard input: play, destroy, stop, end.
+//
+//     mono play.dll reload 1 tcp://127.0.0.1:5551 2      each Play in a fresh AppDomain, two clients in the scene
+//     dotnet play.dll reload …                           each Play in a fresh load context
+//     … play.dll keep …                                  every Play on the same statics, as with domain reload off
+//     … play.dll api                                     no Play: what the stand-in of UnityEngine has
+//     … play.dll events                                  one Play, which prints its events in their order
+//
+// It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
+// Threads and sockets are counted by the test, from outside.
+using System;
+using System.Collections.Concurrent;
+using System.Diagnostics;
+using System.Globalization;
+using System.IO;
+using System.Linq;
+using System.Reflection;
+using System.Runtime.CompilerServices;
+using System.Threading;
+using UnityEngine;
+using UnityPlayer;
+using Object = UnityEngine.Object;
+
+namespace NetMQExample.PlayTest
+{
+    internal static class Program
+    {
+        private const string Asked = "asked";
+        private static readonly string Self = typeof(Program).Assembly.Location;
+        private static volatile AppDomain domain = AppDomain.CurrentDomain;
+
+        private static int Main(string[] words)
+        {
+            if (words[0] == "api" || words[0] == "events")
+            {
+                if (words[0] == "api") Api.Print();
+                else Events.Print();
+                return 0;
+            }
+            if (words[0] == "inside") return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
+            var inside = words.Skip(1).Prepend("inside").ToArray();
+            using var plays = new BlockingCollection<string>();
+            new Thread(() => Listen(plays)) { IsBackground = true }.Start();
+            Console.WriteLine("ready");
+            foreach (var _ in plays.GetConsumingEnumerable())
+            {
+                if (words[0] == "keep") Main(inside);
+                else if (Type.GetType("Mono.Runtime") != null) PlayInDomain(inside);
+                else PlayInContext(inside);
+                Console.WriteLine("ready");
+            }
+            return 0;
+        }
+
+        // It stays outside the domain of the Play: a thread that waits for input would hold up the unloading.
+        private static void Listen(BlockingCollection<string> plays)
+        {
+            for (var line = Console.ReadLine(); line != null && line != "end"; line = Console.ReadLine())
+            {
+                if (line == "play") plays.Add(line);
+                else domain.SetData(Asked, line);
+            }
+            plays.CompleteAdding();
+        }
+
+        private static int Play(string script, string endpoint, int clients)
+        {
+            var here = AppDomain.CurrentDomain;
+            var own = typeof(Program).Assembly;
+            var lessons = typeof(NetMQLifetime).Assembly;
+            var named = own.GetType($"NetMQExample.PlayTest.{script}");
+            var types = named == null ? Scripts.Of(lessons, script) : new[] { named };
+            var player = new Player(lessons);
+            GameObject first = null;
+            player.Begin(() =>
+            {
+                for (var i = clients; i > 0; i--) first = MakeObject($"client {i}", types, endpoint);
+            });
+            Console.WriteLine("playing");
+            for (var asked = ""; asked != "stop"; asked = (string)here.GetData(Asked) ?? "")
+            {
+                if (asked.Length > 0) here.SetData(Asked, null);
+                if (asked == "destroy") Object.Destroy(first);
+                player.Frame();
+                if (asked == "destroy") Console.WriteLine("destroyed");
+                Thread.Sleep(5);
+            }
+            here.SetData(Asked, null);
+            Say("stopped", player.Stop());
+            return 0;
+        }
+
+        private static GameObject MakeObject(string name, Type[] types, string endpoint)
+        {
+            var thing = new GameObject(name);
+            thing.SetActive(false);
+            foreach (var script in types.Select(type => (MonoBehaviour)thing.AddComponent(type)))
+                foreach (var field in Inspector.Fields(script.GetType()))
+                {
+                    if (field.GetValue(script) is string text && text.StartsWith("tcp://", StringComparison.Ordinal)) field.SetValue(script, endpoint);
+                    // So that it is still asking when Stop comes.
+                    if (field.Name == "count") field.SetValue(script, int.MaxValue);
+                }
+            thing.SetActive(true);
+            return thing;
+        }
+
+        private static void PlayInDomain(string[] inside)
+        {
+            domain = AppDomain.CreateDomain("Play");
+            domain.ExecuteAssembly(Self, inside);
+            var busy = Stopwatch.StartNew();
+            AppDomain.Unload(domain);
+            Say("unloaded", busy.Elapsed);
+        }
+
+        private static void PlayInContext(string[] inside)
+        {
+            var context = PlayIn(inside);
+            var busy = Stopwatch.StartNew();
+            for (var i = 0; i < 10 && context.IsAlive; i++)
+            {
+                GC.Collect();
+                GC.WaitForPendingFinalizers();
+            }
+            // NetMQ keeps a handle that .NET does not let go of: reported, and no error.
+            if (context.IsAlive) Console.WriteLine("not collected");
+            else Say("unloaded", busy.Elapsed);
+        }
+
+        // By reflection, because netstandard2.1 has no load contexts.
+        [MethodImpl(MethodImplOptions.NoInlining)]
+        private static WeakReference PlayIn(string[] inside)
+        {
+            var type = Type.GetType("System.Runtime.Loader.AssemblyLoadContext, System.Runtime.Loader", true);
+            var context = Activator.CreateInstance(type, "Play", true);
+            var load = type.GetMethod("LoadFromAssemblyPath");
+            foreach (var path in Directory.GetFiles(Path.GetDirectoryName(Self), "*.dll").Where(path => path != Self))
+                load.Invoke(context, new object[] { path });
+            var play = (Assembly)load.Invoke(context, new object[] { Self });
+            play.EntryPoint.Invoke(null, new object[] { inside });
+            type.GetMethod("Unload").Invoke(context, null);
+            return new WeakReference(context);
+        }
+
+        private static void Say(string what, TimeSpan time) =>
+            Console.WriteLine(FormattableString.Invariant($"{what} in {time.TotalMilliseconds:F1} ms"));
+    }
+}

@@ -1,0 +1,561 @@
+"""Lesson 02: lost, late and repeated replies, a server that is killed and comes back, and a sum that stays exact."""
+
+from __future__ import annotations
+
+import os
+import random
+import re
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import time
+
+import pytest
+import zmq
+
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import LIMIT, ROOT
+
+KEY = "02_lazy_pirate"
+SERVER = ROOT / "python" / KEY / "server.py"
+# Throwing the socket away, and keeping it. For the player, --relaxed is a field and needs a value.
+WAYS = [
+    ("python", ()),
+    ("python", ("--relaxed",)),
+    ("csharp", ()),
+    ("csharp", ("--relaxed",)),
+    ("unity", ()),
+    ("unity", ("--relaxed", "true")),
+]
+ways = pytest.mark.parametrize(("kind", "way"), WAYS, ids=[" ".join([kind, *way[:1]]) for kind, way in WAYS])
+
+
+def received(numbers):
+    return [f"{i}: sent add 1, received {i}" for i in numbers]
+
+
+def retry(i, attempt, way=(), tries=20, patience="0.5"):
+    return f"{i}: no reply within {patience} s; try {attempt} of {tries}, on {'the same' if way else 'a new'} socket"
+
+
+def replies(client):
+    return [line for line in client.lines if "received" in line]
+
+
+def fate(server, word):
+    """The request, as the client counts them, of which the server says this.
+
+    The server's own count goes by tries, of which there are more on a busy machine.
+    """
+    return int(server.wait_for(rf"-(\d+): \d+(?:, from the journal)?, {word}")[1])
+
+
+@pytest.fixture
+def journal(tmp_path):
+    return tmp_path / "journal.sqlite3"
+
+
+@pytest.fixture
+def pirate_server(serve, journal):
+    """Like serve(), with a journal of this test's own, which the next server of the test opens again."""
+
+    def pirate_server(*options, endpoint="tcp://127.0.0.1:*"):
+        return serve(KEY, "--journal", str(journal), *options, endpoint=endpoint)
+
+    return pirate_server
+
+
+@pytest.fixture
+def context():
+    with zmq.Context() as context:
+        yield context
+
+
+def ask(context, endpoint, *frames, kind=zmq.REQ):
+    """One request of a client that is not the kit's; the reply's frames."""
+    with context.socket(kind) as asker:
+        asker.linger = 0
+        asker.connect(endpoint)
+        asker.send_multipart(frames)
+        assert asker.poll(20_000), f"no reply to {frames!r:.80}"
+        return asker.recv_multipart()
+
+
+def balance(context, endpoint):
+    return int(ask(context, endpoint, os.urandom(8).hex().encode(), b"balance")[1])
+
+
+def steady_port():
+    """A free port outside the range from which the system takes those of outgoing connections.
+
+    While no server listens on a port of that range, a client that tries it may be given the same port as its own, and
+    is then connected to itself.
+    """
+    for port in random.sample(range(20_000, 30_000), 100):
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            return port
+    raise AssertionError("no free port")
+
+
+@ways
+def test_ten_additions(kind, way, pirate_server, start, client_command):
+    server, endpoint = pirate_server()
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "20", *way))
+    assert client.wait() == 0, client.output
+    assert client.lines == [f"asking {endpoint}", *received(range(1, 11)), "done: 10 replies"]
+    assert server.stop() == 0
+    assert re.fullmatch(r"journal \S*journal\.sqlite3, balance 0", server.lines[0])
+    assert server.lines[1] == f"listening on {endpoint}"
+    matches = [re.fullmatch(r"request (\d+), ([0-9a-f]{32})-(\d+): (\d+)", line) for line in server.lines[2:]]
+    assert [(m[1], m[3], m[4]) for m in matches] == [(str(i),) * 3 for i in range(1, 11)]
+    assert len({m[2] for m in matches}) == 1
+
+
+@ways
+def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, way, pirate_server, start, client_command):
+    server, endpoint = pirate_server("--drop", "2")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "3", *way))
+    assert client.wait() == 0, client.output
+    i = fate(server, "dropped")
+    assert retry(i, 2, way) in client.lines
+    assert replies(client) == received([1, 2, 3])
+    assert f"-{i}: {i}, from the journal" in server.output
+
+
+@ways
+def test_a_slow_reply_comes_with_a_later_try(kind, way, pirate_server, start, client_command):
+    server, endpoint = pirate_server("--slow-on", "2", "--delay", "1.2")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "3", *way))
+    assert client.wait() == 0, client.output
+    i = fate(server, "1.2 s late")
+    assert {retry(i, 2, way), retry(i, 3, way)} < set(client.lines)
+    assert replies(client) == received([1, 2, 3])
+    # Every try reached the server, those of thrown away sockets too.
+    assert server.output.count(f"-{i}: {i}, from the journal") >= 2
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_late_reply_to_an_earlier_request_is_dropped(kind, pirate_server, start, client_command):
+    _, endpoint = pirate_server("--late", "2")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "4", "--patience", "20"))
+    assert client.wait() == 0, client.output
+    dropped = client.lines.pop(3)
+    assert re.fullmatch(
+        r"3: dropped a reply to another request \([0-9a-f]{32}-2 2\); try 2 of 20, on a new socket", dropped
+    )
+    assert client.lines[1:] == [*received([1, 2, 3, 4]), "done: 4 replies"]
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_relaxed_socket_drops_a_late_reply_itself(kind, pirate_server, start, client_command):
+    server, endpoint = pirate_server("--late", "2")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "4", "--patience", "20", "--relaxed"))
+    assert client.wait() == 0, client.output
+    assert client.lines[1:] == [*received([1, 2, 3, 4]), "done: 4 replies"]
+    assert "request 2 is answered once more" in server.lines
+
+
+@ways
+def test_a_crash_between_the_work_and_the_reply(kind, way, pirate_server, start, client_command):
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    server, _ = pirate_server("--crash-on", "3", endpoint=endpoint)
+    client = start(*client_command(kind, KEY, endpoint, "--count", "5", *way))
+    assert server.wait() == 1
+    i = fate(server, "crash")
+    again, _ = pirate_server(endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert again.lines[0].endswith(f"balance {i}"), "the crash came after the commit"
+    assert again.lines[2].endswith(f"-{i}: {i}, from the journal")
+    assert replies(client) == received(range(1, 6))
+    assert retry(i, 2, way) in client.lines
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_without_a_server_it_gives_up(kind, start, client_command):
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.25", "--tries", "3"))
+    assert client.wait() == 1, client.output
+    assert client.lines[1:] == [
+        retry(1, 2, tries=3, patience="0.25"),
+        retry(1, 3, tries=3, patience="0.25"),
+        f"gave up: no reply from {endpoint} in 3 tries of 0.25 s; is the server running? "
+        "'add 1' may have been done or not",
+    ]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_client_that_starts_before_its_server(kind, pirate_server, start, client_command):
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    client = start(*client_command(kind, KEY, endpoint, "--count", "2"))
+    client.wait_for("try 3 of 20")
+    pirate_server(endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert replies(client) == received([1, 2])
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_more_retries_than_a_queue_holds_on_a_relaxed_socket(kind, start, client_command):
+    """A thousand requests fill the queue of a connection that nobody answers; the next send would wait for ever."""
+    options = ["--patience", "0.001", "--tries", "1200", "--relaxed"]
+    client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{steady_port()}", *options))
+    assert client.wait() == 1, client.output
+    assert "in 1200 tries" in client.lines[-1]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_server_that_speaks_otherwise(kind, serve, start, client_command):
+    """Lesson 01's server: its answer is shown, so that the reader sees what is wrong."""
+    _, endpoint = serve("01_request_reply")
+    client = start(*client_command(kind, KEY, endpoint, "--tries", "2", "--patience", "20"))
+    assert client.wait() == 1, client.output
+    assert client.lines[1].startswith(
+        "1: dropped a reply to another request (error: expected one frame, got 2); try 2 of 2"
+    )
+    assert client.lines[-1].startswith("gave up: ")
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_the_bytes_of_a_client(kind, start, client_command, context):
+    """Against a plain REP: two frames, an id that every retry repeats and no other request has, UTF-8 both ways."""
+    with context.socket(zmq.REP) as rep:
+        rep.linger = 0
+        port = rep.bind_to_random_port("tcp://127.0.0.1")
+        options = ["--count", "3", "--text", "füge ✓ hinzu", "--patience", "20"]
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", *options))
+        seen = []
+        for answer in ([b"W\xc3\xb6rld"], None, [b"one", b"two"], None):
+            assert rep.poll(20_000)
+            request_id, text = rep.recv_multipart()
+            assert text.decode() == "füge ✓ hinzu"
+            seen.append(request_id.decode())
+            # Whatever is not [id][text] with the request's own id is no reply to it.
+            rep.send_multipart([request_id, "grün".encode()] if answer is None else answer)
+        assert rep.poll(20_000)
+        last = rep.recv_multipart()[0]
+        rep.send_multipart([last, b"3"])
+        assert client.wait() == 0, client.output
+    assert seen[0] == seen[1] != seen[2] == seen[3] != last.decode()
+    assert replies(client) == [
+        "1: sent füge ✓ hinzu, received grün",
+        "2: sent füge ✓ hinzu, received grün",
+        "3: sent füge ✓ hinzu, received 3",
+    ]
+    assert "dropped a reply to another request (Wörld)" in client.lines[1]
+    assert "dropped a reply to another request (one two)" in client.lines[3]
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize(
+    "endpoint", ["127.0.0.1:5552", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", "tcp://127.0.0.1:x", "tcp://:5552", ""]
+)
+def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, client_command):
+    client = start(*client_command(kind, KEY, endpoint))
+    assert client.wait() == 2, client.output
+    assert f"bad endpoint '{endpoint}'" in client.lines[-1]
+    assert "tcp://127.0.0.1:555" in client.lines[-1], "the cure"
+    assert "Traceback" not in client.output
+    assert "Unhandled" not in client.output
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_client_names_an_unknown_host(kind, start, client_command):
+    client = start(*client_command(kind, KEY, "tcp://no-such-host.invalid:5552", "--tries", "1"))
+    assert client.wait() == 2, client.output
+    assert "unknown host 'no-such-host.invalid'" in client.lines[-1]
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--tries", "0"],
+        ["--tries", "x"],
+        ["--patience", "0"],
+        ["--patience", "1,5"],
+        ["--count", "-1"],
+        ["--conut", "3"],
+    ],
+    ids="=".join,
+)
+def test_wrong_usage_is_one_line_and_2(kind, options, start, client_command):
+    client = start(*client_command(kind, KEY, "tcp://127.0.0.1:5552", *options))
+    assert client.wait() == 2, client.output
+    assert options[0][2:] in client.lines[-1]
+
+
+GARBAGE = {
+    "one frame": [b"add 1"],
+    "three frames": [b"1", b"add 1", b""],
+    "two empty frames": [b"", b""],
+    "no id": [b"", b"add 1"],
+    "an endless id": [b"i" * 101, b"add 1"],
+    "ten megabytes": [b"1", b"x" * 10_000_000],
+    "invalid UTF-8": [b"\xff\xfe", b"\xff\xfe"],
+    "nothing to add": [b"1", b"add "],
+    "less": [b"1", b"add -1"],
+    "a part": [b"1", b"add 1.5"],
+    "more than all": [b"1", b"add 99999999999999999999"],
+    "other digits": [b"1", "add \N{ARABIC-INDIC DIGIT ONE}".encode()],
+    "a closing zero": [b"1", b"add 1\0"],
+    "two lines": [b"1", b"add 1\n"],
+}
+
+
+@pytest.mark.parametrize("frames", GARBAGE.values(), ids=GARBAGE.keys())
+def test_a_bad_request_gets_an_error_and_changes_nothing(frames, pirate_server, context):
+    server, endpoint = pirate_server()
+    reply = ask(context, endpoint, *frames)
+    assert len(reply) == 2
+    assert reply[1].startswith(b"error: expected ")
+    assert ask(context, endpoint, b"first", b"add 2") == [b"first", b"2"]
+    assert balance(context, endpoint) == 2
+    assert server.stop() == 0
+    assert "Traceback" not in server.output
+
+
+def test_peers_that_leave_half_way_and_envelopes_that_are_none(pirate_server, context):
+    server, endpoint = pirate_server()
+    port = int(endpoint.rpartition(":")[2])
+    greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
+    for noise in [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, greeting[:20], greeting + b"\x04\xff" + bytes(40)]:
+        with socket.create_connection(("127.0.0.1", port)) as raw:
+            raw.sendall(noise)
+    # Without REQ's empty frame there is no way back; REP would drop such a message.
+    for frames in ([b"1", b"add 1"], [b"add 1"], [b""], [b"", b"", b""]):
+        with context.socket(zmq.DEALER) as dealer:
+            dealer.linger = 1000
+            dealer.connect(endpoint)
+            dealer.send_multipart(frames)
+    assert ask(context, endpoint, b"", b"x", b"add 1", kind=zmq.DEALER) == [b"", b"x", b"1"]
+    # A longer way back, as brokers make it, is returned whole.
+    assert ask(context, endpoint, b"hop", b"hip", b"", b"y", b"add 1", kind=zmq.DEALER) == [
+        b"hop",
+        b"hip",
+        b"",
+        b"y",
+        b"2",
+    ]
+    assert server.stop() == 0
+
+
+def test_an_id_is_answered_from_the_journal_whoever_asks_and_whenever(pirate_server, context):
+    server, endpoint = pirate_server()
+    assert ask(context, endpoint, b"a", b"add 5") == [b"a", b"5"]
+    assert ask(context, endpoint, b"b", b"add 5") == [b"b", b"10"]
+    assert ask(context, endpoint, b"a", b"add 5") == [b"a", b"5"]
+    server.kill()
+    _, endpoint = pirate_server()
+    assert ask(context, endpoint, b"a", b"add 5") == [b"a", b"5"]
+    assert balance(context, endpoint) == 10
+
+
+def test_the_journal_does_not_grow_for_ever(start, journal, context):
+    short = (
+        f"import runpy, sys; sys.path.insert(0, {str(SERVER.parent)!r}); import server; server.KEEP = 10; server.main()"
+    )
+    server = start(PYTHON, "-c", short, "--endpoint", "tcp://127.0.0.1:*", "--journal", journal)
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    for i in range(25):
+        assert ask(context, endpoint, b"%d" % i, b"add 1") == [b"%d" % i, b"%d" % (i + 1)]
+    # The newest ten are known still, an older one is not.
+    assert ask(context, endpoint, b"15", b"add 1") == [b"15", b"16"]
+    assert ask(context, endpoint, b"14", b"add 1") == [b"14", b"26"]
+    server.stop()
+    with sqlite3.connect(journal) as db:
+        assert db.execute("SELECT count(*) FROM journal").fetchone() == (10,)
+    db.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
+@pytest.mark.parametrize("signal_", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("busy", [False, True])
+def test_a_server_ends_at_once_and_leaves_its_port(signal_, busy, pirate_server, context):
+    server, endpoint = pirate_server(*(["--slow-on", "1", "--delay", "60"] if busy else []))
+    if busy:
+        with context.socket(zmq.REQ) as asker:
+            asker.linger = 1000
+            asker.connect(endpoint)
+            asker.send_multipart([b"1", b"add 1"])
+        server.wait_for("60 s late")
+    # The contract says half a second; the rest is the interpreter's own end on a busy machine.
+    assert server.stop(signal_, limit=5) == 0
+    assert "Traceback" not in server.output
+    _, same = pirate_server(endpoint=endpoint)
+    assert same == endpoint
+
+
+def test_a_taken_port_is_named_with_its_cure(pirate_server, start, tmp_path):
+    _, endpoint = pirate_server()
+    second = start(PYTHON, SERVER, "--endpoint", endpoint, "--journal", tmp_path / "other.sqlite3")
+    assert second.wait() == 1
+    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "code"),
+    [
+        ("127.0.0.1:5552", 2),
+        ("tcp://127.0.0.1:99999", 2),
+        ("tcp://127.0.0.1", 2),
+        ("tcp://no-such-host.invalid:0", 1),
+        ("tcp://192.0.2.1:0", 1),
+    ],
+)
+def test_a_server_names_what_is_wrong_with_an_endpoint(endpoint, code, start, journal):
+    server = start(PYTHON, SERVER, "--endpoint", endpoint, "--journal", journal)
+    assert server.wait() == code
+    assert endpoint in server.lines[-1]
+    assert "tcp://127.0.0.1:" in server.lines[-1], "the cure"
+    assert "Traceback" not in server.output
+
+
+@pytest.mark.parametrize("options", [["--delay", "-1"], ["--delay", "nan"], ["--crash-on", "x"]], ids="=".join)
+def test_wrong_usage_of_the_server(options, start, journal):
+    server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", journal, *options)
+    assert server.wait() == 2
+    assert options[0] in server.lines[-1]
+
+
+def test_a_journal_that_is_none_is_named_with_its_cure(start, tmp_path):
+    text = tmp_path / "notes.txt"
+    text.write_text("not a database, but long enough to be taken for the header of one\n" * 20)
+    alien = tmp_path / "alien.sqlite3"
+    with sqlite3.connect(alien) as db:
+        db.execute("CREATE TABLE journal (page TEXT)")
+    db.close()
+    for path in (text, alien, tmp_path, tmp_path / "nowhere" / "journal.sqlite3"):
+        server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", path)
+        if path == alien:
+            # What is wrong with it shows with the first request.
+            with zmq.Context() as context, context.socket(zmq.REQ) as asker:
+                asker.linger = 0
+                asker.connect(server.wait_for(r"^listening on (\S+)")[1])
+                asker.send_multipart([b"1", b"add 1"])
+                assert server.wait() == 1
+        assert server.wait() == 1
+        assert server.lines[-1].startswith(f"cannot use the journal {path}: ")
+        assert server.lines[-1].endswith("; try --journal another.sqlite3")
+        assert "Traceback" not in server.output
+    assert text.read_text().startswith("not a database")
+
+
+class Storm:
+    """A server that is killed again and again, and clients that want their additions done."""
+
+    def __init__(self, start, journal, command, clients, adds, mean):
+        self.start, self.journal, self.mean = start, journal, mean
+        self.endpoint = f"tcp://127.0.0.1:{steady_port()}"
+        self.kills = 0
+        # Of each restart, the seconds until every client had its next answer.
+        self.delays = []
+        self.servers = [self.begin()]
+        self.ready()
+        self.clients = [start(*command(self.endpoint, "--count", str(adds))) for _ in range(clients)]
+
+    def begin(self):
+        return self.start(PYTHON, SERVER, "--endpoint", self.endpoint, "--journal", self.journal)
+
+    def ready(self):
+        return self.servers[-1].wait_for(r"^listening on ")
+
+    def running(self):
+        return [client for client in self.clients if client.process.poll() is None]
+
+    def rage(self):
+        """Kill and restart until every client has ended."""
+        while self.running():
+            self.let_it_serve(random.randrange(2 * self.mean))
+            self.kill()
+            # Now and then in its first moments, while it opens the journal that the last kill left.
+            if random.random() < 0.2:
+                self.servers.append(self.begin())
+                try:
+                    self.servers[-1].process.wait(random.uniform(0, 0.3))
+                except subprocess.TimeoutExpired:
+                    pass
+                self.kill()
+            self.servers.append(self.begin())
+            self.ready()
+            self.measure()
+
+    def kill(self):
+        self.servers[-1].kill()
+        self.kills += 1
+
+    def let_it_serve(self, requests):
+        """Wait until this server's life has so many requests more, or nobody is left to ask."""
+        server = self.servers[-1]
+        wanted = len(server.lines) + requests
+        deadline = time.monotonic() + LIMIT
+        while len(server.lines) < wanted and self.running():
+            assert time.monotonic() < deadline, f"stuck; {[client.lines[-1] for client in self.clients]}"
+            try:
+                server.wait_for("", limit=0.05, start=wanted - 1)
+            except AssertionError:
+                assert server.process.poll() is None, server.output
+
+    def measure(self):
+        """Sometimes wait until each client is answered; at other times the next kill may come before."""
+        if random.random() < 0.2:
+            return
+        began = time.monotonic()
+        seen = {client: len(client.lines) for client in self.running()}
+        for client, lines in seen.items():
+            try:
+                client.wait_for("received", start=lines)
+            except AssertionError:
+                assert client.wait() == 0, client.output
+        if seen:
+            self.delays.append(time.monotonic() - began)
+
+    @property
+    def repeats(self):
+        return sum(line.endswith("from the journal") for server in self.servers for line in server.lines)
+
+    def figures(self):
+        requests = sum(line.startswith("request ") for server in self.servers for line in server.lines)
+        retries = sum(" try " in line for client in self.clients for line in client.lines)
+        return (
+            f"{self.kills} kills, {requests} requests, {retries} retries, {self.repeats} answered from the journal; "
+            f"answer after a restart: {sorted(self.delays)[len(self.delays) // 2]:.2f} s in the middle, "
+            f"{max(self.delays):.2f} s at most, of {len(self.delays)}"
+        )
+
+
+def weather(storm, adds, context):
+    """A storm, and what must hold after it."""
+    storm.rage()
+    for client in storm.clients:
+        assert client.wait() == 0, client.output
+        assert client.lines[-1] == f"done: {adds} replies"
+        balances = [int(line.rpartition(" ")[2]) for line in replies(client)]
+        assert len(balances) == adds
+        assert balances == sorted(set(balances)), "each addition is answered with the balance after it"
+    assert balance(context, storm.endpoint) == adds * len(storm.clients)
+    assert max(storm.delays) < 1
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_sum_stays_exact_while_the_server_is_killed(kind, start, journal, client_command, context):
+    storm = Storm(start, journal, lambda *words: client_command(kind, KEY, *words), clients=4, adds=100, mean=20)
+    weather(storm, 100, context)
+    assert storm.kills >= 5, storm.figures()
+
+
+@pytest.mark.long
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_long_storm(kind, start, journal, client_command, context, capsys):
+    began = time.monotonic()
+    storm = Storm(start, journal, lambda *words: client_command(kind, KEY, *words), clients=4, adds=2000, mean=50)
+    weather(storm, 2000, context)
+    with capsys.disabled():
+        print(f"\n4 {kind} clients, 8000 additions in {time.monotonic() - began:.0f} s: {storm.figures()}")
+    assert storm.kills >= 100
+    assert storm.repeats, "no kill came between the work and the reply"

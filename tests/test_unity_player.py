@@ -1,0 +1,116 @@
+"""The player and its stand-in of UnityEngine: Unity's signatures, Unity's order of events, the command line."""
+
+from __future__ import annotations
+
+import re
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kitlib import dotnet
+from tests.programs import ROOT
+
+
+@pytest.fixture(scope="session")
+def harness(engine: dotnet.Engine) -> Path:
+    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "play")
+
+
+def test_the_stand_in_has_unitys_signatures(harness: Path, start: Callable[..., Any]) -> None:
+    """tests/unity_api.txt says for each member where Unity's published reference declares it."""
+    dump = start("dotnet", harness, "api")
+    assert dump.wait() == 0, dump.output
+    facts = [line.rstrip() for line in (ROOT / "tests" / "unity_api.txt").read_text(encoding="utf-8").splitlines()]
+    facts = [line for line in facts if line and not line.startswith("#")]
+    types = [line for line in facts if not line.startswith(" ")]
+    assert all(re.fullmatch(r"\w+ [\w.`]+( : \w+)?    \S+\.cs( \S+\.cs)*", line) for line in types)
+    known = [line if line.startswith(" ") else line.split("    ")[0] for line in facts]
+    assert [line.rstrip() for line in dump.lines] == known
+
+
+def test_events_come_in_unitys_order(harness: Path, start: Callable[..., Any]) -> None:
+    play = start("dotnet", harness, "events")
+    assert play.wait() == 0, play.output
+    assert play.lines == [
+        "SubsystemRegistration",
+        "AfterAssembliesLoaded",
+        "BeforeSplashScreen",
+        "BeforeSceneLoad",
+        "Awake",
+        "OnEnable",
+        "AfterSceneLoad",
+        "Start in frame 1",
+        "FixedUpdate",
+        "Update",
+        "after await, on the main thread: True",
+        "LateUpdate",
+        "off the main thread: get_time can only be called from the main thread.",
+        "destroyed is null: False",
+        "Destroy: OnDisable",
+        "Destroy: OnDestroy",
+        "destroyed is null: True",
+        "OnApplicationQuit",
+        "quitting",
+        "OnDisable",
+        "OnDestroy",
+    ]
+
+
+COUNT = ("--set", "count=3")
+
+
+def test_plays_the_console_twins_lines(
+    console: list[str], serve: Callable[..., Any], start: Callable[..., Any]
+) -> None:
+    endpoint = serve("01_request_reply")[1]
+    twin = start(*console, "1", "--endpoint", endpoint, "--count", "3")
+    assert twin.wait() == 0, twin.output
+    played = start(*console, "1", "--unity", "--set", f"endpoint={endpoint}", *COUNT)
+    assert played.wait() == 0, played.output
+    assert played.lines == twin.lines
+    assert played.lines[-1] == "done: 3 replies"
+
+
+def test_an_error_in_the_log_is_exit_code_1(console: list[str], start: Callable[..., Any]) -> None:
+    played = start(*console, "1", "--unity", "--set", "endpoint=127.0.0.1:5551")
+    assert played.wait() == 1
+    assert "does not begin with tcp://" in played.output
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["1", "--unity", "--set", "nope=3"], "there are: endpoint count patience"),
+        (["1", "--unity", "--set", "count=three"], "'three' is no Int32"),
+        (["1", "--unity", "--set", "count"], "--set takes name=value"),
+        (["1", "--unity", "--frames", "3"], "unknown: --frames"),
+        (["99", "--unity"], "which lesson?"),
+        (["--unity"], "which lesson?"),
+    ],
+)
+def test_wrong_usage_is_one_line_and_code_2(
+    words: list[str], says: str, console: list[str], start: Callable[..., Any]
+) -> None:
+    played = start(*console, *words)
+    assert played.wait() == 2, played.output
+    assert len(played.lines) == 1
+    assert says in played.lines[0]
+
+
+def test_seconds_end_a_play(console: list[str], start: Callable[..., Any]) -> None:
+    played = start(*console, "1", "--unity", "--set", "endpoint=tcp://127.0.0.1:9", "--seconds", "0.3")
+    assert played.wait() == 0, played.output
+    assert played.lines == ["asking tcp://127.0.0.1:9"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no signals to another process")
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_play_properly(how: signal.Signals, console: list[str], start: Callable[..., Any]) -> None:
+    played = start(*console, "1", "--unity", "--set", "endpoint=tcp://127.0.0.1:9", "--set", "patience=60")
+    played.wait_for("^asking")
+    assert played.stop(how, limit=5) == 1
+    assert played.lines[-1] == "stopped"

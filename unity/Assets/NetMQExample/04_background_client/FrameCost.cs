@@ -1,0 +1,58 @@
+// What a part of each frame costs: its time, and what it leaves for the garbage collector to clear away.
+// Only for measuring; the client does not need it.
+using System;
+using System.Diagnostics;
+
+namespace NetMQExample
+{
+    /// <summary>Call <see cref="Begin"/> and <see cref="End"/> around the part, in each frame.</summary>
+    public sealed class FrameCost
+    {
+        // In the first frames code is compiled and queues grow. What counts is what goes on for hours.
+        private const int WarmUp = 100;
+
+        private readonly double[] milliseconds;
+        private int frame = -WarmUp;
+        private long allocatedBefore, allocated, start;
+
+        /// <summary>Sets the number of frames to measure.</summary>
+        /// <param name="frames">How many, after 100 that do not count.</param>
+        public FrameCost(int frames) => milliseconds = new double[frames];
+
+        /// <summary>True once all frames were measured.</summary>
+        public bool Done => frame >= milliseconds.Length;
+
+        /// <summary>The part begins.</summary>
+        public void Begin()
+        {
+            allocatedBefore = GC.GetAllocatedBytesForCurrentThread();
+            start = Stopwatch.GetTimestamp();
+        }
+
+        /// <summary>The part has ended.</summary>
+        public void End()
+        {
+            var took = (Stopwatch.GetTimestamp() - start) * 1000.0 / Stopwatch.Frequency;
+            var bytes = GC.GetAllocatedBytesForCurrentThread() - allocatedBefore;
+            if (frame >= 0 && !Done)
+            {
+                milliseconds[frame] = took;
+                allocated += bytes;
+            }
+            frame++;
+        }
+
+        /// <summary>The result, in one line.</summary>
+        /// <returns>Frames, mean, median, 99th percentile and longest time, and the bytes allocated.</returns>
+        public override string ToString()
+        {
+            var sorted = (double[])milliseconds.Clone();
+            Array.Sort(sorted);
+            var sum = 0.0;
+            foreach (var time in sorted) sum += time;
+            string Below(double share) => FormattableString.Invariant($"{sorted[(int)(share * (sorted.Length - 1))]:F4} ms");
+            return FormattableString.Invariant($"{sorted.Length} frames: mean {sum / sorted.Length:F4} ms, ")
+                + $"half below {Below(0.5)}, 99 of 100 below {Below(0.99)}, longest {Below(1)}, {allocated} bytes allocated";
+        }
+    }
+}

@@ -1,0 +1,92 @@
+// Lesson 04 in Unity: once a frame a request, and the callbacks of what came back. No thread, no lock, no waiting here.
+//
+// Use: start python/04_background_client/server.py, add this component and HelloWorldHud to a GameObject, press Play.
+// Stop the server while it runs: the game goes on. The Python and terminal clients print the same lines.
+using System;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Says hello to the server, once a frame, a number of times, and logs each reply.</summary>
+    [DisallowMultipleComponent]
+    public sealed class HelloBackground : MonoBehaviour
+    {
+        [SerializeField] private string endpoint = "tcp://127.0.0.1:5554";
+        [SerializeField] private int count = 10;
+        [SerializeField, Tooltip("hello, or echo TEXT")] private string text = "hello";
+        [SerializeField, Tooltip("Seconds to wait for each reply")] private float patience = 1;
+        [SerializeField, Tooltip("How often to send a request before giving up")] private int tries = 3;
+        [SerializeField, Tooltip("Log no replies, and measure this number of frames")] private int measure = 0;
+
+        // Made once: written at the call, they would be new objects in each frame.
+        private Action<string> onReply, onError;
+        private string shown;
+        private int asked, replies, frames;
+        private float longest;
+        private FrameCost cost;
+
+        /// <summary>For those who want to know how it goes, such as HelloWorldHud.</summary>
+        public BackgroundClient Client { get; private set; }
+
+        /// <summary>True once the last reply, or the reason why there is none, was logged.</summary>
+        public bool Done { get; private set; }
+
+        private void OnEnable()
+        {
+            // Without it Unity stops calling Update when another window has the focus.
+            if (!Application.runInBackground) Debug.Log("Application.runInBackground is now true");
+            Application.runInBackground = true;
+            (onReply, onError, shown, Done) = (OnReply, OnError, "", false);
+            (asked, replies, frames, longest) = (0, 0, 0, 0);
+            cost = measure > 0 ? new FrameCost(measure) : null;
+            Client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(patience), tries);
+            Debug.Log($"asking {endpoint}");
+        }
+
+        private void Update()
+        {
+            if (Done) return;
+            if (frames++ > 0) longest = Math.Max(longest, Time.deltaTime);
+            cost?.Begin();
+            Client.Poll();
+            if ((asked < count || cost != null) && Client.Request(text, onReply, onError)) asked++;
+            cost?.End();
+            ShowTrouble();
+            if (cost?.Done ?? replies >= count) Finish();
+        }
+
+        private void OnDisable()
+        {
+            // What is still under way ends with OnError, before Dispose returns.
+            Done = true;
+            Client.Dispose();
+        }
+
+        private void OnReply(string reply)
+        {
+            replies++;
+            if (cost != null) return;
+            ShowTrouble();
+            Debug.Log($"{replies}: sent {text}, received {reply}");
+        }
+
+        private void OnError(string why)
+        {
+            if (!Done) Finish(why);
+        }
+
+        private void ShowTrouble()
+        {
+            if (Client.LastError != shown && Client.State != ClientState.Lost)
+                Debug.Log($"trouble: {shown = Client.LastError}");
+        }
+
+        private void Finish(string why = null)
+        {
+            Done = true;
+            Debug.Log(FormattableString.Invariant($"frames: {frames}, the longest took {longest * 1000:F0} ms"));
+            if (why != null) Debug.LogError($"gave up: {why}");
+            else Debug.Log(cost == null ? $"done: {replies} replies" : $"measured: {replies} replies in {cost}");
+        }
+    }
+}

@@ -1,0 +1,151 @@
+// Lesson 05, messages: ask with structure and pixels, and let the large buffers be used again.
+//
+// Take home: this file, Message.cs and Json.cs beside it, and NetMQLifetime.cs (lesson 01). The Python side is
+// python/05_messages/server.py. Bytes: see Message.cs.
+// Trouble: the console twin sends a wrong message first with --wrong json, version, kind, shape or frames.
+// Why the pool: SendFrame(bytes) and ReceiveFrameBytes() make three new arrays of a picture's size for each echo. Arrays
+// over 85,000 bytes are collected only by the slowest of .NET's collections; the twin's --measure shows what that costs.
+using System;
+using System.Buffers;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Runtime.InteropServices;
+using System.Text;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace NetMQExample
+{
+    /// <summary>
+    /// Asks a REP server with messages. Make it, use it and dispose it on one thread, and not on Unity's main thread: a
+    /// request blocks until its reply is there.
+    /// </summary>
+    public sealed class MessageRequester : IDisposable
+    {
+        // Short enough that Stop in the editor is felt at once, long enough to cost nothing.
+        private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
+
+        private readonly NetMQLifetime lifetime = new NetMQLifetime();
+        private readonly RequestSocket socket = new RequestSocket();
+        private readonly string endpoint;
+        // The frames of the last reply. A Msg gives its buffer back to the pool when it receives the next frame.
+        private readonly List<ReadOnlyMemory<byte>> frames = new List<ReadOnlyMemory<byte>>();
+        private Msg[] parts = new Msg[0];
+
+        static MessageRequester() => PooledBuffers.Use();
+
+        /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5555</c>.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public MessageRequester(string endpoint)
+        {
+            this.endpoint = endpoint;
+            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
+            socket.Options.Linger = TimeSpan.Zero;
+            try
+            {
+                NetMQLifetime.Connect(socket, endpoint);
+            }
+            catch
+            {
+                Dispose();
+                throw;
+            }
+        }
+
+        /// <summary>Sends a message and waits for its reply.</summary>
+        /// <param name="request">The message. Its arrays are lent, not copied: leave them alone until this returns.</param>
+        /// <param name="patience">How long to wait for the reply.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <returns>The reply. Its arrays are only valid until the next request: their buffers are used again.</returns>
+        /// <exception cref="MessageException">The reply is an error, with the server's code and text, or no message.</exception>
+        /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
+        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        public Message Request(Message request, TimeSpan patience, CancellationToken stop = default) =>
+            Request(request.Header(), request.Arrays, patience, stop);
+
+        /// <summary>The same for a header that is written already.</summary>
+        public Message Request(string header, IReadOnlyList<MessageArray> arrays, TimeSpan patience, CancellationToken stop = default)
+        {
+            Send(Encoding.UTF8.GetBytes(header), arrays.Count > 0);
+            for (var i = 0; i < arrays.Count; i++) Send(arrays[i].Data, i + 1 < arrays.Count);
+            Receive(patience, stop);
+            var reply = Message.Read(frames);
+            if (reply.Kind != "error") return reply;
+            reply.Values.TryGetValue("code", out var code);
+            reply.Values.TryGetValue("text", out var text);
+            throw new MessageException(code as string ?? "error", text as string ?? "the server gave no reason");
+        }
+
+        private void Send(ReadOnlyMemory<byte> bytes, bool more)
+        {
+            var msg = new Msg();
+            // Lent where it can be: the reply proves that the network has had every byte of it.
+            if (MemoryMarshal.TryGetArray(bytes, out var lent)) msg.InitGC(lent.Array, lent.Offset, lent.Count);
+            else
+            {
+                msg.InitPool(bytes.Length);
+                bytes.Span.CopyTo(msg.Slice());
+            }
+            var sent = socket.TrySend(ref msg, Slice, more);
+            // Sent, it is empty: what it held is NetMQ's until the network has it.
+            msg.Close();
+            if (!sent) throw new TimeoutException($"{endpoint} takes no more; is the server running?");
+        }
+
+        private void Receive(TimeSpan patience, CancellationToken stop)
+        {
+            var waited = Stopwatch.StartNew();
+            frames.Clear();
+            var more = true;
+            for (var i = 0; more; i++)
+            {
+                if (i == parts.Length)
+                {
+                    Array.Resize(ref parts, i + 1);
+                    parts[i].InitEmpty();
+                }
+                while (!socket.TryReceive(ref parts[i], Slice))
+                {
+                    stop.ThrowIfCancellationRequested();
+                    if (waited.Elapsed >= patience)
+                        throw new TimeoutException(FormattableString.Invariant(
+                            $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+                }
+                frames.Add(parts[i].SliceAsMemory());
+                more = parts[i].HasMore;
+            }
+        }
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose()
+        {
+            for (var i = 0; i < parts.Length; i++) parts[i].Close();
+            parts = new Msg[0];
+            socket.Dispose();
+            lifetime.Dispose();
+        }
+    }
+
+    /// <summary>Lends NetMQ its buffers from .NET's own pool, for all sockets of the process.</summary>
+    public sealed class PooledBuffers : IBufferPool
+    {
+        /// <summary>From now on each new message takes its buffer from the pool.</summary>
+        public static void Use() => BufferPool.SetCustomBufferPool(new PooledBuffers());
+
+        /// <inheritdoc/>
+        public byte[] Take(int size) => ArrayPool<byte>.Shared.Rent(size);
+
+        /// <inheritdoc/>
+        public void Return(byte[] buffer)
+        {
+            // Messages from before Use() end here too, and ArrayPool throws at any size that is not one of its own:
+            // those are the powers of two from 16 on.
+            if (buffer.Length >= 16 && (buffer.Length & (buffer.Length - 1)) == 0) ArrayPool<byte>.Shared.Return(buffer);
+        }
+
+        /// <summary>Nothing to do: the pool is .NET's.</summary>
+        public void Dispose() { }
+    }
+}

@@ -1,0 +1,100 @@
+// For Window > General > Test Runner, PlayMode: lesson 01 in Unity itself, against a server in the same process.
+using System;
+using System.Collections;
+using System.Diagnostics;
+using System.Reflection;
+using System.Text.RegularExpressions;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+using NUnit.Framework;
+using UnityEngine;
+using UnityEngine.TestTools;
+using Object = UnityEngine.Object;
+
+namespace NetMQExample.Tests
+{
+    public class HelloClientTests
+    {
+        private static readonly int[] Plays = { 1, 2, 3, 4, 5 };
+
+        [UnityTest]
+        public IEnumerator GetsItsReplies()
+        {
+            using var server = new Server();
+            var client = Create(server.Endpoint, 3);
+            LogAssert.Expect(LogType.Log, "3: sent Hello, received World");
+            LogAssert.Expect(LogType.Log, "done: 3 replies");
+            for (var frames = 0; !client.Done && frames < 600; frames++) yield return null;
+            Assert.That(client.Done, "no end within 600 frames");
+            Object.Destroy(client.gameObject);
+        }
+
+        [UnityTest]
+        public IEnumerator StopsAtOnceWithoutAServer([ValueSource(nameof(Plays))] int play)
+        {
+            var client = Create("tcp://127.0.0.1:9", 1000);
+            for (var frames = 0; frames < 5; frames++) yield return null;
+            var busy = Stopwatch.StartNew();
+            Object.DestroyImmediate(client.gameObject);
+            Assert.That(busy.ElapsedMilliseconds, Is.LessThan(250), $"Play {play} made the main thread wait");
+        }
+
+        [UnityTest]
+        public IEnumerator SaysWhatIsWrongWithAnEndpoint()
+        {
+            var client = Create("127.0.0.1:5551", 1);
+            LogAssert.Expect(LogType.Error, new Regex("does not begin with tcp://"));
+            for (var frames = 0; !client.Done && frames < 600; frames++) yield return null;
+            Object.Destroy(client.gameObject);
+        }
+
+        private static HelloClient Create(string endpoint, int count)
+        {
+            var thing = new GameObject(nameof(HelloClient));
+            // Switched off, so that the fields are set before the component wakes up.
+            thing.SetActive(false);
+            var client = thing.AddComponent<HelloClient>();
+            Set(client, "endpoint", endpoint);
+            Set(client, "count", count);
+            thing.SetActive(true);
+            return client;
+        }
+
+        private static void Set(HelloClient client, string name, object value) =>
+            typeof(HelloClient).GetField(name, BindingFlags.Instance | BindingFlags.NonPublic).SetValue(client, value);
+
+        /// <summary>Answers World on a thread of its own, as python/01_request_reply/server.py does.</summary>
+        private sealed class Server : IDisposable
+        {
+            private readonly ManualResetEventSlim listening = new ManualResetEventSlim();
+            private readonly Thread thread;
+            private volatile bool stopped;
+
+            public Server()
+            {
+                thread = new Thread(Serve) { IsBackground = true };
+                thread.Start();
+                listening.Wait(2000);
+            }
+
+            public string Endpoint { get; private set; }
+
+            public void Dispose()
+            {
+                stopped = true;
+                thread.Join(500);
+            }
+
+            private void Serve()
+            {
+                using var lifetime = new NetMQLifetime();
+                using var socket = new ResponseSocket();
+                Endpoint = $"tcp://127.0.0.1:{socket.BindRandomPort("tcp://127.0.0.1")}";
+                listening.Set();
+                while (!stopped)
+                    if (socket.TryReceiveFrameString(TimeSpan.FromMilliseconds(50), out _)) socket.SendFrame("World");
+            }
+        }
+    }
+}
