@@ -4,6 +4,7 @@ A fenced block says where it comes from in a comment on the line above it:
 
     <!-- excerpt: python/01_request_reply/server.py answer -->   a function, class or method, by its name
     <!-- run: 1 --client csharp --options='--count 1' -->        what `kit.py run` prints; `...` stands for any lines
+    <!-- like: 3 -->                                             the same, but numbers and ids differ from run to run
     <!-- commands -->                                            one command a line, each of which a test starts
     <!-- by hand: why -->                                        neither, and counted
 

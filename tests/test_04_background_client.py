@@ -335,7 +335,10 @@ def test_the_naive_way_stops_the_frames(kind, serve, start, client_command):
 # --- what a user may do in code
 
 
-@pytest.mark.parametrize("name", ["stop-answered", "many", "await", "throwing", "nested", "cleanup", "never-polled"])
+@pytest.mark.parametrize(
+    "name",
+    ["stop-answered", "stuck", "forgotten", "many", "await", "throwing", "nested", "cleanup", "never-polled"],
+)
 def test_in_code(name, serve, check):
     _, endpoint = serve(KEY)
     program = check(name, endpoint)

@@ -104,7 +104,11 @@ def test_yaml_parses_with_unitys_tags() -> None:
 
     Loader.add_multi_constructor("tag:unity3d.com,2011:", construct)
     for path in [*SCENES, *UNITY.glob("ProjectSettings/*.asset"), *PACKAGE.rglob("*.meta")]:
-        found = list(yaml.load_all(path.read_text(encoding="utf-8"), Loader))
+        text = path.read_text(encoding="utf-8")
+        # Unity declares the tag once for all documents of a file; YAML wants it before each, so it is written out here.
+        text = re.sub(r"^%.*\n", "", text, flags=re.MULTILINE)
+        text = re.sub(r"^--- !u!(\d+) ", r"--- !<tag:unity3d.com,2011:\1> ", text, flags=re.MULTILINE)
+        found = list(yaml.load_all(text, Loader))
         assert found and all(isinstance(one, dict) for one in found), relative(path)
 
 

@@ -31,8 +31,7 @@ import zmq
 
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
 SCHEMA = """
-    PRAGMA journal_mode = WAL;
-    PRAGMA synchronous = FULL;
+    PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;
     CREATE TABLE IF NOT EXISTS account (balance INTEGER NOT NULL);
     INSERT INTO account SELECT 0 WHERE NOT EXISTS (SELECT * FROM account);
     CREATE TABLE IF NOT EXISTS journal (number INTEGER PRIMARY KEY, id BLOB UNIQUE NOT NULL, reply TEXT NOT NULL);
@@ -75,8 +74,8 @@ def serve(socket: zmq.Socket[bytes], db: sqlite3.Connection, trouble: argparse.N
             print(f"request {trouble.late} is answered once more", flush=True)
         balance, source = answer(db, request_id, text)
         reply = [*frames[:body], request_id, balance.encode()]
-        fate = fates.get(number, "")
-        print(f"request {number}, {request_id.decode(errors='replace')}: {balance}{source}{fate}", flush=True)
+        fate = f"{source}{fates.get(number, '')}"
+        print(f"request {number}, {request_id.decode(errors='replace')}: {balance}{fate}", flush=True)
         if number == trouble.crash_on:
             os._exit(1)
         time.sleep(trouble.delay if number == trouble.slow_on else 0)

@@ -6,9 +6,11 @@ using System.Collections.Generic;
 using System.Diagnostics;
 using System.IO;
 using System.Linq;
+using System.Reflection;
 using System.Threading;
 using System.Threading.Tasks;
 using NetMQ;
+using NetMQ.Sockets;
 
 namespace NetMQExample.Tests
 {
@@ -26,6 +28,8 @@ namespace NetMQExample.Tests
                     ["stop"] = Stop,
                     ["stop-answered"] = StopAnswered,
                     ["look-up"] = LookUp,
+                    ["stuck"] = Stuck,
+                    ["forgotten"] = Forgotten,
                     ["many"] = Many,
                     ["await"] = Await,
                     ["throwing"] = Throwing,
@@ -146,6 +150,57 @@ namespace NetMQExample.Tests
                 Equal(why, client.LastError);
                 Equal(ClientState.Lost, client.State);
             }
+        }
+
+        // The network thread hangs in a call that nobody can interrupt. Here it waits to join NetMQ's users; it could as
+        // well look up the name of a host.
+        private static void Stuck(string endpoint)
+        {
+            const BindingFlags hidden = BindingFlags.Static | BindingFlags.NonPublic;
+            var gate = typeof(NetMQLifetime).GetField("Gate", hidden).GetValue(null);
+            var ends = new List<string>();
+            var client = new BackgroundClient(endpoint);
+            lock (gate)
+            {
+                for (var i = 0; i < 3; i++) client.Request("hello", ends.Add, ends.Add);
+                Thread.Sleep(100);
+                StopInTime(client);
+                Equal(3, ends.Count);
+            }
+            Thread.Sleep(300);
+            client.Poll();
+            Equal("the client was disposed", string.Join("", ends.Distinct()));
+            Equal(3, ends.Count);
+        }
+
+        // Somebody else's socket was never disposed, and NetMQ's end waits for it. Nothing on this thread does.
+        private static void Forgotten(string endpoint)
+        {
+            var forgotten = new RequestSocket();
+            string got = null;
+            using (var client = new BackgroundClient(endpoint))
+            {
+                client.Request("hello", reply => got = reply, why => got = why);
+                Until(() => got != null, client);
+                Equal("world", got);
+                StopInTime(client);
+            }
+            Thread.Sleep(300);
+            var next = new BackgroundClient(endpoint);
+            got = null;
+            next.Request("hello", reply => got = reply, why => got = why);
+            Until(() => got != null, next);
+            Console.WriteLine(got);
+            Check(got.StartsWith("NetMQ is still closing", StringComparison.Ordinal), got);
+            forgotten.Dispose();
+            for (var tries = 0; got != "world"; tries++)
+            {
+                Check(tries < 5, $"did not recover: {got}");
+                got = null;
+                next.Request("hello", reply => got = reply, why => got = why);
+                Until(() => got != null, next);
+            }
+            StopInTime(next);
         }
 
         // Five clients at once, each with its own replies; one leaves early and takes nobody with it.

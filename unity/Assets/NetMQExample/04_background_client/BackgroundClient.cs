@@ -55,6 +55,7 @@ namespace NetMQExample
         private readonly TimeSpan patience;
         private readonly int tries, capacity;
         private readonly Thread thread;
+        private NetMQLifetime lifetime;
         private RequestSocket socket;
         private long asked, roundTrip;
         private volatile int replies;
@@ -181,7 +182,6 @@ namespace NetMQExample
         // From here on: the network thread. The socket is made, used and disposed here.
         private void Talk()
         {
-            using var lifetime = new NetMQLifetime();
             while (true)
             {
                 (string text, Action<string> reply, Action<string> error) call;
@@ -205,6 +205,7 @@ namespace NetMQExample
                 }
             }
             Close();
+            lifetime?.Dispose();
         }
 
         private string Ask(string text)
@@ -242,6 +243,8 @@ namespace NetMQExample
 
         private void Open()
         {
+            // Here and not in Talk: if NetMQ cannot be had, that too is the error of a request.
+            lifetime ??= new NetMQLifetime();
             // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
             socket = new RequestSocket { Options = { Linger = TimeSpan.Zero } };
             NetMQLifetime.Connect(socket, endpoint);
