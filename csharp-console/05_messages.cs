@@ -6,23 +6,12 @@
 //     dotnet run --project csharp-console -- 5 --measure        what pooled buffers are worth, see 05_measure.cs
 // JPEG is for the Python client and for Unity: .NET itself has no encoder.
 using System;
-using System.Collections.Generic;
 using System.Threading;
 
 namespace NetMQExample.Terminal
 {
     internal static class Lesson05
     {
-        // What --wrong changes in the header of a good message.
-        private static readonly Dictionary<string, (string good, string bad)> Spoil = new()
-        {
-            ["json"] = ("{\"kind\"", "{kind"),
-            ["version"] = ("\"version\":1", "\"version\":2"),
-            ["kind"] = ("\"frame\"", "\"frames\""),
-            ["shape"] = ("[240,320,3]", "[240,320,4]"),
-            ["frames"] = ("[{", "[{\"dtype\":\"uint8\",\"shape\":[0]},{"),
-        };
-
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5555");
@@ -33,7 +22,7 @@ namespace NetMQExample.Terminal
             var measure = arguments.Flag("measure");
             var check = arguments.Flag("check");
             arguments.RefuseTheRest();
-            if (wrong != "" && !Spoil.ContainsKey(wrong)) throw new UsageException($"--wrong takes one of: {string.Join(" ", Spoil.Keys)}");
+            WrongMessage.Check(wrong);
             try
             {
                 if (check) MessageCheck.Run();
@@ -52,7 +41,7 @@ namespace NetMQExample.Terminal
             Console.WriteLine($"asking {endpoint}");
             using var requester = new MessageRequester(endpoint);
             var pixels = new byte[TestCamera.Size];
-            if (wrong != "") ShowRefusal(requester, wrong, patience);
+            if (wrong != "") WrongMessage.ShowRefusal(requester, wrong, patience);
             var camera = new TestCamera(fps);
             for (var i = 1; i <= count; i++)
             {
@@ -62,19 +51,6 @@ namespace NetMQExample.Terminal
                 Console.WriteLine(TestCamera.Describe(i, request, requester.Request(request, patience)));
             }
             Console.WriteLine($"done: {count} replies, {camera.Number - count} pictures skipped");
-        }
-
-        private static void ShowRefusal(MessageRequester requester, string wrong, TimeSpan patience)
-        {
-            var message = TestCamera.Frame(1, new byte[TestCamera.Size]);
-            try
-            {
-                requester.Request(message.Header().Replace(Spoil[wrong].good, Spoil[wrong].bad), message.Arrays, patience);
-            }
-            catch (MessageException e)
-            {
-                Console.WriteLine($"refused: {e.Message}");
-            }
         }
     }
 }

@@ -28,7 +28,7 @@ def rows(python: Path | None) -> Iterator[Row]:
     yield (
         mono.ok,
         "Mono",
-        mono.first("version") if mono.ok else "missing; only the Play/Stop tests use it (Debian: mono-runtime)",
+        mono.first("version") if mono.ok else "missing; only the Play/Stop tests use it (Debian: mono-devel)",
     )
     for lesson in lessons():
         yield port_row(lesson.number)

@@ -20,8 +20,8 @@ from .terminal import quietly, say, step
 VENV = ROOT / ".venv"
 CHOICE = ROOT / ".build" / "python.json"
 # The name to import, and the distribution's package, where they are not simply the name on PyPI.
-IMPORTS = {"pyzmq": "zmq", "pytest-timeout": "pytest_timeout", "pillow": "PIL", "msgpack": "msgpack"}
-DEBIAN = {"pyzmq": "python3-zmq", "pillow": "python3-pil"}
+IMPORTS = {"pyzmq": "zmq", "pytest-timeout": "pytest_timeout", "pillow": "PIL", "pyyaml": "yaml"}
+DEBIAN = {"pyzmq": "python3-zmq", "pillow": "python3-pil", "pyyaml": "python3-yaml"}
 
 
 def needs(*extras: str) -> list[str]:

@@ -154,12 +154,17 @@ def take_home(folder: Path) -> list[Path]:
     if not folder.is_dir():
         raise KitError(f"lesson {folder.name} has no Unity scripts")
     chosen = sorted(folder.glob("*.cs"))
-    others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent != folder]
+    others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < folder.name]
     for path in chosen:  # It grows meanwhile: what is used may use others.
         code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
-        chosen += [other for other in others if other not in chosen and re.search(rf"\b{other.stem}\b", code)]
+        chosen += [other for other in others if other not in chosen and uses(code, other.stem)]
     folders = sorted({path.parent for path in chosen})
     return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml"]
+
+
+def uses(code: str, name: str) -> bool:
+    """True if the code names this class: `e.Message` does not name the class Message."""
+    return re.search(rf"(?<![\w.]){name}\b", code) is not None
 
 
 def libraries() -> dict[str, bytes]:

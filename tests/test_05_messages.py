@@ -338,8 +338,7 @@ def test_100_megabytes(serve, ask):
         Message("echo", 5, {}, [Array("uint8", (50_000_000,), bytes(50_000_000))] * 2).frames(),
     ]:
         reply = ask(endpoint, frames)
-        assert (reply.kind, reply.values["code"]) == ("error", "too-big" if len(frames) != 2 else reply.values["code"])
-        assert reply.values["code"] in ("too-big", "bad-shape")
+        assert (reply.kind, reply.values["code"]) == ("error", "too-big")
         assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)
     assert server.stop() == 0
 
@@ -349,7 +348,6 @@ def test_more_than_the_server_takes_from_the_network(serve, ask, context):
     server, endpoint = serve(KEY)
     with context.socket(zmq.REQ) as asker:
         asker.linger = 0
-        # Only the length is sent to the server in time: it hangs up before it has taken the rest.
         asker.connect(endpoint)
         asker.send(bytes(256 * 1024 * 1024 + 1), copy=False)
         assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)

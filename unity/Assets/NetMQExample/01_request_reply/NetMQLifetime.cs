@@ -1,5 +1,5 @@
-// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, and a connect that
-// names what is wrong with an endpoint. Take it along with any client of this kit.
+// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, a Stop that does not freeze,
+// and a connect that names what is wrong with an endpoint. Take it along with any client of this kit.
 //
 // NetMQ keeps one set of background threads per process. NetMQConfig.Cleanup() ends it, and with it every other
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
@@ -10,6 +10,7 @@ using System.Net.Sockets;
 using System.Threading;
 using AsyncIO;
 using NetMQ;
+using Stopwatch = System.Diagnostics.Stopwatch;
 
 namespace NetMQExample
 {
@@ -20,6 +21,7 @@ namespace NetMQExample
     public sealed class NetMQLifetime : IDisposable
     {
         private static readonly object Gate = new object();
+        private static readonly Stopwatch Stopping = new Stopwatch();
         private static int users;
         private bool left;
 
@@ -55,6 +57,16 @@ namespace NetMQExample
                 var aborted = (Thread.CurrentThread.ThreadState & ThreadState.AbortRequested) != 0;
                 if (--users == 0 && !aborted) NetMQConfig.Cleanup();
             }
+        }
+
+        /// <summary>Waits on Unity's main thread for a network thread that was asked to end. All the waits of one Stop
+        /// share 200 ms, however many clients the scene has: Stop must never freeze the editor.</summary>
+        /// <param name="thread">The thread; it may still run afterwards, and ends by itself.</param>
+        public static void Join(Thread thread)
+        {
+            // Waits that begin a second later belong to another Stop.
+            if (!Stopping.IsRunning || Stopping.ElapsedMilliseconds > 1000) Stopping.Restart();
+            thread.Join(Math.Max(0, 200 - (int)Stopping.ElapsedMilliseconds));
         }
 
         /// <summary>Connects, after a look at what NetMQ itself reports in riddles.</summary>

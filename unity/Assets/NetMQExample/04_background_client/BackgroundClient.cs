@@ -154,7 +154,7 @@ namespace NetMQExample
                 Monitor.Pulse(gate);
             }
             // The limit is for what nobody foresaw, such as a slow look-up of a host name: Stop must never freeze Unity.
-            thread.Join(200);
+            NetMQLifetime.Join(thread);
             lock (gate)
             {
                 while (waiting.TryDequeue(out var call)) done.Enqueue((call.error, Ended));

@@ -30,7 +30,7 @@ namespace NetMQExample
     {
         // The names are numpy's. What Unity runs on is little-endian, as the bytes are.
         private static readonly Dictionary<string, int> Sizes = new Dictionary<string, int>
-            { ["uint8"] = 1, ["uint16"] = 2, ["int32"] = 4, ["int64"] = 8, ["float32"] = 4, ["float64"] = 8 };
+        { ["uint8"] = 1, ["uint16"] = 2, ["int32"] = 4, ["int64"] = 8, ["float32"] = 4, ["float64"] = 8 };
 
         /// <summary>The kind of number: uint8, uint16, int32, int64, float32 or float64.</summary>
         public string Dtype { get; }
@@ -88,7 +88,7 @@ namespace NetMQExample
             var arrays = Arrays.Select(array => new Dictionary<string, object> { ["dtype"] = array.Dtype, ["shape"] = array.Shape });
             var text = new StringBuilder();
             Json.Write(text, new Dictionary<string, object>
-                { ["kind"] = Kind, ["version"] = Version, ["id"] = Id, ["values"] = Values, ["arrays"] = arrays });
+            { ["kind"] = Kind, ["version"] = Version, ["id"] = Id, ["values"] = Values, ["arrays"] = arrays });
             return text.ToString();
         }
 

@@ -46,8 +46,8 @@ namespace NetMQExample
         private void OnDisable()
         {
             stop.Cancel();
-            // It ends within 50 ms. The limit is for what nobody foresaw: Stop must never freeze the editor.
-            thread.Join(200);
+            // It ends within 50 ms, and is never waited for longer than 200: Stop must not freeze the editor.
+            NetMQLifetime.Join(thread);
         }
 
         private void Ask(object token)
