@@ -49,12 +49,12 @@ class Row:
 
     def __str__(self) -> str:
         if self.outcome:
-            return f"{self.condition:46} {self.outcome}"
+            return f"{self.condition:50} {self.outcome}"
         unload = f"{max(self.unloads):6.0f} ms" if self.unloads else "        -"
         if self.uncollected:
             unload = f"{self.uncollected:3d} kept "
         stop = max(self.stops, default=0)
-        return f"{self.condition:46} {self.plays:5} {stop:7.0f} ms {unload} {self.threads:8} {self.sockets:8}"
+        return f"{self.condition:50} {self.plays:5} {stop:7.0f} ms {unload} {self.threads:8} {self.sockets:8}"
 
 
 class Summary:
@@ -67,7 +67,7 @@ class Summary:
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.section(f"Play and Stop, engine {self.engine}")
         terminalreporter.write_line(
-            f"{'runtime mode   scripts, server':46} Plays  worst Stop  unload  threads  sockets left"
+            f"{'runtime mode   scripts, server':50} Plays  worst Stop  unload  threads  sockets left"
         )
         for row in self.rows:
             terminalreporter.write_line(str(row))

@@ -49,6 +49,8 @@ namespace NetMQExample
         private readonly object gate = new object();
         private readonly Queue<(string text, Action<string> reply, Action<string> error)> waiting;
         private readonly Queue<(Action<string> callback, string text)> done;
+        // Not the gate's own signal: the woken thread would at once wait for the gate that the main thread still holds.
+        private readonly AutoResetEvent wake = new AutoResetEvent(false);
         private volatile bool stopped;
 
         private readonly string endpoint, full, garbage, silence, name = Guid.NewGuid().ToString("N");
@@ -109,9 +111,9 @@ namespace NetMQExample
                     return false;
                 }
                 waiting.Enqueue((text, reply, error));
-                Monitor.Pulse(gate);
-                return true;
             }
+            wake.Set();
+            return true;
         }
 
         /// <summary>The same to await. Its task ends inside <see cref="Poll"/>, and what awaits it goes on there.</summary>
@@ -135,11 +137,8 @@ namespace NetMQExample
             for (var left = done.Count; left > 0; left--)
             {
                 (Action<string> callback, string text) next;
-                // Outside the lock for the callback, which may call Request, Poll and Dispose.
-                lock (gate)
-                {
-                    if (!done.TryDequeue(out next)) return;
-                }
+                lock (gate) done.TryDequeue(out next);
+                // Without the gate, because it may call Request, Poll and Dispose.
                 next.callback?.Invoke(next.text);
             }
         }
@@ -148,11 +147,8 @@ namespace NetMQExample
         /// has no reply yet has run; none runs later. Call it on the thread that calls <see cref="Poll"/>.</summary>
         public void Dispose()
         {
-            lock (gate)
-            {
-                stopped = true;
-                Monitor.Pulse(gate);
-            }
+            stopped = true;
+            wake.Set();
             // The limit is for what nobody foresaw, such as a slow look-up of a host name: Stop must never freeze Unity.
             NetMQLifetime.Join(thread);
             lock (gate)
@@ -182,15 +178,18 @@ namespace NetMQExample
         // From here on: the network thread. The socket is made, used and disposed here.
         private void Talk()
         {
-            while (true)
+            while (!stopped)
             {
                 (string text, Action<string> reply, Action<string> error) call;
-                lock (gate)
+                bool found;
+                lock (gate) found = waiting.TryPeek(out call);
+                if (!found)
                 {
                     // Sleeps, which costs nothing, until Request or Dispose wakes it.
-                    while (waiting.Count == 0 && !stopped) Monitor.Wait(gate);
-                    if (stopped) break;
-                    call = waiting.Peek();
+                    wake.WaitOne();
+                    // The system may have taken the processor from the main thread for this one: the frame goes first.
+                    Thread.Yield();
+                    continue;
                 }
                 try
                 {

@@ -43,6 +43,8 @@ namespace NetMQExample
             this.endpoint = endpoint;
             // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
             socket.Options.Linger = TimeSpan.Zero;
+            // Room for several pictures in the operating system: the two sides then wait for each other less often.
+            socket.Options.SendBuffer = socket.Options.ReceiveBuffer = 1 << 20;
             try
             {
                 NetMQLifetime.Connect(socket, endpoint);
