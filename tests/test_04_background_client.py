@@ -421,9 +421,9 @@ def test_a_frame_costs_the_main_thread_nothing(kind, serve, start, client_comman
 
 def test_a_repeated_request_is_answered_from_memory(serve, context):
     server, endpoint = serve(KEY)
-    for again in ("", " again", " again"):
+    for number, again in enumerate(("", " again", " again"), start=1):
         assert ask(context, endpoint, b"id-1", b"hello") == [b"id-1", b"world"]
-        server.wait_for(rf"sent b'world'{again}$")
+        server.wait_for(rf"^{number}: sent b'world'{again}$")
     assert [line.endswith("again") for line in server.lines[1:]] == [False, True, True]
     assert ask(context, endpoint, b"id-2", b"hello") == [b"id-2", b"world"]
     server.wait_for("^4: sent b'world'$")
