@@ -69,9 +69,9 @@ def draw(source: str, name: str = "the text") -> str:
     ]
     for actor, x in place.items():
         parts.append(f"<path d='M{x:g} {TOP - 14} V{height - 16}' stroke='{LINE}' stroke-width='1.5'/>")
-        parts.append(
-            f"<rect x='{x - 84:g}' y='{TOP - 48}' width='168' height='34' rx='7' fill='#ddf4ff' stroke='{LINE}'/>"
-        )
+        wide = max(168, 8.4 * len(actor) + 16)
+        box = f"x='{x - wide / 2:g}' y='{TOP - 48}' width='{wide:g}' height='34' rx='7'"
+        parts.append(f"<rect {box} fill='#ddf4ff' stroke='{LINE}'/>")
         parts.append(text(x, TOP - 26, actor, 15))
     for i, step in enumerate(steps):
         y = TOP + STEP * i + 26
