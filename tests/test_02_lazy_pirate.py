@@ -553,7 +553,7 @@ def test_a_sum_stays_exact_while_the_server_is_killed(kind, start, journal, clie
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_long_storm(kind, start, journal, client_command, context, capsys):
     began = time.monotonic()
-    storm = Storm(start, journal, lambda *words: client_command(kind, KEY, *words), clients=4, adds=2000, mean=50)
+    storm = Storm(start, journal, lambda *words: client_command(kind, KEY, *words), clients=4, adds=2000, mean=35)
     weather(storm, 2000, context)
     with capsys.disabled():
         print(f"\n4 {kind} clients, 8000 additions in {time.monotonic() - began:.0f} s: {storm.figures()}")
