@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import random
 import re
 import signal
+import socket
 import subprocess
 import threading
 import time
@@ -14,6 +16,29 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 # Generous, since it only decides how long a broken program is waited for.
 LIMIT = 30.0
+
+
+def free_port() -> int:
+    """A port of this machine that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def steady_port() -> int:
+    """A free port outside the range from which the system takes those of outgoing connections.
+
+    While no server listens on a port of that range, a client that tries it may be given the same port as its own, and
+    is then connected to itself.
+    """
+    for port in random.sample(range(20_000, 30_000), 100):
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            return port
+    raise AssertionError("no free port")
 
 
 class Program:

@@ -12,7 +12,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT
+from tests.programs import ROOT, free_port
 
 KEY = "01_request_reply"
 TEN = [*(f"{i}: sent Hello, received World" for i in range(1, 11)), "done: 10 replies"]
@@ -32,12 +32,6 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
         asker.send_multipart(frames)
         assert asker.poll(20_000), f"no reply to {frames!r:.80}"
         return asker.recv_multipart()
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 @pytest.mark.parametrize("kind", CLIENTS)

@@ -16,7 +16,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT, ROOT, steady_port
 
 KEY = "02_lazy_pirate"
 SERVER = ROOT / "python" / KEY / "server.py"
@@ -85,22 +85,6 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
 
 def balance(context, endpoint):
     return int(ask(context, endpoint, os.urandom(8).hex().encode(), b"balance")[1])
-
-
-def steady_port():
-    """A free port outside the range from which the system takes those of outgoing connections.
-
-    While no server listens on a port of that range, a client that tries it may be given the same port as its own, and
-    is then connected to itself.
-    """
-    for port in random.sample(range(20_000, 30_000), 100):
-        with socket.socket() as probe:
-            try:
-                probe.bind(("127.0.0.1", port))
-            except OSError:
-                continue
-            return port
-    raise AssertionError("no free port")
 
 
 @ways

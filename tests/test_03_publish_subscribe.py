@@ -12,7 +12,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT
+from tests.programs import ROOT, free_port
 
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -62,12 +62,6 @@ def request(context, endpoint, *frames):
         assert asker.poll(20_000), f"no reply to {frames!r:.80}"
         (reply,) = asker.recv_multipart()
         return reply
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def add(checksum, message):

@@ -18,7 +18,7 @@ import zmq
 
 from kitlib import dotnet
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT, ROOT, steady_port
 
 KEY = "04_background_client"
 FRAMES = r"frames: (\d+), the longest took (\d+) ms"
@@ -74,15 +74,6 @@ def ask(context, endpoint, *parts, kind=zmq.REQ):
         asker.send_multipart(parts)
         assert asker.poll(20_000), f"no reply to {parts!r:.80}"
         return asker.recv_multipart()
-
-
-def steady_port():
-    """A free port outside the range from which the system takes those of outgoing connections."""
-    for port in random.sample(range(20_000, 30_000), 100):
-        with socket.socket() as probe, contextlib.suppress(OSError):
-            probe.bind(("127.0.0.1", port))
-            return port
-    raise AssertionError("no free port")
 
 
 def silent(peer, rest):

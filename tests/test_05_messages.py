@@ -9,7 +9,6 @@ import json
 import math
 import re
 import signal
-import socket
 import struct
 import subprocess
 import sys
@@ -18,7 +17,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT
+from tests.programs import ROOT, free_port
 
 KEY = "05_messages"
 FOLDER = ROOT / "python" / KEY
@@ -56,12 +55,6 @@ def ask(context):
             return messages.read(asker.recv_multipart())
 
     return ask
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def unpacked(entry):

@@ -17,7 +17,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT
+from tests.programs import ROOT, free_port
 
 KEY = "06_many_in_flight"
 CROWD = ROOT / "tests" / "many_in_flight" / "crowd.py"
@@ -53,12 +53,6 @@ def receive(client, limit=20):
 def ask(client, *frames):
     client.send_multipart(frames)
     return receive(client)
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def memory(process):

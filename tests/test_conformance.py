@@ -35,5 +35,5 @@ def test_the_transcript_is_the_one_recorded_from_netmq(name):
     )
     assert done.returncode == 0, done.stdout + done.stderr
     recorded = (PROJECT / "transcript.txt").read_text(encoding="utf-8").splitlines()
-    differences = difflib.unified_diff(recorded, done.stdout.splitlines(), "transcript.txt", name, lineterm="")
-    assert not list(differences), "\n".join(difflib.unified_diff(recorded, done.stdout.splitlines(), lineterm=""))
+    printed = done.stdout.splitlines()
+    assert printed == recorded, "\n".join(difflib.unified_diff(recorded, printed, "transcript.txt", name, lineterm=""))

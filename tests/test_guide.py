@@ -62,7 +62,7 @@ def shape(lines):
 
 @pytest.mark.parametrize("block", [b for b in BLOCKS if b.kind in ("run", "like")], ids=lambda block: block.where)
 @pytest.mark.timeout(300)
-def test_a_transcript_is_what_a_run_prints(block, engine, start, tmp_path):
+def test_a_transcript_is_what_a_run_prints(block, engine, start):
     words = shlex.split(block.source)
     number = find(words[0]).number
     program = start(PYTHON, ROOT / "kit.py", "run", *words, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:*")
@@ -111,7 +111,7 @@ def run_kit(words, start, engine):
 
 def run_client(kind, key, options, serve, start, client_command):
     _, endpoint = serve(key)
-    program = start(*client_command("csharp" if kind == "csharp" else kind, key, endpoint, *options))
+    program = start(*client_command(kind, key, endpoint, *options))
     assert program.wait(120) in (0, 1), program.output
     assert "Traceback" not in program.output
 

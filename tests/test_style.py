@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import os
 import re
 import shutil
 import subprocess
@@ -61,7 +62,7 @@ def test_dotnet_format(project, console):
         ROOT / "csharp-console" / project,
         "--verify-no-changes",
         "--no-restore",
-        env={**__import__("os").environ, **dotnet.ENVIRONMENT},
+        env={**os.environ, **dotnet.ENVIRONMENT},
     )
 
 
