@@ -20,7 +20,7 @@ from .terminal import quietly, say, step
 VENV = ROOT / ".venv"
 CHOICE = ROOT / ".build" / "python.json"
 # The name to import, and the distribution's package, where they are not simply the name on PyPI.
-IMPORTS = {"pyzmq": "zmq", "pytest-timeout": "pytest_timeout", "pillow": "PIL", "pyyaml": "yaml"}
+IMPORTS = {"pyzmq": "zmq", "pytest-timeout": "pytest_timeout", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
 DEBIAN = {"pyzmq": "python3-zmq", "pillow": "python3-pil", "pyyaml": "python3-yaml"}
 
 

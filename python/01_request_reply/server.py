@@ -29,14 +29,19 @@ def answer(frames: list[bytes]) -> str:
     return f"error: expected Hello, got {len(frames[0])} bytes beginning {frames[0][:20]!r}"
 
 
-def serve(socket: zmq.Socket[bytes], delay: float) -> None:
+def serve(socket: zmq.Socket[bytes], delay: float, quiet: bool) -> None:
     """Answer for ever. REP alternates strictly: receive, send, receive, send."""
+    # A wait with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
+    socket.rcvtimeo = 200
     while True:
-        # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
-        if socket.poll(200):
+        try:
             reply = answer(socket.recv_multipart())
+        except zmq.Again:
+            continue
+        if delay:
             time.sleep(delay)
-            socket.send_string(reply)
+        socket.send_string(reply)
+        if not quiet:
             print(f"sent {reply}", flush=True)
 
 
@@ -54,6 +59,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Answers Hello with World.")
     parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5551", help="port * takes a free one")
     parser.add_argument("--delay", type=float, default=0.0, help="seconds to wait before each reply")
+    parser.add_argument("--quiet", action="store_true", help="no line per reply: it takes longer than the reply")
     options = parser.parse_args()
     if not 0 <= options.delay < 86400:
         parser.error("--delay takes seconds, 0 or more")
@@ -68,7 +74,7 @@ def main() -> None:
             cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "this machine has no such address"
             sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
         print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        serve(socket, options.delay)
+        serve(socket, options.delay, options.quiet)
 
 
 if __name__ == "__main__":

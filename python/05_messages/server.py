@@ -43,21 +43,24 @@ def answer(request: Message) -> Message:
     return Message("ok", request.id, values)
 
 
-def serve(socket: zmq.Socket[bytes], delay: float) -> None:
+def serve(socket: zmq.Socket[bytes], delay: float, quiet: bool) -> None:
     """Answer for ever."""
+    # A wait with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
+    socket.rcvtimeo = 200
     while True:
-        # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
-        if not socket.poll(200):
-            continue
         request = Message("")
         try:
             request = read([frame.buffer for frame in socket.recv_multipart(copy=False)])
             reply = answer(request)
+        except zmq.Again:
+            continue
         except MessageError as error:
             reply = Message("error", error.id or request.id, {"code": error.code, "text": error.text})
-        time.sleep(delay)
+        if delay:
+            time.sleep(delay)
         socket.send_multipart(reply.frames(), copy=False)
-        print(f"sent {reply.kind} {reply.values.get('code', '')}".rstrip(), flush=True)
+        if not quiet:
+            print(f"sent {reply.kind} {reply.values.get('code', '')}".rstrip(), flush=True)
 
 
 def endpoint(text: str) -> str:
@@ -74,6 +77,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Says where the brightest pixel of a picture is.")
     parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5555", help="port * takes a free one")
     parser.add_argument("--delay", type=float, default=0.0, help="seconds to wait before each reply")
+    parser.add_argument("--quiet", action="store_true", help="no line per reply")
     options = parser.parse_args()
     if not 0 <= options.delay < 86400:
         parser.error("--delay takes seconds, 0 or more")
@@ -90,7 +94,7 @@ def main() -> None:
             cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "this machine has no such address"
             sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
         print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        serve(socket, options.delay)
+        serve(socket, options.delay, options.quiet)
 
 
 if __name__ == "__main__":

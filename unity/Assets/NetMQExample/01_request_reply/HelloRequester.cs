@@ -44,6 +44,10 @@ namespace NetMQExample
             }
         }
 
+        /// <summary>How long to look for a reply again and again before sleeping; none when left out. It saves the time
+        /// to wake up, some ten microseconds, and keeps a processor core busy meanwhile.</summary>
+        public TimeSpan Spin { get; set; }
+
         /// <summary>Sends a request and waits for its reply.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="patience">How long to wait for the reply.</param>
@@ -73,9 +77,11 @@ namespace NetMQExample
             var waited = Stopwatch.StartNew();
             string reply;
             bool more;
-            while (!socket.TryReceiveFrameString(Slice, out reply, out more))
+            while (!socket.TryReceiveFrameString(waited.Elapsed < Spin ? TimeSpan.Zero : Slice, out reply, out more))
             {
                 stop.ThrowIfCancellationRequested();
+                // NetMQ's own thread may wait for this core.
+                Thread.Yield();
                 if (waited.Elapsed >= patience)
                     throw new TimeoutException(FormattableString.Invariant(
                         $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));

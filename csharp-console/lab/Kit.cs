@@ -1,0 +1,203 @@
+// The kit's own clients as contenders, each with its lesson's server, and NetMQ without any of them.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace NetMQExample.Lab
+{
+    /// <summary>Lesson 01. Its server takes blanks after Hello, and answers World.</summary>
+    internal sealed class Hello : Contender
+    {
+        private readonly HelloRequester requester;
+        private readonly string text;
+
+        public Hello(string endpoint, int size, int spin) : base(size)
+        {
+            requester = new HelloRequester(endpoint) { Spin = TimeSpan.FromMilliseconds(spin / 1000.0) };
+            text = "Hello".PadRight(size);
+        }
+
+        public override void Send() => requester.Send(text);
+
+        public override void Receive() => Check(requester.Receive(Patience) == "World");
+
+        public override void Dispose() => requester.Dispose();
+    }
+
+    /// <summary>Asks without waiting whether the reply is there, again and again, as a well-known example does.</summary>
+    internal sealed class BusyWait : Contender
+    {
+        private readonly RequestSocket socket = new RequestSocket();
+        private readonly string text;
+
+        public BusyWait(string endpoint, int size) : base(size)
+        {
+            text = "Hello".PadRight(size);
+            socket.Connect(endpoint);
+        }
+
+        public override void Send() => socket.SendFrame(text);
+
+        public override void Receive()
+        {
+            string reply;
+            while (!socket.TryReceiveFrameString(out reply)) { }
+            Check(reply == "World");
+        }
+
+        public override void Dispose() => socket.Dispose();
+    }
+
+    /// <summary>Lesson 05's bytes as a beginner sends and receives them: new arrays for each message.</summary>
+    internal sealed class NaiveMessages : Contender
+    {
+        private readonly RequestSocket socket = new RequestSocket();
+        private readonly Message request = new Message("echo", 1);
+
+        public NaiveMessages(string endpoint, int size) : base(size)
+        {
+            request.Arrays.Add(new MessageArray("uint8", Payload, size));
+            socket.Options.Linger = TimeSpan.Zero;
+            NetMQLifetime.Connect(socket, endpoint);
+        }
+
+        public override void Send()
+        {
+            // The pool is for all sockets of the process. This one does without.
+            BufferPool.SetGCBufferPool();
+            socket.SendMoreFrame(request.Header()).SendFrame(Payload);
+        }
+
+        public override void Receive()
+        {
+            if (!socket.TryReceiveFrameBytes(Patience, out var header)) throw new TimeoutException("no reply");
+            var reply = Message.Read(new ReadOnlyMemory<byte>[] { header, socket.ReceiveFrameBytes() });
+            Check(reply.Arrays[0].Data.Length == Payload.Length);
+        }
+
+        public override void Dispose() => socket.Dispose();
+    }
+
+    /// <summary>Lesson 05 as it is.</summary>
+    internal sealed class PooledMessages : Contender
+    {
+        private readonly MessageRequester requester;
+        private readonly Message request = new Message("echo", 1);
+        private Message reply;
+
+        public PooledMessages(string endpoint, int size) : base(size)
+        {
+            request.Arrays.Add(new MessageArray("uint8", Payload, size));
+            requester = new MessageRequester(endpoint);
+        }
+
+        public override void Send()
+        {
+            PooledBuffers.Use();
+            reply = requester.Request(request, Patience);
+        }
+
+        public override void Receive() => Check(reply.Arrays[0].Data.Length == Payload.Length);
+
+        public override void Dispose() => requester.Dispose();
+    }
+
+    /// <summary>Lesson 06 with a number of requests in flight.</summary>
+    internal sealed class Many : Contender
+    {
+        private readonly ManyRequester requester;
+        private readonly string text;
+        private readonly int batch;
+
+        public Many(string endpoint, int size, int window) : base(size)
+        {
+            requester = new ManyRequester(endpoint, window, Patience);
+            text = "echo ".PadRight(size, 'x');
+            batch = 20 * window + 100;
+        }
+
+        public override int Echo(List<double> waits)
+        {
+            Check(requester.RequestMany(Enumerable.Repeat(text, batch)).All(answer => answer.Reply.Length == text.Length - 5));
+            return batch;
+        }
+
+        public override void Send() => throw new NotSupportedException();
+
+        public override void Receive() => throw new NotSupportedException();
+
+        public override void Dispose() => requester.Dispose();
+    }
+
+    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with lesson 05's pool. ZeroMQ's own limit.</summary>
+    internal sealed class Bare : Contender
+    {
+        private readonly DealerSocket socket = new DealerSocket();
+        private Msg incoming = new Msg();
+
+        public Bare(string endpoint, int size) : base(size)
+        {
+            incoming.InitEmpty();
+            socket.Options.Linger = TimeSpan.Zero;
+            // In a stream of large frames, more of them would only fill the memory.
+            socket.Options.SendHighWatermark = 16;
+            NetMQLifetime.Connect(socket, endpoint);
+        }
+
+        public override void Send()
+        {
+            PooledBuffers.Use();
+            var msg = new Msg();
+            // The answer proves that NetMQ is done with a lent array. In a stream nothing proves it.
+            if (Payload[0] == Answer) msg.InitGC(Payload, Payload.Length);
+            else
+            {
+                msg.InitPool(Payload.Length);
+                Payload.CopyTo(msg.Slice());
+            }
+            if (!socket.TrySend(ref msg, Patience, false)) throw new TimeoutException("the server takes no more");
+            msg.Close();
+        }
+
+        public override void Receive()
+        {
+            if (!socket.TryReceive(ref incoming, Patience)) throw new TimeoutException("no reply");
+            Check(incoming.Size == Payload.Length);
+        }
+
+        public override void Dispose() => socket.Dispose();
+    }
+
+    /// <summary>Listens to the publisher of the lab, whose messages begin when a DEALER says so.</summary>
+    internal sealed class Subscriber : Contender
+    {
+        private readonly SubscriberSocket socket = new SubscriberSocket();
+        private readonly string control;
+
+        public Subscriber(string control, string publisher, int size) : base(size)
+        {
+            this.control = control;
+            socket.Options.ReceiveHighWatermark = 0;
+            socket.SubscribeToAnyTopic();
+            NetMQLifetime.Connect(socket, publisher);
+        }
+
+        public override void Send()
+        {
+            using var dealer = new DealerSocket();
+            dealer.Options.Linger = TimeSpan.FromSeconds(1);
+            NetMQLifetime.Connect(dealer, control);
+            dealer.SendFrame(Payload);
+        }
+
+        public override void Receive()
+        {
+            if (!socket.TryReceiveFrameBytes(Patience, out var message)) throw new TimeoutException("no message");
+            Check(message.Length == Payload.Length);
+        }
+
+        public override void Dispose() => socket.Dispose();
+    }
+}

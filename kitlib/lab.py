@@ -1,0 +1,139 @@
+"""The performance lab's programs: servers and clients, each side on its own processor cores, asked a line at a time."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from .lessons import ROOT, KitError
+
+# Nothing in the lab takes as long; a program that does is ended, so that a run always ends.
+LIMIT = 90.0
+PINS = hasattr(os, "sched_setaffinity")
+
+
+def halves() -> tuple[set[int], set[int]]:
+    """The cores for the clients and those for the servers: half of them each."""
+    cores = sorted(os.sched_getaffinity(0)) if PINS else []
+    middle = len(cores) // 2
+    return (set(cores[:middle]), set(cores[middle:])) if middle else (set(cores), set(cores))
+
+
+@contextmanager
+def on(cores: set[int]) -> Iterator[None]:
+    """What is started inside runs on these cores only, with all its threads. Without cores, wherever the system likes."""
+    if not cores:
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, cores)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+class Process:
+    """A program of the lab."""
+
+    def __init__(self, command: list[str], cores: set[int], env: dict[str, str] | None = None) -> None:
+        self.name = " ".join(Path(word).name for word in command[:3])
+        with on(cores):
+            self.process = subprocess.Popen(
+                command,
+                cwd=ROOT,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                text=True,
+                env={**os.environ, "PYTHONUNBUFFERED": "1", **(env or {})},
+                preexec_fn=many_files if os.name == "posix" else None,
+            )
+
+    def line(self) -> str:
+        """Its next line, or KitError if it ends or says nothing for too long."""
+        assert self.process.stdout
+        watch = threading.Timer(LIMIT, self.process.kill)
+        watch.start()
+        try:
+            text = self.process.stdout.readline()
+        finally:
+            watch.cancel()
+        if not text:
+            raise KitError(f"{self.name} ended, or was silent for {LIMIT:.0f} s; run it by itself to see why")
+        return text.strip()
+
+    def processor_time(self) -> float:
+        """Seconds that all its threads have used so far, or nan where the system does not say it exactly (Linux does)."""
+        try:
+            tasks = Path(f"/proc/{self.process.pid}/task").glob("*/schedstat")
+            return sum(int(task.read_text().split()[0]) for task in tasks) / 1e9
+        except (OSError, ValueError, IndexError):
+            return float("nan")
+
+    def end(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe:
+                pipe.close()
+
+
+def many_files() -> None:
+    """A thousand clients need a thousand sockets, and many systems allow a program fewer files to begin with."""
+    import resource
+
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+
+
+class Server(Process):
+    """A server; `endpoint` is what its ready line says."""
+
+    def __init__(self, python: Path, script: Path, options: list[str], cores: set[int]) -> None:
+        super().__init__([str(python), str(script), *options], cores)
+        found: list[str] = []
+        while not found or not found[-1].startswith("listening"):
+            found.append(self.line())
+        addresses = [found[-1], *found[:-1]]
+        self.endpoint = ",".join(match[0] for line in addresses if (match := re.search(r"tcp://\S+", line)))
+
+
+class Client(Process):
+    """A client program, which does what a line says and answers with a line of JSON."""
+
+    def ask(self, *words: str | int | float) -> dict[str, Any]:
+        """Its answer; what it prints before is under `said`."""
+        assert self.process.stdin
+        self.process.stdin.write(" ".join(map(str, words)) + "\n")
+        self.process.stdin.flush()
+        said = []
+        while not (text := self.line()).startswith("{"):
+            if text.startswith("failed: "):
+                raise KitError(text)
+            said.append(text)
+        return {**json.loads(text), "said": said}
+
+
+def machine_is_busy(seconds: float = 1.0) -> float:
+    """How much of all cores others use while we do nothing, 0 to 1; nan where the system does not say."""
+    import time
+
+    def now() -> list[int]:
+        return [int(word) for word in Path("/proc/stat").read_text().splitlines()[0].split()[1:9]]
+
+    if sys.platform != "linux":
+        return float("nan")
+    before = now()
+    time.sleep(seconds)
+    spent = [b - a for a, b in zip(before, now(), strict=True)]
+    return 1 - (spent[3] + spent[4]) / max(1, sum(spent))

@@ -1,0 +1,130 @@
+"""Draws the lab's results beside the file that holds them: python3 -m kitlib.plots img/performance.json
+
+Needs matplotlib. Colours are Okabe and Ito's, which also colour-blind readers tell apart; nothing is said by a colour
+alone: each bar and line has its name and its number.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("svg")
+# Letters stay letters, and two runs on the same numbers draw the same file.
+matplotlib.rcParams.update({
+    "svg.fonttype": "none", "svg.hashsalt": "netmqexample", "font.family": "sans-serif", "font.size": 14,
+    "axes.spines.top": False, "axes.spines.right": False,
+})  # fmt: skip
+from matplotlib import pyplot  # noqa: E402
+
+OURS, OTHERS, LIMIT = "#0072B2", "#E69F00", "#999999"
+MARKS = "os^Dv"
+
+
+def colour(label: str) -> str:
+    """Ours, theirs, and the limit."""
+    if label.startswith("raw TCP"):
+        return LIMIT
+    return OURS if label.startswith(("lesson", "NetMQ")) else OTHERS
+
+
+def work(results: dict[str, Any], title: str) -> list[dict[str, Any]]:
+    """The rows of one kind of work."""
+    return next((each["rows"] for each in results["works"] if each["title"] == title), [])
+
+
+def save(path: Path, figure: Any, title: str) -> None:
+    figure.savefig(path, format="svg", facecolor="white", metadata={"Date": None, "Title": title}, bbox_inches="tight")
+    pyplot.close(figure)
+    text = path.read_text(encoding="utf-8")
+    path.write_text("\n".join(line.rstrip() for line in text.splitlines()) + "\n", encoding="utf-8")
+
+
+def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]], log: bool = False) -> None:
+    """A bar for each row from the top, as long as its middle value, with a line from the least to the greatest."""
+    figure, axes = pyplot.subplots(figsize=(10, 1.2 + 0.42 * len(rows)))
+    for place, (label, (least, middle, greatest)) in enumerate(rows):
+        pale = label.startswith("lesson") is False and colour(label) == OURS
+        axes.barh(place, middle, color=colour(label), hatch="//" if pale else None, edgecolor="white")
+        axes.plot([least, greatest], [place, place], color="black", linewidth=1.5)
+        axes.text(greatest * (1.06 if log else 1) + (0 if log else 0.01 * max(r[1][2] for r in rows)), place, f"{middle:.3g}", va="center")
+    axes.set_yticks(range(len(rows)), [label for label, _ in rows])
+    axes.invert_yaxis()
+    axes.set_xlabel(unit)
+    if log:
+        axes.set_xscale("log")
+    axes.set_title(title, fontsize=16, loc="left")
+    save(path, figure, title)
+
+
+def echoes(results: dict[str, Any], title: str, path: Path) -> None:
+    rows = [(row["label"], row["ratio"]) for row in work(results, f"echo of {title}") if row["ratio"] and " in flight" not in row["label"]]
+    bars(path, f"Echo of {title}, one after the other", "times raw TCP in the same round: least, middle, greatest", rows)
+
+
+def latency(results: dict[str, Any], path: Path) -> None:
+    """Where half, 99 of 100 and 999 of 1000 round trips end."""
+    rows = [row for row in work(results, "echo of 32 B") if row["latency"]]
+    figure, axes = pyplot.subplots(figsize=(10, 1.4 + 0.42 * len(rows)))
+    for place, row in enumerate(rows):
+        values = list(row["latency"].values())
+        axes.plot(values, [place] * len(values), color=colour(row["label"]), linewidth=1.5)
+        for mark, name, value in zip(MARKS, ("half", "99 of 100", "999 of 1000"), values, strict=False):
+            axes.plot(value, place, mark, color=colour(row["label"]), markersize=9, markeredgecolor="black", label=name if place == 0 else None)
+    axes.set_yticks(range(len(rows)), [row["label"] for row in rows])
+    axes.invert_yaxis()
+    axes.set_xscale("log")
+    axes.set_xlabel("microseconds, and less is better")
+    axes.set_title("Round trips of 32 B that take less than", fontsize=16, loc="left")
+    axes.legend(loc="lower right", frameon=True)
+    save(path, figure, "Latency of round trips of 32 B")
+
+
+def lines(results: dict[str, Any], path: Path) -> None:
+    """How the rate grows with requests in flight, and with clients."""
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(12, 5))
+    windows = [(row["label"], row["rate"]) for row in work(results, "echo of 32 B") if row["label"].startswith("lesson 06") and row["label"].endswith("in flight")]
+    numbers = [int(label.split(", ")[1].split()[0]) for label, _ in windows]
+    left.plot(numbers, [rate[1] for _, rate in windows], "o-", color=OURS, linewidth=2)
+    for number, (_, rate) in zip(numbers, windows, strict=True):
+        left.annotate(f"{rate[1]:,.0f}", (number, rate[1]), textcoords="offset points", xytext=(0, 9), ha="center", fontsize=12)
+    left.set(xscale="log", yscale="log", xlabel="requests in flight", ylabel="requests of 32 B a second")
+    left.set_xticks(numbers, [str(number) for number in numbers])
+    left.margins(0.12, 0.2)
+    left.set_title("Lesson 06, one client", fontsize=16, loc="left")
+    counts = [int(each["title"].split()[0]) for each in results["works"] if each["title"].endswith("clients, 32 B")]
+    series: dict[str, list[tuple[int, float]]] = {}
+    for count in counts:
+        for row in work(results, f"{count} clients, 32 B"):
+            series.setdefault(row["label"], []).append((count, row["rate"][1]))
+    for mark, colour_, (label, points) in zip(MARKS, ("#000000", OURS, "#56B4E9", OTHERS, "#D55E00"), series.items(), strict=False):
+        right.plot(*zip(*points, strict=True), f"{mark}-", color=colour_, linewidth=2, markersize=8, label=label)
+    right.set(xscale="log", yscale="log", xlabel="clients of one server, one request each", ylabel="requests of 32 B a second")
+    right.set_xticks(counts, [str(count) for count in counts])
+    right.legend(fontsize=11)
+    right.set_title("Many clients", fontsize=16, loc="left")
+    figure.tight_layout()
+    save(path, figure, "Requests a second, by requests in flight and by clients")
+
+
+def price(results: dict[str, Any], path: Path) -> None:
+    """Processor time of the client for one message, where the server takes its time."""
+    rows = [(row["label"], [row["client_cpu"]] * 3) for row in work(results, "a server that takes 10 ms")]
+    bars(path, "The price of waiting: a server that takes 10 ms", "microseconds of processor time of the client for each request", rows, log=True)
+
+
+def main(kept: Path) -> None:
+    results = json.loads(kept.read_text(encoding="utf-8"))
+    for title, name in (("32 B", "32"), ("230,400 B", "230400")):
+        echoes(results, title, kept.with_name(f"performance_echo_{name}.svg"))
+    latency(results, kept.with_name("performance_latency.svg"))
+    lines(results, kept.with_name("performance_rate.svg"))
+    price(results, kept.with_name("performance_price.svg"))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
