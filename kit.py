@@ -5,9 +5,11 @@
     python3 kit.py test          every test that this machine can run
     python3 kit.py list          the lessons
     python3 kit.py doctor        what is on this machine, and what is missing
+    python3 kit.py bench         how fast it is, beside what people would pick instead
     python3 kit.py unity PATH    put the scripts and NetMQ's DLLs into your own Unity project
 
-Each command explains itself: python3 kit.py run --help
+Each command explains itself with examples: python3 kit.py run --help
+On Windows type `py` instead of `python3`. Ctrl-C stops everything that was started.
 """
 
 import sys
@@ -19,91 +21,152 @@ if sys.version_info < (3, 11):
 
 import argparse
 import io
-import shlex
-import subprocess
 from pathlib import Path
 
-from kitlib import doctor, dotnet, python_setup, unity_install
+from kitlib import bench, doctor, dotnet, python_setup, unity_install
 from kitlib import run as runner
+from kitlib.commands import KIT, Command, PassingOn, split, start
 from kitlib.lessons import ROOT, KitError, find, lessons
-from kitlib.terminal import coloured, say
+from kitlib.terminal import coloured, end, interruptible, nobody_reads, say, spawn
 
 
-def parser() -> argparse.ArgumentParser:
-    top = argparse.ArgumentParser(
-        prog="kit.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+def commands() -> list[Command]:
+    """Every command, with what its --help says."""
+    run = Command(
+        "run",
+        run_lesson,
+        "Runs a lesson: starts its Python server and a client, shows both line by line, and stops the server.",
+        [
+            f"{KIT} run 1                            lesson 01 with the C# client",
+            f"{KIT} run lazy-pirate --client unity   its Unity scripts, played without Unity",
+            f'{KIT} run 4 --server="--drop 3"        the server loses request 3',
+            f'{KIT} run 1 --options="--count 3"      the client asks three times',
+        ],
+        cure='what the client takes goes into --options="…", what the server takes into --server="…"',
     )
-    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    run = commands.add_parser("run", help="run a lesson: python3 kit.py run 1 --client python")
-    run.add_argument("lesson", help="its number or its name: 1, 01 or 01_request_reply")
-    run.add_argument("--client", choices=("csharp", "python", "unity"), default="csharp")
+    run.add_argument("lesson", metavar="LESSON", help="its number or its name: 1, 01, request-reply")
+    run.add_argument("--client", choices=("csharp", "python", "unity"), default="csharp", help="csharp, if not said")
     run.add_argument("--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the offline engine over libzmq")
-    run.add_argument("--endpoint", help="where the server listens; port * takes a free one")
-    run.add_argument("--server", default="", metavar="OPTIONS", help="options for the server: --server='--delay 1'")
-    run.add_argument("--options", default="", metavar="OPTIONS", help="options for the client: --options='--count 3'")
-    commands.add_parser("list", help="the lessons")
-    commands.add_parser("doctor", help="what is on this machine, and what is missing")
-    unity = commands.add_parser("unity", help="install into a project: python3 kit.py unity ../MyGame --lesson 4")
+    run.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:* takes a free port")
+    run.add_argument("--server", default="", metavar="OPTIONS", help="options for the server; its own --help has them")
+    run.add_argument("--options", default="", metavar="OPTIONS", help="options for the client; its own --help has them")
+    unity = Command(
+        "unity",
+        install,
+        "Copies the Unity scripts and NetMQ's three DLLs into a Unity project. What you have changed there stays.",
+        [
+            f"{KIT} unity ../MyGame              the whole package",
+            f"{KIT} unity ../MyGame --lesson 4   only what lesson 04 takes home",
+        ],
+        cure='a path with a space in it goes between quotation marks: unity "../My Game"',
+    )
     unity.add_argument("project", type=Path, metavar="PATH", help="the folder that holds Assets and ProjectSettings")
     unity.add_argument("--lesson", help="copy only this lesson's take-home files")
     unity.add_argument("--force", action="store_true", help="overwrite files that were changed")
-    commands.add_parser("test", help="run the tests: python3 kit.py test -k request_reply", add_help=False)
-    return top
+    tests = PassingOn(
+        "test",
+        test,
+        "Runs every test that this machine can run, and says what it skipped and why.",
+        [
+            f"{KIT} test                    all of them: some minutes",
+            f"{KIT} test -k request_reply   those with this word in their name",
+            f"{KIT} test --long             also those that take minutes each",
+            f"{KIT} test -- --help          pytest's own options",
+        ],
+    )
+    tests.add_argument("words", metavar="WORD", nargs="*", help="any option of pytest")
+    speed = Command(
+        "bench",
+        run_bench,
+        "Measures the kit beside raw TCP, WebSocket, HTTP, gRPC and others, in rounds that take turns.",
+        [
+            f"{KIT} bench --quick   less than a minute, to see that it works",
+            f"{KIT} bench           less than ten minutes; writes img/performance*, and wants a machine at rest",
+            f"{KIT} bench --free    without a half of the processor cores for each side",
+        ],
+    )
+    speed.add_argument("--quick", action="store_true", help="fewer and shorter rounds; results go into .build/bench")
+    speed.add_argument(
+        "--free", action="store_true", help="the system places the programs; results go into .build/bench"
+    )
+    speed.add_argument("--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the offline engine over libzmq")
+    shows = "Shows what is on this machine and what is missing, each missing thing with its cure."
+    return [
+        run,
+        tests,
+        Command("list", list_lessons, "Shows the lessons: the name of each, and its idea.", [f"{KIT} list"]),
+        Command("doctor", show_doctor, shows, [f"{KIT} doctor"]),
+        speed,
+        unity,
+    ]
 
 
-def run(options: argparse.Namespace) -> int:
+def run_lesson(options: argparse.Namespace) -> int:
+    """Set up what the lesson needs, then run it."""
     lesson = find(options.lesson)
+    for_client, for_server = split(options.options, "--options"), split(options.server, "--server")
     python = python_setup.interpreter(lesson.key)
     client = runner.client_command(options.client, lesson, python, options.engine)
-    return runner.run(
-        lesson, python, [*client, *shlex.split(options.options)], options.endpoint, shlex.split(options.server)
-    )
+    return runner.run(lesson, python, [*client, *for_client], options.endpoint, for_server)
 
 
-def list_lessons() -> int:
+def test(options: argparse.Namespace) -> int:
+    """Set up what the tests need, then run them."""
+    optional = tuple(extra for extra in python_setup.all_extras() if extra != "tests")
+    python = python_setup.interpreter("tests", optional=optional)
+    say(f"testing with {python}")
+    pytest = spawn([str(python), "-m", "pytest", *options.words], cwd=ROOT)
+    try:
+        return pytest.wait()
+    finally:
+        # After Ctrl-C pytest ends the programs of the test that was running, and says how far it came.
+        end(pytest, 60)
+
+
+def run_bench(options: argparse.Namespace) -> int:
+    """Measure, print and draw."""
+    return bench.bench(options.quick, options.free, options.engine)
+
+
+def list_lessons(_: argparse.Namespace) -> int:
+    """Print the lessons."""
     for lesson in lessons():
         print(f"{lesson.key:24} {lesson.title}")
     return 0
 
 
-def test(arguments: list[str]) -> int:
-    optional = tuple(extra for extra in python_setup.all_extras() if extra != "tests")
-    python = python_setup.interpreter("tests", optional=optional)
-    say(f"testing with {python}")
-    return subprocess.run([python, "-m", "pytest", *arguments], cwd=ROOT).returncode
-
-
-def unity(options: argparse.Namespace) -> int:
-    unity_install.install(options.project, options.lesson, options.force)
-    return 0
-
-
-def show_doctor() -> int:
+def show_doctor(_: argparse.Namespace) -> int:
+    """Print what is here and what is missing, with the interpreter that the lessons use."""
     required = python_setup.needs()
     here = [python_setup.venv_python(), Path(sys.executable), Path("/usr/bin/python3")]
     doctor.show(next((python for python in here if python.exists() and python_setup.has(python, required)), None))
     return 0
 
 
+def install(options: argparse.Namespace) -> int:
+    """Install into a Unity project."""
+    unity_install.install(options.project, options.lesson, options.force)
+    return 0
+
+
 def main() -> int:
-    options, rest = parser().parse_known_args()
-    if options.command == "test":
-        return test(rest)
-    if rest:
-        parser().error(f"unknown: {' '.join(rest)}")
-    if options.command in ("run", "unity"):
-        return {"run": run, "unity": unity}[options.command](options)
-    return {"list": list_lessons, "doctor": show_doctor}[options.command]()
-
-
-if __name__ == "__main__":
+    """Do what the command line says; returns the exit code."""
     # A legacy console code page must not turn a printed line into a traceback.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    interruptible()
     try:
-        sys.exit(main())
+        return start(commands(), __doc__, sys.argv[1:])
     except KitError as error:
-        sys.exit(f"{coloured('kit    |', 'error')} {error}")
+        print(coloured("kit    |", "error", sys.stderr), error, file=sys.stderr)
+        return error.code
     except KeyboardInterrupt:
-        sys.exit(130)
+        return 130
+    except BrokenPipeError:
+        nobody_reads()
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -17,7 +17,23 @@ from typing import Any
 
 from . import dotnet, python_setup, report
 from .contest import (
-    BARE, BUSY, GRPC, HELLO, HTTP, JSON, NAIVE, POOL, POOLED, SPIN, SUBSCRIBER, TCP, WEBSOCKET, Contender, Lab, elsewhere, many, progress,
+    BARE,
+    BUSY,
+    GRPC,
+    HELLO,
+    HTTP,
+    JSON,
+    NAIVE,
+    POOL,
+    POOLED,
+    SPIN,
+    SUBSCRIBER,
+    TCP,
+    WEBSOCKET,
+    Lab,
+    elsewhere,
+    many,
+    progress,
 )  # fmt: skip
 from .lab import LIMIT, machine_is_busy
 from .lessons import ROOT, KitError
@@ -103,7 +119,13 @@ def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     found = [
         lab.work(
             "one way, frames of 230,400 B",
-            [TCP, BARE, WEBSOCKET, JSON, *(each for each in elsewhere("offline", "offline engine") if each.name == "bare")],
+            [
+                TCP,
+                BARE,
+                WEBSOCKET,
+                JSON,
+                *(each for each in elsewhere("offline", "offline engine") if each.name == "bare"),
+            ],
             lambda each, endpoint: ["stream", each.name, endpoint, PICTURE, lab.moment],
         )
     ]
@@ -154,7 +176,9 @@ def starts(lab: Lab, quick: bool) -> list[dict[str, Any]]:
             )
             times.setdefault(label, []).append((time.perf_counter() - start) * 1000)
     for label, values in times.items():
-        found.append({"label": label, "milliseconds": [round(pick(values), 2) for pick in (min, statistics.median, max)]})
+        found.append(
+            {"label": label, "milliseconds": [round(pick(values), 2) for pick in (min, statistics.median, max)]}
+        )
     return found
 
 
@@ -166,11 +190,20 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
             continue
         endpoint = lab.server("04_background_client").endpoint
         said = " ".join(client.ask("frames", endpoint, count)["said"])
-        numbers = re.search(r"mean ([\d.]+) ms, half below ([\d.]+) ms, 99 of 100 below ([\d.]+) ms, longest ([\d.]+) ms, (\d+) bytes", said)
+        numbers = re.search(
+            r"mean ([\d.]+) ms, half below ([\d.]+) ms, 99 of 100 below ([\d.]+) ms, longest ([\d.]+) ms, (\d+) bytes",
+            said,
+        )
         if numbers is None:
             raise KitError(f"lesson 04 in the player measured nothing: {said[-200:]}")
         keys = ("mean", "half", "of_100_99", "longest", "bytes")
-        found.append({"label": report.RUNTIMES[name], "frames": count, **dict(zip(keys, map(float, numbers.groups()), strict=True))})
+        found.append(
+            {
+                "label": report.RUNTIMES[name],
+                "frames": count,
+                **dict(zip(keys, map(float, numbers.groups()), strict=True)),
+            }
+        )
     return found
 
 
@@ -188,21 +221,29 @@ def noise(busy: float, works: list[dict[str, Any]]) -> list[str]:
 
 def machine(lab: Lab) -> dict[str, str]:
     """What it was measured on and with."""
+
     def versions(*names: str) -> str:
         code = f"import importlib.metadata as m\nfor n in {names!r}:\n  try: print(n, m.version(n))\n  except Exception: pass"
-        return ", ".join(subprocess.run([str(lab.python), "-c", code], capture_output=True, text=True).stdout.split("\n")[:-1])
+        return ", ".join(
+            subprocess.run([str(lab.python), "-c", code], capture_output=True, text=True).stdout.split("\n")[:-1]
+        )
 
     model = platform.processor() or platform.machine()
     if sys.platform == "linux":
         model = next(iter(re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())), model)
-    libzmq = subprocess.run([str(lab.python), "-c", "import zmq; print(zmq.zmq_version())"], capture_output=True, text=True)
+    libzmq = subprocess.run(
+        [str(lab.python), "-c", "import zmq; print(zmq.zmq_version())"], capture_output=True, text=True
+    )
     return {
         "date": datetime.date.today().isoformat(),
         "processor": f"{model}, {os.cpu_count()} cores",
         "system": f"{platform.system()} {platform.release()}",
-        "cores": f"clients on {sorted(lab.client_cores)}, servers on {sorted(lab.server_cores)}" if lab.client_cores else "wherever the system puts them",
+        "cores": f"clients on {sorted(lab.client_cores)}, servers on {sorted(lab.server_cores)}"
+        if lab.client_cores
+        else "wherever the system puts them",
         "engine": lab.engines["dotnet"].name,
-        "runtimes": f".NET SDK {dotnet.sdk()}, Python {platform.python_version()}" + (f", {mono_version()}" if "mono" in lab.engines else ""),
+        "runtimes": f".NET SDK {dotnet.sdk()}, Python {platform.python_version()}"
+        + (f", {mono_version()}" if "mono" in lab.engines else ""),
         "packages": f"libzmq {libzmq.stdout.strip()}, " + versions("pyzmq", "websockets", "aiohttp", "grpcio"),
     }
 

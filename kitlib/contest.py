@@ -6,6 +6,7 @@ is compared is each contender's rate with that of raw TCP in the same round. The
 
 from __future__ import annotations
 
+import math
 import statistics
 import sys
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from .lab import PINS, Client, Server, halves
 from .lessons import ROOT, KitError
 
 LAB = ROOT / "python" / "performance_lab"
+
 
 @dataclass(frozen=True)
 class Contender:
@@ -72,17 +74,16 @@ class Row:
     rates: list[float] = field(default_factory=list)
     ratios: list[float] = field(default_factory=list)
     waits: list[float] = field(default_factory=list)
-    client_cpu: float = 0.0
-    server_cpu: float = 0.0
+    # Processor time in microseconds of the client and of the server, and how often their threads went to sleep.
+    spent: list[float] = field(default_factory=lambda: [0.0] * 4)
     messages: int = 0
 
-    def add(self, answer: dict[str, Any], server_cpu: float) -> None:
-        """The next round, as the client program has answered."""
+    def add(self, answer: dict[str, Any], spent: list[float]) -> None:
+        """The next round, as the client program has answered, and what both programs have used."""
         self.rates.append(answer["messages"] / answer["seconds"])
         self.waits += answer["waits"]
         self.messages += answer["messages"]
-        self.client_cpu += answer["cpu"]
-        self.server_cpu += server_cpu
+        self.spent = [before + now for before, now in zip(self.spent, spent, strict=True)]
 
     def compare(self, limit: Row | None) -> None:
         """The ratio of this round to raw TCP's, if raw TCP takes part."""
@@ -92,13 +93,16 @@ class Row:
     def result(self) -> dict[str, Any]:
         """Numbers to print and to draw: messages a second, ratios to raw TCP, microseconds."""
         waits = sorted(self.waits)
+        each = [None if math.isnan(total) else float(f"{total / self.messages:.4g}") for total in self.spent]
         return {
             "label": self.label,
             "rate": three(self.rates),
             "ratio": three(self.ratios) if self.ratios else None,
             "latency": {f"p{share}": below(waits, share) for share in (50, 99, 99.9)} if len(waits) > 20 else None,
-            "client_cpu": round(self.client_cpu / self.messages * 1e6, 2),
-            "server_cpu": round(self.server_cpu / self.messages * 1e6, 2),
+            "client_cpu": each[0],
+            "server_cpu": each[1],
+            "client_sleeps": each[2],
+            "server_sleeps": each[3],
         }
 
 
@@ -164,14 +168,16 @@ class Lab:
             for each, row in list(rows.items()):
                 try:
                     server = self.server(each.server, *options)
-                    before = server.processor_time()
-                    answer = self.program(each.program).ask(*words(each, server.endpoint))
+                    client = self.program(each.program)
+                    before = totals(client, server)
+                    answer = client.ask(*words(each, server.endpoint))
+                    spent = [now - then for now, then in zip(totals(client, server), before, strict=True)]
                 except KitError as error:
                     self.skipped[f"{each.label} ({title})"] = str(error)
                     del rows[each]
                     continue
                 if number > 0:
-                    row.add(answer, server.processor_time() - before)
+                    row.add(answer, spent)
             for row in rows.values():
                 row.compare(rows.get(TCP))
         for client in self.clients.values():
@@ -182,6 +188,11 @@ class Lab:
         """End every program."""
         for process in [*self.clients.values(), *self.servers.values()]:
             process.end()
+
+
+def totals(client: Client, server: Server) -> list[float]:
+    """Processor microseconds of both, then sleeps of both."""
+    return [each for pair in zip(client.spent(), server.spent(), strict=True) for each in pair]
 
 
 def progress(text: str, last: bool) -> None:

@@ -35,6 +35,7 @@ def rows(python: Path | None) -> Iterator[Row]:
 
 
 def csharp_rows() -> Iterator[Row]:
+    """The .NET SDK, and what stands behind NetMQ's names."""
     sdk = dotnet.sdk()
     if not sdk:
         yield False, ".NET SDK", f"{dotnet.DOWNLOAD}; until then the Python clients run"
@@ -69,6 +70,7 @@ def port_row(number: int) -> Row:
 
 
 def show(python: Path | None) -> None:
+    """Print the table; `python` is the interpreter that the lessons use, if there is one."""
     for fine, what, finding in rows(python):
         mark = coloured("ok", "kit") if fine else coloured("--", "error")
         print(f"{mark}  {what:10} {finding}", flush=True)

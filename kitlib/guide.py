@@ -1,4 +1,8 @@
-"""Keeps the README and the guide true: python3 -m kitlib.guide rewrites every excerpt and says what stays by hand.
+"""Keeps the README and the guide true.
+
+    python3 -m kitlib.guide                   rewrites every excerpt, and every transcript that a run contradicts
+    python3 -m kitlib.guide --excerpts        the excerpts alone, which takes no time
+    python3 -m kitlib.guide docs/guide/X.md   these pages alone
 
 A fenced block says where it comes from in a comment on the line above it:
 
@@ -6,26 +10,38 @@ A fenced block says where it comes from in a comment on the line above it:
     <!-- run: 1 --client csharp --options='--count 1' -->        what `kit.py run` prints; `...` stands for any lines
     <!-- like: 3 -->                                             the same, but numbers and ids differ from run to run
     <!-- commands -->                                            one command a line, each of which a test starts
-    <!-- by hand: why -->                                        neither, and counted
+    <!-- diagram -->                                             a sequence diagram, whose grammar a test checks
+    <!-- by hand: why -->                                        none of these, and counted
 
-`run` blocks without the prefixes `server |` and `client |` show the client alone.
+`run` and `like` blocks without the prefixes `server |` and `client |` show the client alone. A transcript that is
+rewritten keeps as many lines before its first `...` and after its last one as it had; what stood between is gone.
 """
 
 from __future__ import annotations
 
+import argparse
 import ast
+import difflib
+import functools
 import re
+import shlex
 import sys
+import tempfile
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
-from .lessons import ROOT, KitError
+from .lessons import ROOT, KitError, find
+from .terminal import quietly
 
 BLOCK = re.compile(
     r"(?:<!-- (?P<mark>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL
 )
+SIDES = ("server", "client")
+LIMIT = 240
 
 
 @dataclass(frozen=True)
@@ -41,19 +57,28 @@ class Block:
 
     @property
     def where(self) -> str:
+        """The page and the line, for messages."""
         return f"{self.page.relative_to(ROOT).as_posix()}:{self.line}"
 
 
 def pages() -> list[Path]:
+    """The README and every page of the guide."""
     return [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 
 
-def blocks(page: Path) -> Iterator[Block]:
-    text = page.read_text(encoding="utf-8")
+def blocks(page: Path, text: str | None = None) -> Iterator[Block]:
+    """The blocks of a page, or of another text that stands for it."""
+    if text is None:
+        text = page.read_text(encoding="utf-8")
     for found in BLOCK.finditer(text):
-        kind, _, source = (found["mark"] or "").partition(":")
-        line = text.count("\n", 0, found.start()) + 1
-        yield Block(page, line, kind.strip(), source.strip(), found["language"], found["body"])
+        yield as_block(page, text, found)
+
+
+def as_block(page: Path, text: str, found: re.Match[str]) -> Block:
+    """What BLOCK found in a page."""
+    kind, _, source = (found["mark"] or "").partition(":")
+    line = text.count("\n", 0, found.start()) + 1
+    return Block(page, line, kind.strip(), source.strip(), found["language"], found["body"])
 
 
 def excerpt(source: str) -> str:
@@ -67,6 +92,7 @@ def excerpt(source: str) -> str:
 
 
 def python_excerpt(text: str, name: str) -> str | None:
+    """The lines of a function or class."""
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
             return "\n".join(text.splitlines()[node.lineno - 1 : node.end_lineno])
@@ -88,25 +114,132 @@ def csharp_excerpt(text: str, name: str) -> str | None:
     return None
 
 
-def rewritten(page: Path) -> str:
-    """The page with every excerpt as its file has it now."""
+@functools.cache
+def printed(source: str, engine: str | None = None) -> tuple[str, ...]:
+    """What `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
+    words = shlex.split(source)
+    chosen = ["--engine", engine] if engine else []
+    command: list[str | Path] = [
+        sys.executable,
+        ROOT / "kit.py",
+        "run",
+        *words,
+        *chosen,
+        "--endpoint",
+        "tcp://127.0.0.1:*",
+    ]
+    result = quietly(command, LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
+    if result.code not in (0, 1):
+        raise KitError(f"`kit.py run {source}` ended with {result.code}: {result.output}")
+    return tuple(with_own_ports(result.output, find(words[0]).number).splitlines())
+
+
+def with_own_ports(output: str, number: int) -> str:
+    """A run takes free ports. Its ready line names the lesson's own; what else listens has the port 100 higher."""
+    found = re.findall(r"\b(\w+) on tcp://127\.0\.0\.1:(\d+)", output)
+    ports = {port: str(number + (5550 if name == "listening" else 5650)) for name, port in found}
+    return re.sub(r"(?<=tcp://127\.0\.0\.1:)\d+", lambda port: ports.get(port[0], port[0]), output)
+
+
+def said(lines: Sequence[str], side: str) -> list[str]:
+    """What one side printed, without its prefix; the author's `...` stands for lines of both."""
+    return [re.sub(rf"^{side} \| ?", "", line) for line in lines if line == "..." or line.startswith(f"{side} |")]
+
+
+def has_prefixes(lines: Sequence[str]) -> bool:
+    """True if a transcript shows both sides."""
+    return any(line.startswith(tuple(f"{side} |" for side in SIDES)) for line in lines)
+
+
+def contradiction(block: Block, lines: Sequence[str]) -> str:
+    """How a transcript differs from what a run printed, or nothing. How the two sides mix does not count."""
+    form = shape if block.kind == "like" else list
+    shown = block.body.splitlines()
+    for side in SIDES if has_prefixes(shown) else ["client"]:
+        expected = form(said(shown, side) if has_prefixes(shown) else shown)
+        found = form(said(lines, side))
+        if not same(expected, found):
+            return "\n".join([f"the {side} prints something else:", *difflib.ndiff(expected, found)])
+    return ""
+
+
+def same(expected: Sequence[str], found: Sequence[str]) -> bool:
+    """True if the lines are equal, where a line `...` stands for any number of lines."""
+    pattern = "".join("(.*\n)*?" if line == "..." else re.escape(line) + "\n" for line in expected)
+    return re.fullmatch(pattern, "".join(f"{line}\n" for line in found)) is not None
+
+
+def shape(lines: Sequence[str]) -> list[str]:
+    """The lines with every number and id replaced, and what repeats itself said once."""
+    plain = [re.sub(r"-?\d+(\.\d+)?", "N", re.sub(r"\b[0-9a-f]{8,32}\b", "ID", line)) for line in lines]
+    return [line for line, _ in groupby(plain)]
+
+
+def renewed(block: Block, lines: Sequence[str]) -> str:
+    """The body of a transcript as this run prints it, shortened where the author has shortened it."""
+    old = block.body.splitlines()
+    new = [line for line in lines if has_prefixes([line])] if has_prefixes(old) else said(lines, "client")
+    if "..." in old:
+        before, after = old.index("..."), old[::-1].index("...")
+        if before + after < len(new):
+            new = [*new[:before], "...", *new[len(new) - after :]]
+    return "".join(f"{line}\n" for line in new)
+
+
+def rewritten(page: Path, transcripts: bool = False) -> str:
+    """The page with every excerpt as its file has it now, and with its transcripts as a run prints them."""
+    text = page.read_text(encoding="utf-8")
 
     def replace(found: re.Match[str]) -> str:
-        kind, _, source = (found["mark"] or "").partition(":")
-        if kind.strip() != "excerpt":
-            return found[0]
+        this = as_block(page, text, found)
+        body = this.body
+        if this.kind == "excerpt":
+            body = excerpt(this.source)
+        elif this.kind in ("run", "like") and transcripts:
+            print(f"{this.where}: {this.kind} {this.source}", flush=True)
+            lines = printed(this.source)
+            if why := contradiction(this, lines):
+                print(why)
+                body = renewed(this, lines)
         start, end = (place - found.start() for place in found.span("body"))
-        return found[0][:start] + excerpt(source.strip()) + found[0][end:]
+        return found[0][:start] + body + found[0][end:]
 
-    return BLOCK.sub(replace, page.read_text(encoding="utf-8"))
+    return BLOCK.sub(replace, text)
+
+
+@contextmanager
+def new_journal() -> Iterator[None]:
+    """Lesson 02 counts on from what its journal holds; inside, it begins at 0, and what was there comes back."""
+    with tempfile.TemporaryDirectory(dir=ROOT, prefix=".journal-") as kept:
+        own = list(ROOT.glob("*.sqlite3*"))
+        for path in own:
+            path.rename(Path(kept) / path.name)
+        try:
+            yield
+        finally:
+            for path in ROOT.glob("*.sqlite3*"):
+                path.unlink()
+            for path in own:
+                (Path(kept) / path.name).rename(path)
 
 
 def main() -> None:
-    by_hand = 0
-    for page in pages():
-        page.write_text(rewritten(page), encoding="utf-8")
-        by_hand += sum(block.kind == "by hand" for block in blocks(page))
-    print(f"{len(pages())} pages; {by_hand} blocks by hand")
+    """Rewrite the pages of the command line, or all."""
+    parser = argparse.ArgumentParser(description="Rewrites the excerpts and transcripts of the README and the guide.")
+    parser.add_argument("pages", nargs="*", type=Path, metavar="PAGE", help="these pages alone")
+    parser.add_argument("--excerpts", action="store_true", help="leave the transcripts, each of which takes a run")
+    options = parser.parse_args()
+    by_hand = []
+    for page in [path.resolve() for path in options.pages] or pages():
+        with new_journal():
+            new = rewritten(page, transcripts=not options.excerpts)
+        if new != page.read_text(encoding="utf-8"):
+            page.write_text(new, encoding="utf-8", newline="\n")
+            print(f"{page.relative_to(ROOT).as_posix()}: rewritten")
+        by_hand += [block for block in blocks(page) if block.kind == "by hand"]
+    for each in by_hand:
+        print(f"{each.where}: by hand: {each.source}")
+    print(f"{len(by_hand)} blocks by hand")
 
 
 if __name__ == "__main__":
@@ -114,3 +247,5 @@ if __name__ == "__main__":
         main()
     except KitError as error:
         sys.exit(str(error))
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from .lessons import ROOT, KitError
 
@@ -39,6 +41,13 @@ def on(cores: set[int]) -> Iterator[None]:
         yield
     finally:
         os.sched_setaffinity(0, before)
+
+
+class Spent(NamedTuple):
+    """Processor time in microseconds, and how often a thread went to sleep because it had to wait."""
+
+    microseconds: float
+    sleeps: float
 
 
 class Process:
@@ -71,13 +80,17 @@ class Process:
             raise KitError(f"{self.name} ended, or was silent for {LIMIT:.0f} s; run it by itself to see why")
         return text.strip()
 
-    def processor_time(self) -> float:
-        """Seconds that all its threads have used so far, or nan where the system does not say it exactly (Linux does)."""
+    def spent(self) -> Spent:
+        """What all its threads have used so far; nan where the system does not say it exactly (Linux does)."""
         try:
-            tasks = Path(f"/proc/{self.process.pid}/task").glob("*/schedstat")
-            return sum(int(task.read_text().split()[0]) for task in tasks) / 1e9
+            tasks = list(Path(f"/proc/{self.process.pid}/task").iterdir())
+            microseconds = sum(int((task / "schedstat").read_text().split()[0]) for task in tasks) / 1e3
+            sleeps = [
+                re.search(r"^voluntary_ctxt_switches:\s+(\d+)", (task / "status").read_text(), re.M) for task in tasks
+            ]
+            return Spent(microseconds, float(sum(int(found[1]) for found in sleeps if found)))
         except (OSError, ValueError, IndexError):
-            return float("nan")
+            return Spent(math.nan, math.nan)
 
     def end(self) -> None:
         if self.process.poll() is None:
@@ -126,13 +139,12 @@ class Client(Process):
 
 def machine_is_busy(seconds: float = 1.0) -> float:
     """How much of all cores others use while we do nothing, 0 to 1; nan where the system does not say."""
-    import time
 
     def now() -> list[int]:
         return [int(word) for word in Path("/proc/stat").read_text().splitlines()[0].split()[1:9]]
 
     if sys.platform != "linux":
-        return float("nan")
+        return math.nan
     before = now()
     time.sleep(seconds)
     spent = [b - a for a, b in zip(before, now(), strict=True)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import difflib
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,14 @@ ROOT = Path(__file__).resolve().parent.parent
 
 class KitError(Exception):
     """What a user can mend: one line with the cause and the cure."""
+
+    code = 1
+
+
+class UsageError(KitError):
+    """A wrong word on the command line."""
+
+    code = 2
 
 
 @dataclass(frozen=True)
@@ -54,9 +63,23 @@ def lessons() -> list[Lesson]:
 
 
 def find(text: str) -> Lesson:
-    """The lesson that a user means by 1, 01 or 01_request_reply."""
+    """The lesson that a user means by 1, 01, 01_request_reply or request-reply."""
     found = lessons()
+    wanted = text.strip().lower().replace("-", "_").replace(" ", "_")
     for lesson in found:
-        if text in (lesson.key, str(lesson.number), lesson.key[:2]):
+        if wanted in (lesson.key, str(lesson.number), lesson.key[:2], lesson.key[3:]):
             return lesson
-    raise KitError(f"there is no lesson {text}; there are: " + ", ".join(lesson.key for lesson in found))
+    if near := nearest(wanted, found):
+        raise UsageError(f"there is no lesson {text}; did you mean {near.key}?")
+    raise UsageError(f"there is no lesson {text}; there are: {', '.join(lesson.key for lesson in found)}")
+
+
+def nearest(wanted: str, among: list[Lesson]) -> Lesson | None:
+    """The lesson whose name has the word in it, or is spelled most like it."""
+    if not re.search("[a-z]", wanted):
+        return None
+    names = {lesson.key[3:]: lesson for lesson in among}
+    near = [name for name in names if wanted in name] or difflib.get_close_matches(
+        re.sub(r"^\d+_?", "", wanted), names, 1
+    )
+    return names[near[0]] if near else None

@@ -48,10 +48,16 @@ def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]],
     """A bar for each row from the top, as long as its middle value, with a line from the least to the greatest."""
     figure, axes = pyplot.subplots(figsize=(10, 1.2 + 0.42 * len(rows)))
     for place, (label, (least, middle, greatest)) in enumerate(rows):
-        pale = label.startswith("lesson") is False and colour(label) == OURS
-        axes.barh(place, middle, color=colour(label), hatch="//" if pale else None, edgecolor="white")
+        hatched = not label.startswith("lesson") and colour(label) == OURS
+        axes.barh(place, middle, color=colour(label), hatch="//" if hatched else None, edgecolor="white")
         axes.plot([least, greatest], [place, place], color="black", linewidth=1.5)
-        axes.text(greatest * (1.06 if log else 1) + (0 if log else 0.01 * max(r[1][2] for r in rows)), place, f"{middle:.3g}", va="center")
+        axes.annotate(
+            f"{middle:,.3g}" if middle < 1000 else f"{middle:,.0f}",
+            (greatest, place),
+            textcoords="offset points",
+            xytext=(8, 0),
+            va="center",
+        )
     axes.set_yticks(range(len(rows)), [label for label, _ in rows])
     axes.invert_yaxis()
     axes.set_xlabel(unit)
@@ -62,8 +68,14 @@ def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]],
 
 
 def echoes(results: dict[str, Any], title: str, path: Path) -> None:
-    rows = [(row["label"], row["ratio"]) for row in work(results, f"echo of {title}") if row["ratio"] and " in flight" not in row["label"]]
-    bars(path, f"Echo of {title}, one after the other", "times raw TCP in the same round: least, middle, greatest", rows)
+    rows = [
+        (row["label"], row["ratio"])
+        for row in work(results, f"echo of {title}")
+        if row["ratio"] and " in flight" not in row["label"]
+    ]
+    bars(
+        path, f"Echo of {title}, one after the other", "times raw TCP in the same round: least, middle, greatest", rows
+    )
 
 
 def latency(results: dict[str, Any], path: Path) -> None:
@@ -74,24 +86,38 @@ def latency(results: dict[str, Any], path: Path) -> None:
         values = list(row["latency"].values())
         axes.plot(values, [place] * len(values), color=colour(row["label"]), linewidth=1.5)
         for mark, name, value in zip(MARKS, ("half", "99 of 100", "999 of 1000"), values, strict=False):
-            axes.plot(value, place, mark, color=colour(row["label"]), markersize=9, markeredgecolor="black", label=name if place == 0 else None)
+            axes.plot(
+                value,
+                place,
+                mark,
+                color=colour(row["label"]),
+                markersize=9,
+                markeredgecolor="black",
+                label=name if place == 0 else None,
+            )
     axes.set_yticks(range(len(rows)), [row["label"] for row in rows])
     axes.invert_yaxis()
     axes.set_xscale("log")
     axes.set_xlabel("microseconds, and less is better")
     axes.set_title("Round trips of 32 B that take less than", fontsize=16, loc="left")
-    axes.legend(loc="lower right", frameon=True)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.1), ncol=3, frameon=False)
     save(path, figure, "Latency of round trips of 32 B")
 
 
 def lines(results: dict[str, Any], path: Path) -> None:
     """How the rate grows with requests in flight, and with clients."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(12, 5))
-    windows = [(row["label"], row["rate"]) for row in work(results, "echo of 32 B") if row["label"].startswith("lesson 06") and row["label"].endswith("in flight")]
+    windows = [
+        (row["label"], row["rate"])
+        for row in work(results, "echo of 32 B")
+        if row["label"].startswith("lesson 06") and row["label"].endswith("in flight")
+    ]
     numbers = [int(label.split(", ")[1].split()[0]) for label, _ in windows]
     left.plot(numbers, [rate[1] for _, rate in windows], "o-", color=OURS, linewidth=2)
     for number, (_, rate) in zip(numbers, windows, strict=True):
-        left.annotate(f"{rate[1]:,.0f}", (number, rate[1]), textcoords="offset points", xytext=(0, 9), ha="center", fontsize=12)
+        left.annotate(
+            f"{rate[1]:,.0f}", (number, rate[1]), textcoords="offset points", xytext=(0, 9), ha="center", fontsize=12
+        )
     left.set(xscale="log", yscale="log", xlabel="requests in flight", ylabel="requests of 32 B a second")
     left.set_xticks(numbers, [str(number) for number in numbers])
     left.margins(0.12, 0.2)
@@ -101,9 +127,13 @@ def lines(results: dict[str, Any], path: Path) -> None:
     for count in counts:
         for row in work(results, f"{count} clients, 32 B"):
             series.setdefault(row["label"], []).append((count, row["rate"][1]))
-    for mark, colour_, (label, points) in zip(MARKS, ("#000000", OURS, "#56B4E9", OTHERS, "#D55E00"), series.items(), strict=False):
+    for mark, colour_, (label, points) in zip(
+        MARKS, ("#000000", OURS, "#56B4E9", OTHERS, "#D55E00"), series.items(), strict=False
+    ):
         right.plot(*zip(*points, strict=True), f"{mark}-", color=colour_, linewidth=2, markersize=8, label=label)
-    right.set(xscale="log", yscale="log", xlabel="clients of one server, one request each", ylabel="requests of 32 B a second")
+    right.set(
+        xscale="log", yscale="log", xlabel="clients of one server, one request each", ylabel="requests of 32 B a second"
+    )
     right.set_xticks(counts, [str(count) for count in counts])
     right.legend(fontsize=11)
     right.set_title("Many clients", fontsize=16, loc="left")
@@ -113,8 +143,18 @@ def lines(results: dict[str, Any], path: Path) -> None:
 
 def price(results: dict[str, Any], path: Path) -> None:
     """Processor time of the client for one message, where the server takes its time."""
-    rows = [(row["label"], [row["client_cpu"]] * 3) for row in work(results, "a server that takes 10 ms")]
-    bars(path, "The price of waiting: a server that takes 10 ms", "microseconds of processor time of the client for each request", rows, log=True)
+    rows = [
+        (row["label"], [row["client_cpu"]] * 3)
+        for row in work(results, "a server that takes 10 ms")
+        if row["client_cpu"]
+    ]
+    bars(
+        path,
+        "The price of waiting: a server that takes 10 ms",
+        "microseconds of processor time of the client for each request",
+        rows,
+        log=True,
+    )
 
 
 def main(kept: Path) -> None:

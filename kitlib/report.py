@@ -12,7 +12,7 @@ def text(results: dict[str, Any]) -> str:
     lines = [f"{name}: {value}" for name, value in results["machine"].items()]
     for work in results["works"]:
         rows = [(
-            "", "a second", "least", "ratio to TCP", "most", "p50 us", "p99 us", "p99.9 us", "client us", "server us"
+            "", "a second", "least", "ratio to TCP", "most", "p50 us", "p99 us", "p99.9 us", "client us", "server us", "client sleeps", "server sleeps"
         ), *map(cells, work["rows"])]  # fmt: skip
         lines += ["", f"{work['title']}:", *aligned(rows)]
     lines += ["", "milliseconds to the first reply:"]
@@ -36,8 +36,14 @@ def cells(row: dict[str, Any]) -> tuple[str, ...]:
     """One row of a table."""
     ratios = [f"{value:.2f}" for value in row["ratio"]] if row["ratio"] else [""] * 3
     waits = [f"{value:.0f}" for value in row["latency"].values()] if row["latency"] else [""] * 3
-    cpu = [f"{row[side]:.1f}" if row[side] == row[side] else "?" for side in ("client_cpu", "server_cpu")]
-    return (row["label"], f"{row['rate'][1]:,.0f}", *ratios, *waits, *cpu)
+    spent = [row[what] for what in ("client_cpu", "server_cpu", "client_sleeps", "server_sleeps")]
+    return (
+        row["label"],
+        f"{row['rate'][1]:,.0f}",
+        *ratios,
+        *waits,
+        *("?" if each is None else f"{each:.1f}" for each in spent),
+    )
 
 
 def aligned(rows: list[tuple[str, ...]]) -> list[str]:

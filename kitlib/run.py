@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 import queue
 import re
-import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Mapping
@@ -15,7 +13,7 @@ from pathlib import Path
 
 from . import dotnet
 from .lessons import ROOT, KitError, Lesson
-from .terminal import say, show
+from .terminal import say, show, uninterrupted
 
 # A server prints its ready line within this many seconds, or something is wrong with it.
 READY = 20.0
@@ -94,8 +92,6 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
 
 def run(lesson: Lesson, python: Path, client: list[str], endpoint: str | None, server_options: list[str]) -> int:
     """Start the server, run the client against it, stop the server; returns the client's exit code."""
-    # An end from outside must not leave a server behind that keeps the port.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     given = ["--endpoint", endpoint] if endpoint else []
     server = Side("server", [str(python), str(lesson.python / "server.py"), *given, *server_options], {})
     started = [server]
@@ -109,6 +105,6 @@ def run(lesson: Lesson, python: Path, client: list[str], endpoint: str | None, s
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
         return 130
     finally:
-        for side in reversed(started):
-            side.end()
-        sys.stdout.flush()
+        with uninterrupted():
+            for side in reversed(started):
+                side.end()

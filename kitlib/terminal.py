@@ -3,28 +3,58 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 SCREEN = threading.Lock()
 COLOURS = {"server": "36", "client": "33", "kit": "32", "error": "31"}
 
 
-def coloured(text: str, colour: str) -> str:
-    """The text in the colour of its speaker, unless it goes to a file or NO_COLOR asks for none."""
-    if not sys.stdout.isatty() or os.environ.get("NO_COLOR"):
-        return text
-    return f"\033[{COLOURS[colour]}m{text}\033[0m"
+def coloured(text: str, colour: str, stream: TextIO | None = None) -> str:
+    """The text in the colour of its speaker, where the stream (or else stdout) is a terminal that shows colours."""
+    return f"\033[{COLOURS[colour]}m{text}\033[0m" if shows_colours(stream or sys.stdout) else text
+
+
+def shows_colours(stream: TextIO) -> bool:
+    """False for a file and for a pipe, where NO_COLOR asks for none, and on a terminal that would print rubbish."""
+    if os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb" or not stream.isatty():
+        return False
+    return sys.platform != "win32" or windows_console(stream)
+
+
+def windows_console(stream: TextIO) -> bool:
+    """Windows shows colours only when it is asked to, and a console older than Windows 10 refuses."""
+    if sys.platform == "win32":
+        import ctypes
+        import msvcrt
+
+        handle, mode = msvcrt.get_osfhandle(stream.fileno()), ctypes.c_ulong()
+        kernel = ctypes.windll.kernel32
+        virtual_terminal = 4
+        if kernel.GetConsoleMode(handle, ctypes.byref(mode)):
+            return bool(kernel.SetConsoleMode(handle, mode.value | virtual_terminal))
+    return False
 
 
 def show(speaker: str, line: str) -> None:
     """One line behind the name of its speaker, whole even when two speak at once."""
     with SCREEN:
-        print(coloured(f"{speaker:6} |", speaker), line, flush=True)
+        try:
+            print(coloured(f"{speaker:6} |", speaker), line, flush=True)
+        except BrokenPipeError:
+            nobody_reads()
+
+
+def nobody_reads() -> None:
+    """Who reads our output has gone, as in `kit.py run 1 | head`: go on without a word."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def say(text: str) -> None:
@@ -57,25 +87,81 @@ def quietly(
     """Run a command to its end without showing it; one that takes longer than `limit` seconds is ended."""
     words = [str(word) for word in command]
     try:
-        done = subprocess.run(
-            words,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            timeout=limit,
-            env={**os.environ, **(env or {})},
-            cwd=cwd,
-            text=True,
-            encoding="utf-8",
-            errors="replace",
-        )
+        process = spawn(words, env, cwd, shown=False)
     except FileNotFoundError:
         return Result(127, f"{words[0]}: not found")
     except PermissionError as error:
         return Result(126, str(error))
+    try:
+        output, _ = process.communicate(timeout=limit)
     except subprocess.TimeoutExpired:
+        end(process)
         return Result(124, f"{Path(words[0]).name} did not end within {limit:.0f} s")
-    return Result(done.returncode, done.stdout)
+    except BaseException:
+        end(process)
+        raise
+    return Result(process.returncode, output.decode("utf-8", "replace").replace("\r\n", "\n"))
+
+
+def spawn(
+    words: Sequence[str], env: Mapping[str, str] | None = None, cwd: Path | None = None, shown: bool = True
+) -> subprocess.Popen[bytes]:
+    """Start a program that `end` can end with all that it starts: dotnet and pip start others."""
+    return subprocess.Popen(
+        words,
+        env={**os.environ, **(env or {})},
+        cwd=cwd,
+        stdin=None if shown else subprocess.DEVNULL,
+        stdout=None if shown else subprocess.PIPE,
+        stderr=None if shown else subprocess.STDOUT,
+        start_new_session=True,
+    )
+
+
+def end(process: subprocess.Popen[bytes], limit: float = 5.0) -> None:
+    """Pass Ctrl-C on to a program of `spawn`, wait for it to clear up, and end what is left of it and its own."""
+    with uninterrupted():
+        # On Windows the console has sent the Ctrl-C to all programs already.
+        signal_all(process, "SIGINT")
+        try:
+            process.wait(limit)
+        except subprocess.TimeoutExpired:
+            process.kill()
+        signal_all(process, "SIGKILL")
+        process.wait()
+
+
+def signal_all(process: subprocess.Popen[bytes], name: str) -> None:
+    """Signal a program of `spawn` and all that it started; does nothing on Windows."""
+    if sys.platform != "win32":
+        try:
+            os.killpg(process.pid, getattr(signal, name))
+        except (ProcessLookupError, PermissionError):
+            pass
+
+
+def interruptible() -> None:
+    """Whatever asks us to end, `kill` and a closed terminal too, is a KeyboardInterrupt, so that we clear up."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        # One that is ignored was ignored on purpose: nohup does so.
+        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN:
+            signal.signal(getattr(signal, name), signal.default_int_handler)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """A second Ctrl-C does not stop the clearing up, which ends by itself."""
+    found = {}
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            if hasattr(signal, name):
+                found[name] = signal.signal(getattr(signal, name), signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        for name, handler in found.items():
+            if handler is not None:
+                signal.signal(getattr(signal, name), handler)
 
 
 def step(what: str, command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None) -> Result:

@@ -1,37 +1,72 @@
-"""The README and the guide are true: excerpts, transcripts, commands, links and pictures, each compared."""
+"""The README and the guide are true: excerpts, transcripts, commands, links, pictures and programs, each compared.
+
+The last part breaks a copy of each page and sees that the checks notice.
+"""
 
 from __future__ import annotations
 
+import ast
+import json
+import os
 import re
 import shlex
-from itertools import groupby
+import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
-from kitlib import guide
-from kitlib.lessons import find
+from kitlib import dotnet, guide, pictures, terminal_picture
+from kitlib.lessons import find, lessons
+from kitlib.terminal import COLOURS
+from tests import guide_checks as checks
 from tests.conftest import PYTHON
 from tests.programs import ROOT
 
+GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
+# Blocks that nothing compares, all pages together. One more wants a reason better than haste.
+BY_HAND = 15
+EXPECTED_PAGES = {
+    *(f"{lesson.key}.md" for lesson in lessons()),
+    "start_here.md",
+    "unity_project.md",
+    "without_unity.md",
+    "performance.md",
+    "choosing.md",
+    "devices.md",
+    "troubleshooting.md",
+    "glossary.md",
+    "where_to_go_next.md",
+}
 
 
-def of(kind):
+def of(*kinds):
     return pytest.mark.parametrize(
-        "block", [block for block in BLOCKS if block.kind == kind], ids=lambda block: block.where
+        "block", [block for block in BLOCKS if block.kind in kinds], ids=lambda block: block.where
     )
+
+
+each_page = pytest.mark.parametrize("page", sorted({*PAGES, *ROOT.glob("*.md")}), ids=lambda page: page.name)
+each_guide_page = pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.parent == GUIDE], ids=lambda page: page.name
+)
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.where)
 def test_every_block_says_where_it_comes_from(block):
-    known = {"excerpt", "run", "like", "commands", "by hand"}
-    assert block.kind in known or block.language == "mermaid", (
-        f"{block.where}: put a comment above it, see kitlib/guide.py"
-    )
-    if block.kind == "by hand":
-        assert block.source, f"{block.where}: say why it is by hand"
+    assert checks.block_faults(block) == []
+
+
+@each_page
+def test_there_is_no_block_that_is_not_checked(page):
+    assert checks.stray_blocks(page, page.read_text(encoding="utf-8")) == []
+
+
+def test_blocks_by_hand_are_counted():
+    by_hand = [f"{block.where}: {block.source}" for block in BLOCKS if block.kind == "by hand"]
+    assert len(by_hand) == BY_HAND, "\n".join(by_hand)
 
 
 @of("excerpt")
@@ -39,45 +74,11 @@ def test_an_excerpt_is_what_its_file_has(block):
     assert block.body == guide.excerpt(block.source), "python3 -m kitlib.guide rewrites it"
 
 
-def speakers(lines, number):
-    """What each side printed; its own order counts, how the two mix does not."""
-    said = {"server": [], "client": []}
-    for line in lines:
-        if match := re.match(r"(server|client) \| ?(.*)", line):
-            said[match[1]].append(re.sub(r"(tcp://127\.0\.0\.1:)\d+", rf"\g<1>{5550 + number}", match[2]))
-    return said
-
-
-def same(expected, printed):
-    """True if the lines are equal, where a line `...` stands for any number of lines."""
-    pattern = "".join("(.*\n)*?" if line == "..." else re.escape(line) + "\n" for line in expected)
-    return re.fullmatch(pattern, "".join(f"{line}\n" for line in printed)) is not None
-
-
-def shape(lines):
-    """The lines with every number and id replaced, and what repeats itself said once."""
-    plain = [re.sub(r"-?\d+(\.\d+)?", "N", re.sub(r"\b[0-9a-f]{8,32}\b", "ID", line)) for line in lines]
-    return [line for line, _ in groupby(plain)]
-
-
-@pytest.mark.parametrize("block", [b for b in BLOCKS if b.kind in ("run", "like")], ids=lambda block: block.where)
+@of("run", "like")
 @pytest.mark.timeout(300)
-def test_a_transcript_is_what_a_run_prints(block, engine, start):
-    words = shlex.split(block.source)
-    number = find(words[0]).number
-    program = start(PYTHON, ROOT / "kit.py", "run", *words, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:*")
-    assert program.wait(240) in (0, 1), program.output
-    said = speakers(program.lines, number)
-    lines = block.body.splitlines()
-    form = shape if block.kind == "like" else list
-    if any(re.match(r"(server|client) \|", line) for line in lines):
-        # `...` between prefixed lines stands for lines of both.
-        for side in said:
-            expected = [line for line in lines if line == "..." or line.startswith(side)]
-            expected = form([re.sub(r"^\w+ +\| ?", "", line) for line in expected])
-            assert same([line for line, _ in groupby(expected)], form(said[side])), program.output
-    else:
-        assert same(form(lines), form(said["client"])), program.output
+def test_a_transcript_is_what_a_run_prints(block, engine):
+    difference = guide.contradiction(block, guide.printed(block.source, engine.name))
+    assert not difference, f"{difference}\npython3 -m kitlib.guide rewrites it"
 
 
 @of("commands")
@@ -116,35 +117,296 @@ def run_client(kind, key, options, serve, start, client_command):
     assert "Traceback" not in program.output
 
 
-def anchors(page):
-    titles = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+@of("diagram")
+def test_a_diagram_is_one_that_mermaid_draws(block):
+    assert checks.diagram_faults(block.body) == []
 
 
-@pytest.mark.parametrize("page", [*PAGES, *ROOT.glob("*.md")], ids=lambda page: page.name)
+@pytest.fixture(scope="module")
+def compiled(engine):
+    """Every C# file that a project of the repository compiles, as MSBuild lists them."""
+    found = set()
+    for project in [*ROOT.glob("csharp-console/**/*.csproj"), *ROOT.glob("tests/**/*.csproj")]:
+        command = ["dotnet", "msbuild", project, *engine.properties, "-getItem:Compile"]
+        done = subprocess.run(command, capture_output=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=60)
+        found |= {Path(item["FullPath"]) for item in json.loads(done.stdout)["Items"]["Compile"]}
+    return found
+
+
+def test_every_csharp_excerpt_is_of_a_file_that_is_compiled(compiled):
+    sources = {
+        ROOT / block.source.split()[0] for block in BLOCKS if block.language == "csharp" and block.kind == "excerpt"
+    }
+    assert sources
+    assert not sources - compiled
+
+
+# What stands round a fragment: the names that it may use besides its own.
+SURROUNDINGS = """
+using System; using System.Collections.Generic; using System.Linq; using System.Threading; using System.Threading.Tasks;
+using NetMQ; using NetMQ.Sockets; using NetMQExample; using UnityEngine;
+{usings}
+class Fragment{number} : MonoBehaviour
+{{
+    RequestSocket socket = null; BackgroundClient client = null; string[] args = null;
+{body}
+}}
+"""
+DECLARATION = r"(?:\[\w|public |private |protected |internal |static |readonly |async |void |IEnumerator )"
+
+
+def surrounded(block, number):
+    """A file that the fragment can be compiled in: a member of a MonoBehaviour, or statements of a method."""
+    usings = re.findall(r"^using [\w.= ]+;$", block.body, re.MULTILINE)
+    body = re.sub(r"^using [\w.= ]+;$", "", block.body, flags=re.MULTILINE)
+    body = f'#line {block.line + 2} "{block.page.name}"\n{body}\n#line default'
+    if not re.search(rf"^{DECLARATION}", body, re.MULTILINE):
+        body = f"async Task Statements() {{\n{body}\nawait Task.CompletedTask; }}"
+    fresh = [using for using in usings if using not in SURROUNDINGS]
+    return SURROUNDINGS.format(usings="\n".join(fresh), number=number, body=body)
+
+
+def compile_fragments(folder, blocks, console):
+    """Compile C# blocks that are no excerpts, against the lessons' assembly; returns the errors."""
+    references = "".join(f'<Reference Include="{dll}" />' for dll in Path(console[1]).parent.glob("*.dll"))
+    (folder / "fragments.csproj").write_text(
+        f"""<Project Sdk="Microsoft.NET.Sdk">
+  <PropertyGroup>
+    <TargetFramework>net$(BundledNETCoreAppTargetFrameworkVersion)</TargetFramework>
+    <LangVersion>9.0</LangVersion>
+    <Optimize>false</Optimize>
+  </PropertyGroup>
+  <ItemGroup>{references}</ItemGroup>
+</Project>
+""",
+        encoding="utf-8",
+    )
+    for number, block in enumerate(blocks):
+        (folder / f"Fragment{number}.cs").write_text(surrounded(block, number), encoding="utf-8")
+    command = ["dotnet", "build", folder, "-p:NuGetAudit=false", "-v:quiet", "-nologo", "-clp:NoSummary;ErrorsOnly"]
+    done = subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=120
+    )
+    return "" if done.returncode == 0 else done.stdout + done.stderr
+
+
+def test_every_other_csharp_block_compiles(tmp_path, console):
+    blocks = [block for block in BLOCKS if block.language == "csharp" and block.kind != "excerpt"]
+    assert compile_fragments(tmp_path, blocks, console) == ""
+
+
+@pytest.mark.parametrize(
+    "block",
+    [block for block in BLOCKS if block.language not in ("", "csharp", "mermaid") and block.kind != "excerpt"],
+    ids=lambda block: block.where,
+)
+def test_every_block_of_another_language_can_be_read(block):
+    {
+        "python": lambda text: compile(text, block.where, "exec"),
+        "json": json.loads,
+        "xml": ElementTree.fromstring,
+    }[block.language](block.body)
+
+
+@each_page
 def test_every_link_and_picture_exists(page):
-    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    for target in re.findall(r"\]\(([^)\s]+)\)", text):
-        if target.startswith(("http://", "https://", "mailto:")):
-            continue
-        path, _, anchor = target.partition("#")
-        file = (page.parent / path).resolve() if path else page
-        assert file.exists(), f"{page.name}: {target}"
-        if anchor and file.suffix == ".md":
-            assert anchor in anchors(file), f"{page.name}: {target}"
+    assert checks.link_faults(page, page.read_text(encoding="utf-8")) == []
+
+
+@each_guide_page
+def test_a_page_has_its_sections(page):
+    assert checks.structure_faults(page, page.read_text(encoding="utf-8")) == []
+
+
+def test_every_page_is_there_and_can_be_reached_from_the_readme():
+    found, todo = set(), [ROOT / "README.md"]
+    while todo:
+        page = todo.pop()
+        found.add(page)
+        for target in checks.targets(page.read_text(encoding="utf-8")):
+            path = Path(os.path.normpath(page.parent / target.partition("#")[0]))
+            if path.suffix == ".md" and path.exists() and path not in found:
+                todo.append(path)
+    assert {page.name for page in found if page.parent == GUIDE} == EXPECTED_PAGES
+    assert set(PAGES) <= found
+
+
+def test_every_lesson_has_a_diagram_and_a_row_in_the_readme():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for lesson in lessons():
+        assert f"docs/guide/{lesson.key}.md" in readme, lesson.key
+        assert [block for block in BLOCKS if block.page == lesson.guide and block.kind == "diagram"], lesson.key
 
 
 def test_every_picture_is_what_its_command_draws():
-    from kitlib import pictures
-
-    for source in (ROOT / "img").glob("*.seq"):
-        drawn = pictures.draw(source.read_text(encoding="utf-8"), source.name)
-        assert source.with_suffix(".svg").read_text(encoding="utf-8") == drawn, "python3 -m kitlib.pictures draws it"
+    drawn = (ROOT / "img" / "architecture.svg").read_text(encoding="utf-8")
+    assert drawn == pictures.architecture(), "python3 -m kitlib.pictures draws it"
 
 
-def test_every_lesson_has_a_row_in_the_readme():
-    readme = Path(ROOT / "README.md").read_text(encoding="utf-8")
-    from kitlib.lessons import lessons
+@pytest.mark.timeout(300)
+def test_the_picture_of_a_terminal_is_what_a_run_prints(engine):
+    svg = terminal_picture.PICTURE.read_text(encoding="utf-8")
+    command, *lines = terminal_picture.lines_of(svg)
+    assert command == f"$ python3 kit.py run {terminal_picture.RUN}"
+    assert pictured(lines, engine) == "", "python3 -m kitlib.terminal_picture draws it"
+    # In colour, as `show` prints it.
+    assert svg == terminal_picture.draw(command[2:], [re.sub(r"^\w+ +\|", in_colour, line) for line in lines])
+    for number in range(len(lines)):
+        assert pictured([*lines[:number], lines[number] + " more", *lines[number + 1 :]], engine)
 
-    for lesson in lessons():
-        assert f"docs/guide/{lesson.key}.md" in readme, lesson.key
+
+def pictured(lines, engine):
+    shown = guide.Block(terminal_picture.PICTURE, 1, "like", "", "", "".join(f"{line}\n" for line in lines))
+    return guide.contradiction(shown, guide.printed(terminal_picture.RUN, engine.name))
+
+
+def in_colour(prefix):
+    return f"\033[{COLOURS[prefix[0].split()[0]]}m{prefix[0]}\033[0m"
+
+
+# What only somebody who changes the kit meets.
+MAINTAINING = {"guide.py", "pictures.py", "terminal_picture.py", "unity_meta.py", "lab.py"}
+# What a server says that was told to make trouble.
+ON_PURPOSE = {": left without a reply"}
+
+
+def error_texts():
+    """The longest piece of each text that ends kit.py or a server. One about a wrong word explains itself."""
+    found = {}
+    for path in [*ROOT.glob("kitlib/*.py"), *ROOT.glob("python/0*/server.py")]:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("KitError", "sys.exit"):
+                constants = [
+                    part.value for said in node.args for part in ast.walk(said) if isinstance(part, ast.Constant)
+                ]
+                texts = [text for text in constants if isinstance(text, str) and " " in text]
+                if texts and path.name not in MAINTAINING and texts[-1] not in ON_PURPOSE:
+                    found[max(texts, key=len).strip(" ;:\n")] = path.name
+    return [pytest.param(text, id=f"{name}: {text}") for text, name in found.items()]
+
+
+@pytest.mark.parametrize("text", error_texts())
+def test_every_error_is_in_troubleshooting(text):
+    assert text in re.sub(r"\s+", " ", (GUIDE / "troubleshooting.md").read_text(encoding="utf-8"))
+
+
+# From here on: what the checks above would notice.
+
+
+def changed_words(text):
+    """The text with one word changed, for a word at its beginning, in its middle and at its end."""
+    words = list(re.finditer(r"[A-Za-z]{3,}", text))
+    for found in [words[0], words[len(words) // 2], words[-1]]:
+        yield text[: found.start()] + found[0][::-1].swapcase() + text[found.end() :]
+
+
+@of("excerpt")
+def test_a_changed_word_of_an_excerpt_is_noticed(block):
+    for body in changed_words(block.body):
+        page = f"<!-- excerpt: {block.source} -->\n```{block.language}\n{body}```\n"
+        assert [found.body for found in guide.blocks(block.page, page)] != [guide.excerpt(block.source)]
+
+
+@of("run", "like")
+def test_a_changed_line_of_a_transcript_is_noticed(block):
+    lines = block.body.splitlines()
+    ran = [line if guide.has_prefixes(lines) else f"client | {line}" for line in lines if line != "..."]
+    assert not guide.contradiction(block, ran)
+    shapes = [guide.shape([line]) for line in ran]
+    for number, line in enumerate(ran):
+        # How often the same happens is not compared where only the shape is.
+        if block.kind == "run" or shapes.count(shapes[number]) == 1:
+            assert guide.contradiction(block, [*ran[:number], line + " more", *ran[number + 1 :]]), line
+            assert guide.contradiction(block, [*ran[:number], *ran[number + 1 :]]), line
+
+
+def test_a_transcript_is_renewed_from_a_run():
+    ran = ["kit    | x", "server | a 1", "client | b 1", "server | a 2", "client | b 2", "client | done: 2"]
+
+    def transcript(kind, *lines):
+        return guide.Block(ROOT / "README.md", 1, kind, "1", "", "".join(f"{line}\n" for line in lines))
+
+    silent = transcript("run", "client | b 1", "client | b 2", "client | done: 2")
+    assert guide.contradiction(silent, ran).startswith("the server prints something else")
+    assert guide.renewed(silent, ran).splitlines() == ran[1:]
+    wrong = transcript("run", "server | a 1", "client | c 1", "...", "client | done: 2")
+    assert "- c 1" in guide.contradiction(wrong, ran)
+    assert guide.renewed(wrong, ran).splitlines() == ["server | a 1", "client | b 1", "...", "client | done: 2"]
+    client = transcript("like", "b 7", "...", "done: 8")
+    assert guide.contradiction(client, ran) == ""
+    assert guide.renewed(client, ran).splitlines() == ["b 1", "...", "done: 2"]
+    whole = transcript("run", "b 1", "b 3", "done: 2")
+    assert guide.renewed(whole, ran).splitlines() == ["b 1", "b 2", "done: 2"]
+    short = transcript("run", "b 1", "b 2", "...", "b 2", "done: 2")
+    assert guide.renewed(short, ran).splitlines() == ["b 1", "b 2", "done: 2"]
+
+
+@of("diagram")
+def test_a_diagram_that_does_not_draw_is_noticed(block):
+    for line in block.body.splitlines()[1:]:
+        if line.strip() not in ("end", "autonumber"):
+            assert checks.diagram_faults(block.body.replace(line, line.replace(" ", " ;", 99), 1)), line
+    assert checks.diagram_faults(block.body + "    loop for ever\n")
+    assert checks.diagram_faults(block.body + "    end\n")
+    assert checks.diagram_faults(re.sub(r"participant \w+", "participant Nobody", block.body, count=1))
+
+
+@each_page
+def test_a_changed_link_is_noticed(page):
+    text = page.read_text(encoding="utf-8")
+    faults = checks.link_faults(page, text)
+    good = {target for target in checks.targets(text) if not any(target in fault for fault in faults)}
+    for target in [target for target in good if not target.startswith("http")]:
+        for other in (target + "x", "x" + target):
+            changed = re.sub(rf"([(\"]){re.escape(target)}(?=[)\" ])", lambda found, o=other: found[1] + o, text)
+            assert len(checks.link_faults(page, changed)) > len(faults), other
+
+
+@each_guide_page
+def test_a_missing_section_is_noticed(page):
+    text = page.read_text(encoding="utf-8")
+    for title in ["Next"] if page.name in checks.REFERENCE else checks.SECTIONS:
+        assert checks.structure_faults(page, text.replace(f"\n## {title}\n", f"\n## Not {title}\n"))
+    assert checks.structure_faults(page, text.replace("**You will learn**", "You learn"))
+
+
+def test_the_headings_are_named_as_on_github():
+    text = "# A [link](x.md): `code.py`!\n## Same\n## Same\n## Same\n```\n# no\n```\n## Größe, 3 µs\n## A  b_c\n"
+    assert checks.anchors(text) == {"a-link-codepy", "same", "same-1", "same-2", "größe-3-µs", "a--b_c"}
+
+
+def test_links_are_found_in_every_form():
+    text = (
+        '[a](a.md) ![b](b.svg "title") <img src="c.svg" alt="c"> <a href="d.md#e">x</a> `[no](no.md)`\n'
+        '<picture><source media="x" srcset="f.svg, g.svg 2x"><img alt="h" src="h.svg"></picture>\n[i]: i.md\n'
+    )
+    found = checks.targets(text)
+    assert sorted(found) == ["a.md", "b.svg", "c.svg", "d.md#e", "f.svg", "g.svg", "h.svg", "i.md"]
+    assert (
+        len(checks.link_faults(ROOT / "README.md", '![](img/architecture.svg) <img src="img/architecture.svg">')) == 2
+    )
+    assert checks.link_faults(ROOT / "README.md", "[a](kit.py) [b](python) [c](../x.md) [d](readme.md) [e](#none)") == [
+        "README.md: there is no ../x.md",
+        "README.md: there is no readme.md",
+        "README.md: there is no such heading: #none",
+    ]
+
+
+def test_a_block_that_kitlib_does_not_see_is_noticed():
+    page = ROOT / "README.md"
+    assert checks.stray_blocks(page, "1. a\n\n   ```\n   x\n   ```\n") != []
+    assert checks.stray_blocks(page, "~~~\nx\n~~~\n") != []
+    assert checks.stray_blocks(page, "<!-- run: 1 -->\n```\nx\n```\n") == []
+    for text in ("```\nx\n```\n", "<!-- by hand -->\n```\nx\n```\n", "<!-- diagram -->\n```\nx\n```\n"):
+        (block,) = guide.blocks(page, text)
+        assert checks.block_faults(block) != []
+
+
+def test_a_csharp_block_that_does_not_compile_is_noticed(tmp_path, console):
+    blocks = [
+        guide.Block(GUIDE / "x.md", 7, "by hand", "why", "csharp", body)
+        for body in ("void Update()\n{\n    socket.SendFrame(missing);\n}\n", "using System;\n\nvar x = args.Lenth;\n")
+    ]
+    errors = compile_fragments(tmp_path, blocks, console)
+    assert re.search(r"x\.md\(11,.*'missing'", errors)
+    assert re.search(r"x\.md\(11,.*'Lenth'", errors)

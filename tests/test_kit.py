@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
+import shlex
 import shutil
 import signal
+import socket
 import subprocess
 import sys
+import time
+import uuid
 from pathlib import Path
 
 import pytest
 
-from kitlib import dotnet, lessons, python_setup
+import kit
+from kitlib import dotnet, lessons, python_setup, terminal
 from kitlib.lessons import KitError
 from kitlib.terminal import Result
 from tests.conftest import PYTHON
@@ -91,33 +97,260 @@ def test_a_second_build_happens_only_after_a_change(engine, copy, start):
     assert "client | 1: sent Hello, received error: expected Hello, got 3 bytes beginning b'Bye'" in third.lines
 
 
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no signals to end a program with")
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_leaves_nothing_running(how, start, serve):
-    program = start(
-        PYTHON, KIT, "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:*",
-        "--server=--delay 300", "--options=--patience 300",
-    )  # fmt: skip
-    endpoint = program.wait_for(r"client \| asking (\S+)")[1]
-    assert program.stop(how) == 130
-    assert "Traceback" not in program.output
-    # The port is free again, so the server is gone.
+class Stopped:
+    """kit.py in a terminal of its own, and everything that it started, found by a mark in the environment."""
+
+    def __init__(self, words, folder, **env):
+        self.mark = f"KIT_TEST_MARK={uuid.uuid4()}"
+        self.output = folder / "printed.txt"
+        name, value = self.mark.split("=")
+        with self.output.open("w") as file:
+            self.process = subprocess.Popen(
+                [str(word) for word in words], cwd=ROOT, stdin=subprocess.DEVNULL, stdout=file,
+                stderr=subprocess.STDOUT, start_new_session=True,
+                env={**os.environ, "PYTHONUNBUFFERED": "1", **env, name: value},
+            )  # fmt: skip
+
+    def running(self):
+        """The command of each process that has the mark."""
+        found = []
+        for folder in Path("/proc").glob("[0-9]*"):
+            try:
+                if self.mark.encode() in (folder / "environ").read_bytes():
+                    found.append((folder / "cmdline").read_bytes().replace(b"\0", b" ").decode())
+            except OSError:
+                pass
+        return found
+
+    def wait_for(self, what, limit=120):
+        deadline = time.monotonic() + limit
+        while not what():
+            assert time.monotonic() < deadline, self.printed
+            assert self.process.poll() is None, self.printed
+            time.sleep(0.02)
+
+    @property
+    def printed(self):
+        return self.output.read_text(encoding="utf-8", errors="replace")
+
+    def stop(self, how):
+        """Ctrl-C in a terminal is SIGINT for kit.py and all programs beside it; SIGTERM is for kit.py alone."""
+        if how == signal.SIGINT:
+            os.killpg(self.process.pid, how)
+        else:
+            self.process.send_signal(how)
+        code = self.process.wait(60)
+        assert self.running() == []
+        assert "Traceback" not in self.printed
+        return code
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for folder in Path("/proc").glob("[0-9]*"):
+            try:
+                if self.mark.encode() in (folder / "environ").read_bytes():
+                    os.kill(int(folder.name), signal.SIGKILL)
+            except OSError:
+                pass
+        self.process.wait()
+
+
+finds_processes = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="finds processes in /proc")
+
+
+@finds_processes
+@pytest.mark.parametrize("how", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_ctrl_c_in_a_run_leaves_nothing_running(how, tmp_path, serve):
+    words = ["run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:*", "--server=--delay 300"]
+    with Stopped([PYTHON, KIT, *words, "--options=--patience 300"], tmp_path) as run:
+        run.wait_for(lambda: "client | asking" in run.printed)
+        assert len(run.running()) == 3
+        assert run.stop(getattr(signal, how)) == 130
+        endpoint = re.search(r"listening on (\S+)", run.printed)[1]
+    # The port is free again.
     assert serve("01_request_reply", endpoint=endpoint)[1] == endpoint
 
 
-@pytest.mark.parametrize("number", ["99", "0", "request"])
-def test_an_unknown_lesson_is_answered_with_the_lessons_there_are(number, start):
-    program = start(PYTHON, KIT, "run", number)
-    assert program.wait() == 1
-    assert len(program.lines) == 1
-    assert "01_request_reply" in program.lines[0]
+@finds_processes
+def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy, bare_python, tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        # An index that accepts connections and never answers.
+        index = f"http://127.0.0.1:{silent.getsockname()[1]}/simple"
+        env = {"PIP_NO_INDEX": "0", "PIP_FIND_LINKS": "", "PIP_INDEX_URL": index}
+        with Stopped([bare_python, copy / "kit.py", "run", "1", "--client", "python"], tmp_path, **env) as run:
+            run.wait_for(lambda: any(" pip " in line and "install" in line for line in run.running()))
+            assert run.stop(signal.SIGINT) == 130
+    again = [bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:*"]
+    done = subprocess.run(again, capture_output=True, text=True, timeout=120)
+    assert "client | done: 10 replies" in done.stdout, done.stdout
 
 
-@pytest.mark.parametrize("words", [["rum", "1"], ["run"], ["run", "1", "--clinet", "python"], []])
-def test_wrong_usage_is_2_and_no_traceback(words, start):
+@finds_processes
+def test_ctrl_c_in_the_build_leaves_nothing_running(engine, copy, tmp_path):
+    words = ["run", "1", "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:*"]
+    with Stopped([PYTHON, copy / "kit.py", *words], tmp_path) as run:
+        run.wait_for(
+            lambda: "building" in run.printed and any("/csc" in line or "nodemode" in line for line in run.running())
+        )
+        assert run.stop(signal.SIGINT) == 130
+
+
+SLOW_TEST = """
+import subprocess, sys, time
+def test_slow():
+    deaf = "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); time.sleep(300)"
+    started = subprocess.Popen([sys.executable, "-c", deaf])
+    try:
+        print("started", flush=True)
+        started.wait()
+    finally:
+        time.sleep(1)
+        print("cleared up", flush=True)
+"""
+
+
+@finds_processes
+def test_ctrl_c_in_the_tests_lets_the_running_test_clear_up(tmp_path):
+    (tmp_path / "test_slow.py").write_text(SLOW_TEST, encoding="utf-8")
+    words = ["test", "-s", "-p", "no:cacheprovider", "--confcutdir", tmp_path, tmp_path / "test_slow.py"]
+    with Stopped([PYTHON, KIT, *words], tmp_path) as run:
+        run.wait_for(lambda: "started" in run.printed)
+        assert len(run.running()) >= 3
+        assert run.stop(signal.SIGINT) == 130
+        assert "cleared up" in run.printed
+
+
+def test_a_second_ctrl_c_does_not_stop_the_clearing_up():
+    with terminal.uninterrupted():
+        signal.raise_signal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
+def refused(start, *words):
+    """The one line that answers wrong words."""
     program = start(PYTHON, KIT, *words)
     assert program.wait() == 2
-    assert "Traceback" not in program.output
+    assert len(program.lines) == 1, program.output
+    return program.lines[0].removeprefix("kit    | ")
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        ("rum 1", "there is no command 'rum'; did you mean run?"),
+        ("2", "there is no command '2'; did you mean `python3 kit.py run 2`?"),
+        ("--version", r"there is no command '--version'; there are: run, test, "),
+        ("run", r".* required: LESSON; `python3 kit\.py run --help` shows how$"),
+        ("run 99", "there is no lesson 99; there are: 01_request_reply, 02_lazy_pirate, "),
+        ("run 0", "there is no lesson 0; there are: 01_request_reply, "),
+        ("run request", r"there is no lesson request; did you mean 01_request_reply\?$"),
+        ("run lazy_pirat", r"there is no lesson lazy_pirat; did you mean 02_lazy_pirate\?$"),
+        ("run 2_lasy_pirate", r"there is no lesson 2_lasy_pirate; did you mean 02_lazy_pirate\?$"),
+        ("run 1 --clinet python", r"run takes no '--clinet'; did you mean --client\?$"),
+        ("run 1 --count 3", r"run takes no '--count'; what the client takes goes into --options="),
+        ("run 1 more", r"run takes no 'more'; what the client takes"),
+        ("run 1 --client c#", r"argument --client: invalid choice: 'c#' \(choose from .*csharp.*--help` shows how$"),
+        ("run 1 --endpoint", r"argument --endpoint: expected one argument; .*--help` shows how$"),
+        ("run 1 --options='x", r"--options 'x: a quotation mark in it is not closed"),
+        ("unity", r".* required: PATH; `python3 kit\.py unity --help` shows how$"),
+        ("unity My Game", r"unity takes no 'Game'; a path with a space"),
+        ("list all", r"list takes no 'all'; `python3 kit\.py list --help` shows what it takes$"),
+    ],
+)
+def test_a_wrong_word_is_answered_in_one_line_with_the_cure(words, answer, start):
+    assert re.match(answer, refused(start, *words.split()))
+
+
+@pytest.mark.parametrize("words", [[], ["--help"], ["-h"], ["help"]])
+def test_the_help_names_every_command(words, start):
+    program = start(PYTHON, KIT, *words)
+    # Nothing was asked for, so nothing was done.
+    assert program.wait() == (0 if words else 2)
+    for command in kit.commands():
+        assert f"    python3 kit.py {command.name} " in program.output
+
+
+@pytest.mark.parametrize("name", [command.name for command in kit.commands()])
+@pytest.mark.parametrize("option", ["--help", "-h"])
+def test_every_command_explains_itself_with_examples_that_it_takes(name, option, start):
+    program = start(PYTHON, KIT, name, option)
+    assert program.wait() == 0
+    command = next(command for command in kit.commands() if command.name == name)
+    assert command.description in program.output
+    examples = re.findall(rf"^  python3 kit\.py {name}\b(.*?)(?:   .*)?$", program.output, re.MULTILINE)
+    assert examples
+    for example in examples:
+        if "--help" not in example:
+            command.parse(shlex.split(example))
+
+
+def test_what_comes_after_test_is_for_pytest(start):
+    program = start(
+        PYTHON, KIT, "test", "-k", "not_a_test or what_comes_after", "--collect-only", "-q", "--", "--no-header"
+    )
+    assert program.wait(60) == 0
+    assert any(line.endswith("::test_what_comes_after_test_is_for_pytest") for line in program.lines)
+    theirs = start(PYTHON, KIT, "test", "--", "--help")
+    assert theirs.wait(60) == 0
+    assert any(line.startswith("usage: ") and "file_or_dir" in line for line in theirs.lines)
+
+
+class Screen(io.StringIO):
+    def __init__(self, terminal):
+        super().__init__()
+        self.terminal = terminal
+
+    def isatty(self):
+        return self.terminal
+
+
+@pytest.mark.parametrize(
+    ("on_terminal", "env", "colour"),
+    [
+        (True, {}, True),
+        (False, {}, False),
+        (True, {"NO_COLOR": "1"}, False),
+        (True, {"NO_COLOR": ""}, True),
+        (True, {"TERM": "dumb"}, False),
+    ],
+)
+def test_colour_is_for_terminals_that_want_it(on_terminal, env, colour, monkeypatch):
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    for name, value in env.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(terminal, "windows_console", lambda _: True)
+    assert ("\033" in terminal.coloured("kit", "kit", Screen(on_terminal))) == colour
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
+@pytest.mark.parametrize("on_terminal", ["stdout", "stderr"])
+def test_an_error_is_coloured_where_the_errors_go(on_terminal, monkeypatch, tmp_path):
+    import pty
+
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    ours, its = pty.openpty()
+    with (tmp_path / "file").open("w+b") as file:
+        streams = {"stdout": file, "stderr": file, on_terminal: its}
+        assert subprocess.run([PYTHON, KIT, "rum"], **streams, timeout=30).returncode == 2
+        os.close(its)
+        file.seek(0)
+        printed = os.read(ours, 1000) if on_terminal == "stderr" else file.read()
+    os.close(ours)
+    assert b"did you mean run?" in printed
+    assert (b"\033[31m" in printed) == (on_terminal == "stderr")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs head")
+def test_who_stops_reading_is_not_answered_with_a_traceback():
+    command = f"'{PYTHON}' '{KIT}' run 1 --client python --endpoint 'tcp://127.0.0.1:*' | head -2"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=60)
+    assert len(done.stdout.splitlines()) == 2
+    assert done.stderr == ""
 
 
 def test_a_server_that_cannot_start_ends_the_run(serve, start):

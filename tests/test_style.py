@@ -107,7 +107,7 @@ def test_a_lesson_is_whole(lesson):
     assert list(lesson.unity.glob("*.cs"))
     assert lesson.twin.exists()
     assert lesson.guide.exists()
-    assert (ROOT / "img" / f"{lesson.key}.svg").exists()
+    assert "\n```mermaid\nsequenceDiagram\n" in lesson.guide.read_text(encoding="utf-8")
     assert (ROOT / "tests" / f"test_{lesson.key}.py").exists()
     port = f"tcp://127.0.0.1:{5550 + lesson.number}"
     for path in [lesson.python / "server.py", lesson.python / "client.py", lesson.twin]:

@@ -8,7 +8,7 @@
 //     close                                           disposes the clients, which otherwise stay for the next line
 //
 // With the word `pool` on its command line it leaves .NET's sockets as they are.
-// Each line is answered with one line of JSON: messages, seconds, processor seconds, and how long each wait was in
+// Each line is answered with one line of JSON: messages, seconds, and how long each wait was in
 // microseconds. Clients stay connected from round to round, so that a round measures no start.
 using System;
 using System.Collections.Generic;
@@ -81,15 +81,12 @@ namespace NetMQExample.Lab
         private static string Measure(Contender[] clients, double limit, Func<Contender[], double, List<double>, int> work)
         {
             var waits = new List<double>(1 << 16);
-            var process = Process.GetCurrentProcess();
-            var cpu = process.TotalProcessorTime;
             var watch = Stopwatch.StartNew();
             var messages = work(clients, limit, waits);
             var seconds = watch.Elapsed.TotalSeconds;
-            process.Refresh();
             var listed = string.Join(",", waits.Select(wait => wait.ToString("F1", CultureInfo.InvariantCulture)));
             return FormattableString.Invariant(
-                $"{{\"messages\":{messages},\"seconds\":{seconds:F6},\"cpu\":{(process.TotalProcessorTime - cpu).TotalSeconds:F6},\"waits\":[{listed}]}}");
+                $"{{\"messages\":{messages},\"seconds\":{seconds:F6},\"waits\":[{listed}]}}");
         }
 
         private static int Echo(Contender[] clients, double seconds, List<double> waits)

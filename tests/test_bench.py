@@ -1,0 +1,198 @@
+"""The performance lab: a quick run works, measures what it says, and a contender that cheats or lacks is found out."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import socket
+import threading
+from pathlib import Path
+
+import pytest
+
+from kitlib import bench, contest, lab, report
+from kitlib.contest import TCP, Contender, Lab, Row, many
+from tests.conftest import PYTHON
+from tests.programs import ROOT
+
+KEPT = ROOT / "img" / "performance.json"
+
+
+@pytest.fixture(scope="module")
+def quick(engine, tmp_path_factory):
+    """One quick run for all tests of this file: what it printed, and the results."""
+    from tests.programs import Program
+
+    program = Program([PYTHON, ROOT / "kit.py", "bench", "--quick", "--engine", engine.name])
+    try:
+        assert program.wait(280) == 0, program.output
+    finally:
+        program.kill()
+    return program.output, json.loads((ROOT / ".build" / "bench" / "performance.json").read_text(encoding="utf-8"))
+
+
+pytestmark = pytest.mark.timeout(300)
+
+
+def labels(results, title):
+    return [row["label"] for work in results["works"] if work["title"] == title for row in work["rows"]]
+
+
+def test_a_quick_run_measures_everything_that_can_run_here(quick):
+    output, results = quick
+    skipped = " ".join(results["skipped"])
+    for label in ("raw TCP", "lesson 01", "busy-wait client", "lesson 05, pooled", "lesson 06, 256 in flight"):
+        assert label in labels(results, "echo of 32 B"), output
+    for contender in (contest.HTTP, contest.WEBSOCKET, contest.GRPC):
+        assert (contender.label in labels(results, "echo of 230,400 B")) != (contender.label in skipped), output
+    for title in (
+        "echo of 2 MB",
+        "one way, frames of 230,400 B",
+        "publish 32 B to 100",
+        "100 clients, 32 B",
+        "a server that takes 10 ms",
+    ):
+        assert labels(results, title), output
+    assert {row["label"] for row in results["first"]} >= {"program: C# client", "connection: lesson 01"}
+    assert results["frames"][0]["label"] == ".NET"
+    assert not [what for what in results["skipped"] if "(" in what], "something failed on the way"
+    assert re.search(r"^took \d+ s$", output, re.MULTILINE)
+
+
+def test_nothing_of_a_run_is_left(quick):
+    left = [
+        path
+        for path in Path("/proc").glob("[0-9]*/cmdline")
+        if re.search(r"lab\.dll|performance_lab", read(path)) and "pytest" not in read(path)
+    ]
+    assert not left
+
+
+def read(path):
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
+def test_a_request_one_at_a_time_is_the_sum_of_its_waits(quick):
+    """Messages a second, and the waits, are measured apart; they must agree."""
+    _, results = quick
+    rows = next(work["rows"] for work in results["works"] if work["title"] == "echo of 230,400 B")
+    for row in rows:
+        if row["latency"]:
+            # A mean is at least half of the median, whatever else happened.
+            assert 1e6 / row["rate"][2] > row["latency"]["p50"] / 2, row
+
+
+def test_the_busy_wait_shows_its_price(quick):
+    _, results = quick
+    rows = {row["label"]: row for work in results["works"] if "10 ms" in work["title"] for row in work["rows"]}
+    if rows["lesson 01"]["client_cpu"] is None:
+        pytest.skip("this system does not say how much processor time a thread has used")
+    assert rows["busy-wait client"]["client_cpu"] > 5 * rows["lesson 01"]["client_cpu"]
+
+
+def test_the_main_thread_allocates_nothing(quick):
+    _, results = quick
+    assert all(row["bytes"] == 0 for row in results["frames"])
+
+
+def client(engine):
+    return lab.Client(["dotnet", str(bench.dotnet.build(PYTHON, engine, ROOT / "csharp-console" / "lab"))], set())
+
+
+def test_a_server_that_sends_something_else_back_is_found_out(engine):
+    """Otherwise a server that answers rubbish would win."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def lie():
+            connection, _ = listener.accept()
+            while data := connection.recv(65536):
+                connection.sendall(bytes(len(data)))
+
+        threading.Thread(target=lie, daemon=True).start()
+        program = client(engine)
+        try:
+            with pytest.raises(lab.KitError, match="the answer is not the one that was expected"):
+                program.ask("echo", "tcp", f"tcp://127.0.0.1:{listener.getsockname()[1]}", 32, 0.1)
+        finally:
+            program.end()
+
+
+def test_a_contender_that_fails_is_named_and_the_others_go_on(engine):
+    broken = Contender("broken", "dotnet", "nonsense", "tcp")
+    place = Lab(PYTHON, {"dotnet": engine}, rounds=1, moment=0.02, free=True)
+    try:
+        result = place.work("test", [TCP, broken], lambda each, to: ["echo", each.name, to, 32, 0.02])
+    finally:
+        place.end()
+    assert [row["label"] for row in result["rows"]] == ["raw TCP"]
+    assert "no contender nonsense" in place.skipped["broken (test)"]
+
+
+def test_a_missing_package_is_a_reason_to_skip(engine):
+    place = Lab(PYTHON, {"dotnet": engine}, rounds=1, moment=0.02, free=True)
+    needy = Contender("needy", "dotnet", "tcp", "tcp", package="no-such-package")
+    assert place.here(TCP, needy, *contest.elsewhere("mono", "on Mono")) == [TCP]
+    assert place.skipped["needy"] == "it needs a package: pip install no-such-package"
+    assert "lesson 01, on Mono" in place.skipped
+
+
+def test_a_ratio_is_taken_within_a_round():
+    limit, row = Row("raw TCP"), Row("other")
+    # The machine is half as fast in the second round, and so are both.
+    for speed in (1.0, 0.5):
+        for each, rate in ((limit, 1000), (row, 800)):
+            each.add({"messages": int(rate * speed), "seconds": 1.0, "waits": []}, [1.0, 1.0, 1.0, math.nan])
+            each.compare(limit)
+    assert row.result()["ratio"] == [0.8, 0.8, 0.8]
+    assert row.result()["client_cpu"] == pytest.approx(2 / 1200, rel=1e-3)
+    assert row.result()["server_sleeps"] is None
+
+
+def test_a_noisy_run_says_so():
+    def work(rate):
+        return {"title": "echo", "rows": [{"label": "raw TCP", "rate": rate}]}
+
+    assert bench.noise(0.02, [work([900.0, 1000.0, 1100.0])]) == []
+    assert "raw TCP made 400 to 1000 a second" in bench.noise(0.02, [work([400.0, 900.0, 1000.0])])[0]
+    assert "50%" in bench.noise(0.5, [])[0]
+
+
+def test_many_in_flight_are_many():
+    assert many(64).name == "many@64"
+
+
+@pytest.mark.skipif(not KEPT.exists(), reason="no full run is kept")
+def test_the_kept_run_is_whole():
+    """The guide's numbers are a full run's, in which nothing failed."""
+    results = json.loads(KEPT.read_text(encoding="utf-8"))
+    assert [work["title"] for work in results["works"]][:5] == [f"echo of {size}" for size in bench.SIZES]
+    assert labels(results, "1000 clients, 32 B")
+    assert results["skipped"] == {}
+    assert results["machine"]["engine"] == "netmq"
+    assert results["seconds"] < 600
+
+
+@pytest.mark.skipif(not KEPT.exists(), reason="no full run is kept")
+@pytest.mark.parametrize("name", ["echo_32", "echo_230400", "latency", "rate", "price"])
+def test_a_plot_shows_the_kept_run(name):
+    """Which release of matplotlib drew it does not matter; its names and numbers do."""
+    results = json.loads(KEPT.read_text(encoding="utf-8"))
+    drawn = KEPT.with_name(f"performance_{name}.svg").read_text(encoding="utf-8")
+    shown = re.findall(r">([^<>\n]+)</text>", drawn)
+    titles = {"echo_32": "echo of 32 B", "echo_230400": "echo of 230,400 B", "price": "a server that takes 10 ms"}
+    if name in titles:
+        rows = [row for work in results["works"] if work["title"] == titles[name] for row in work["rows"]]
+        for row in rows:
+            if name != "price" and " in flight" not in row["label"]:
+                assert row["label"] in shown
+                assert f"{row['ratio'][1]:.3g}" in shown
+            elif name == "price":
+                assert f"{row['client_cpu']:,.0f}" in shown
+    else:
+        expected = {"latency": ["lesson 01", "999 of 1000"], "rate": ["Many clients", "requests in flight"]}
+        assert set(expected[name]) <= set(shown)
+    assert report.text(results)
