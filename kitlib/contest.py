@@ -1,7 +1,7 @@
 """Who takes part in kit.py bench, and how they are compared: in rounds that take turns.
 
 Each round lets every contender work for a moment, so that whatever else the machine does hits all of them alike; what
-is compared is each contender's rate with that of raw TCP in the same round. The first round warms up and does not count.
+is compared is each contender's rate with that of raw TCP in the same round. The first round only warms up.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ class Lab:
         return self.clients[name]
 
     def server(self, name: str, *options: str) -> Server:
-        """A server with these options, started when it is first needed. Those of the lessons print no line per reply."""
+        """A server with these options, started when it is first needed. Lessons' servers print no line per reply."""
         key = " ".join([name, *options])
         if key not in self.servers:
             lesson = name[:2].isdigit()
@@ -169,15 +169,15 @@ class Lab:
                 try:
                     server = self.server(each.server, *options)
                     client = self.program(each.program)
-                    before = totals(client, server)
+                    before = client.spent(), server.spent()
                     answer = client.ask(*words(each, server.endpoint))
-                    spent = [now - then for now, then in zip(totals(client, server), before, strict=True)]
+                    used = [side.spent().since(then) for side, then in zip((client, server), before, strict=True)]
                 except KitError as error:
                     self.skipped[f"{each.label} ({title})"] = str(error)
                     del rows[each]
                     continue
                 if number > 0:
-                    row.add(answer, spent)
+                    row.add(answer, [each for pair in zip(*used, strict=True) for each in pair])
             for row in rows.values():
                 row.compare(rows.get(TCP))
         for client in self.clients.values():
@@ -188,11 +188,6 @@ class Lab:
         """End every program."""
         for process in [*self.clients.values(), *self.servers.values()]:
             process.end()
-
-
-def totals(client: Client, server: Server) -> list[float]:
-    """Processor microseconds of both, then sleeps of both."""
-    return [each for pair in zip(client.spent(), server.spent(), strict=True) for each in pair]
 
 
 def progress(text: str, last: bool) -> None:

@@ -9,6 +9,7 @@ A fenced block says where it comes from in a comment on the line above it:
     <!-- excerpt: python/01_request_reply/server.py answer -->   a function, class or method, by its name
     <!-- run: 1 --client csharp --options='--count 1' -->        what `kit.py run` prints; `...` stands for any lines
     <!-- like: 3 -->                                             the same, but numbers and ids differ from run to run
+    <!-- bench: echo of 32 B | a second, p50 us -->              a table of the kept run, or some columns
     <!-- commands -->                                            one command a line, each of which a test starts
     <!-- diagram -->                                             a sequence diagram, whose grammar a test checks
     <!-- by hand: why -->                                        none of these, and counted
@@ -23,6 +24,7 @@ import argparse
 import ast
 import difflib
 import functools
+import json
 import re
 import shlex
 import sys
@@ -34,6 +36,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
+from . import report
 from .lessons import ROOT, KitError, find
 from .terminal import quietly
 
@@ -89,6 +92,17 @@ def excerpt(source: str) -> str:
     if found is None:
         raise KitError(f"there is no {name} in {path}")
     return textwrap.dedent(found).rstrip() + "\n"
+
+
+def bench_table(source: str) -> str:
+    """A table of the kept run of `kit.py bench`: `title`, or `title | column, column` for these columns alone."""
+    title, _, columns = source.partition(" | ")
+    results = json.loads((ROOT / "img" / "performance.json").read_text(encoding="utf-8"))
+    if title == "machine":
+        return "".join(f"{name}: {value}\n" for name, value in results["machine"].items())
+    return "".join(
+        f"{line.rstrip()}\n" for line in report.table(results, title, columns.split(", ") if columns else None)
+    )
 
 
 def python_excerpt(text: str, name: str) -> str | None:
@@ -195,6 +209,8 @@ def rewritten(page: Path, transcripts: bool = False) -> str:
         body = this.body
         if this.kind == "excerpt":
             body = excerpt(this.source)
+        elif this.kind == "bench":
+            body = bench_table(this.source)
         elif this.kind in ("run", "like") and transcripts:
             print(f"{this.where}: {this.kind} {this.source}", flush=True)
             lines = printed(this.source)

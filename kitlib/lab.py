@@ -31,7 +31,7 @@ def halves() -> tuple[set[int], set[int]]:
 
 @contextmanager
 def on(cores: set[int]) -> Iterator[None]:
-    """What is started inside runs on these cores only, with all its threads. Without cores, wherever the system likes."""
+    """What is started inside runs on these cores only, with all its threads; without cores, anywhere."""
     if not cores:
         yield
         return
@@ -44,10 +44,15 @@ def on(cores: set[int]) -> Iterator[None]:
 
 
 class Spent(NamedTuple):
-    """Processor time in microseconds, and how often a thread went to sleep because it had to wait."""
+    """Processor time in microseconds, and how often each thread went to sleep because it had to wait."""
 
     microseconds: float
-    sleeps: float
+    sleeps: dict[str, int]
+
+    def since(self, before: Spent) -> tuple[float, float]:
+        """Microseconds and sleeps since then; the sleeps of a thread that has ended meanwhile are lost."""
+        slept = sum(count - before.sleeps.get(thread, 0) for thread, count in self.sleeps.items())
+        return self.microseconds - before.microseconds, slept if self.sleeps else math.nan
 
 
 class Process:
@@ -81,16 +86,16 @@ class Process:
         return text.strip()
 
     def spent(self) -> Spent:
-        """What all its threads have used so far; nan where the system does not say it exactly (Linux does)."""
+        """What it has used so far; nan where the system does not say it exactly (Linux does)."""
+        pid, sleeps = self.process.pid, dict[str, int]()
         try:
-            tasks = list(Path(f"/proc/{self.process.pid}/task").iterdir())
-            microseconds = sum(int((task / "schedstat").read_text().split()[0]) for task in tasks) / 1e3
-            sleeps = [
-                re.search(r"^voluntary_ctxt_switches:\s+(\d+)", (task / "status").read_text(), re.M) for task in tasks
-            ]
-            return Spent(microseconds, float(sum(int(found[1]) for found in sleeps if found)))
-        except (OSError, ValueError, IndexError):
-            return Spent(math.nan, math.nan)
+            for task in Path(f"/proc/{pid}/task").iterdir():
+                found = re.search(r"^voluntary_ctxt_switches:\s+(\d+)", (task / "status").read_text(), re.MULTILINE)
+                sleeps[task.name] = int(found[1]) if found else 0
+            # The clock of another process, as clock_getcpuclockid(3) numbers it; threads that have ended count too.
+            return Spent(time.clock_gettime(~pid << 3 | 2) * 1e6, sleeps)
+        except (OSError, AttributeError):
+            return Spent(math.nan, sleeps)
 
     def end(self) -> None:
         if self.process.poll() is None:

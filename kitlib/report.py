@@ -4,32 +4,68 @@ from __future__ import annotations
 
 from typing import Any
 
+FIRST, FRAMES = "milliseconds to the first reply", "main thread, each frame"
 RUNTIMES = {"dotnet": ".NET", "offline": ".NET, offline engine", "mono": "Mono"}
+
+
+HEAD = (
+    *("", "a second", "least", "ratio to TCP", "most", "p50 us", "p99 us", "p99.9 us"),
+    *("client us", "server us", "client sleeps", "server sleeps"),
+)
 
 
 def text(results: dict[str, Any]) -> str:
     """Everything, for a terminal."""
     lines = [f"{name}: {value}" for name, value in results["machine"].items()]
-    for work in results["works"]:
-        rows = [(
-            "", "a second", "least", "ratio to TCP", "most", "p50 us", "p99 us", "p99.9 us", "client us", "server us", "client sleeps", "server sleeps"
-        ), *map(cells, work["rows"])]  # fmt: skip
-        lines += ["", f"{work['title']}:", *aligned(rows)]
-    lines += ["", "milliseconds to the first reply:"]
-    lines += aligned([
-        ("", "least", "middle", "most"),
-        *((row["label"], *(f"{value:.1f}" for value in row["milliseconds"])) for row in results["first"]),
-    ])  # fmt: skip
-    lines += ["", "main thread, each frame:"]
-    lines += aligned([
-        ("", "mean ms", "half below", "99 of 100 below", "longest", "bytes"),
-        *((
-            row["label"], f"{row['mean']:.4f}", f"{row['half']:.4f}", f"{row['of_100_99']:.4f}", f"{row['longest']:.4f}", f"{row['bytes']:.0f}"
-        ) for row in results["frames"]),
-    ])  # fmt: skip
-    lines += [""] + [f"skipped {what}: {why}" for what, why in results["skipped"].items()]
+    for title in [*(work["title"] for work in results["works"]), FIRST, FRAMES]:
+        lines += ["", f"{title}:", *table(results, title)]
+    lines += ["", *(f"skipped {what}: {why}" for what, why in results["skipped"].items())]
     lines += [f"NOISY, do not trust the numbers: {why}" for why in results["noise"]]
     return "\n".join([*lines, f"took {results['seconds']} s"])
+
+
+def table(results: dict[str, Any], title: str, columns: list[str] | None = None) -> list[str]:
+    """The table of one kind of work, or of FIRST or FRAMES; `columns` are those of HEAD to show, or all."""
+    if title == "goals":
+        return goals(results)
+    if title == FIRST:
+        rows = [(row["label"], *(f"{value:.1f}" for value in row["milliseconds"])) for row in results["first"]]
+        return aligned([("", "least", "middle", "most"), *rows])
+    if title == FRAMES:
+        keys = ("mean", "half", "of_100_99", "longest")
+        rows = [
+            (row["label"], *(f"{row[key]:.4f}" for key in keys), f"{row['bytes']:.0f}") for row in results["frames"]
+        ]
+        return aligned([("", "mean ms", "half below", "99 of 100 below", "longest", "bytes"), *rows])
+    work = next(work for work in results["works"] if work["title"] == title)
+    rows = without_empty([HEAD, *map(cells, work["rows"])])
+    kept = [i for i, name in enumerate(rows[0]) if not columns or i == 0 or name in columns]
+    return aligned([tuple(row[i] for i in kept) for row in rows])
+
+
+def goals(results: dict[str, Any]) -> list[str]:
+    """What this kit aims at, what a run has shown, and where ZeroMQ alone, without a lesson around it, is faster."""
+
+    def middle(title: str, label: str, what: str = "ratio") -> float:
+        rows = next(work["rows"] for work in results["works"] if work["title"] == title)
+        value: float = next(row[what][1] for row in rows if row["label"] == label)
+        return value
+
+    small, large = "echo of 32 B", "echo of 230,400 B"
+    rows = [("", "aimed at", "this run", "NetMQ alone", "libzmq alone")]
+    for label, title, aim in (("lesson 01", small, "0.90"), ("lesson 05, pooled", large, "0.80")):
+        alone = [f"{middle(title, each):.2f}" for each in ("NetMQ alone", "NetMQ alone, offline engine")]
+        rows.append((f"{label}, {title}, to raw TCP", aim, f"{middle(title, label):.2f}", *alone))
+    for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
+        first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")
+        if "flight" in other:
+            rows.append((f"{other}, to lesson 01", "10", f"{second / first:.1f}", "", ""))
+        else:
+            rows.append((f"lesson 01, to {other}", "1.00", f"{first / second:.2f}", "", ""))
+    for row in results["frames"]:
+        rows.append((f"main thread, {row['label']}: ms, half below", "0.1", f"{row['half']:.3f}", "", ""))
+        rows.append((f"main thread, {row['label']}: bytes", "0", f"{row['bytes']:.0f}", "", ""))
+    return aligned(rows)
 
 
 def cells(row: dict[str, Any]) -> tuple[str, ...]:
@@ -37,19 +73,22 @@ def cells(row: dict[str, Any]) -> tuple[str, ...]:
     ratios = [f"{value:.2f}" for value in row["ratio"]] if row["ratio"] else [""] * 3
     waits = [f"{value:.0f}" for value in row["latency"].values()] if row["latency"] else [""] * 3
     spent = [row[what] for what in ("client_cpu", "server_cpu", "client_sleeps", "server_sleeps")]
-    return (
-        row["label"],
-        f"{row['rate'][1]:,.0f}",
-        *ratios,
-        *waits,
-        *("?" if each is None else f"{each:.1f}" for each in spent),
-    )
+    used = ["?" if each is None else f"{each:.1f}" for each in spent]
+    return (row["label"], f"{row['rate'][1]:,.0f}", *ratios, *waits, *used)
+
+
+def without_empty(rows: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """The columns in which some row has something."""
+    kept = [i for i in range(len(rows[0])) if i == 0 or any(row[i] for row in rows[1:])]
+    return [tuple(row[i] for i in kept) for row in rows]
 
 
 def aligned(rows: list[tuple[str, ...]]) -> list[str]:
     """Columns: the first to the left, numbers to the right."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return [
-        "  ".join(cell.rjust(width) if i else cell.ljust(width) for i, (cell, width) in enumerate(zip(row, widths, strict=True)))
+        "  ".join(
+            [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
+        )
         for row in rows
-    ]  # fmt: skip
+    ]

@@ -10,7 +10,7 @@ from pathlib import Path
 from kitlib import guide
 from tests.programs import ROOT
 
-KINDS = {"excerpt", "run", "like", "commands", "diagram", "by hand"}
+KINDS = {"excerpt", "bench", "run", "like", "commands", "diagram", "by hand"}
 LANGUAGES = {".py": "python", ".cs": "csharp"}
 SECTIONS = (
     "Run it",

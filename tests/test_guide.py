@@ -69,6 +69,11 @@ def test_blocks_by_hand_are_counted():
     assert len(by_hand) == BY_HAND, "\n".join(by_hand)
 
 
+@of("bench")
+def test_a_table_is_what_the_kept_run_has(block):
+    assert block.body == guide.bench_table(block.source), "python3 -m kitlib.guide --excerpts rewrites it"
+
+
 @of("excerpt")
 def test_an_excerpt_is_what_its_file_has(block):
     assert block.body == guide.excerpt(block.source), "python3 -m kitlib.guide rewrites it"
@@ -105,6 +110,9 @@ def run_kit(words, start, engine):
     elif words[0] == "test":
         # This very run, or a part of it; only its words are checked.
         words = ["test", "--collect-only", "-q", *words[1:]]
+    elif words[0] == "bench":
+        # test_bench.py runs it; here only its words are checked.
+        words = [*words, "--help"]
     program = start(PYTHON, ROOT / "kit.py", *words)
     assert program.wait(240) in (0, 1), program.output
     assert "Traceback" not in program.output

@@ -15,6 +15,7 @@ using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
 using System.Linq;
+using NetMQ;
 using UnityEngine;
 using UnityPlayer;
 
@@ -30,6 +31,8 @@ namespace NetMQExample.Lab
             if (words.Length == 0) Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
             // NetMQ's threads stay while any client of this program does.
             using var lifetime = new NetMQLifetime();
+            // Its standard is 1024, and a thousand clients of each of two kinds are open at once.
+            NetMQConfig.MaxSockets = 4096;
             for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
             {
                 try

@@ -111,7 +111,7 @@ def main() -> None:
             try:
                 socket.bind(where)
             except zmq.ZMQError as error:
-                cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "this machine has no such address"
+                cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "no such address, or no right to it"
                 sys.exit(f"cannot listen on {where}: {cause}; try --endpoint tcp://127.0.0.1:*")
         print("snapshots on", snapshots.getsockopt_string(zmq.LAST_ENDPOINT))
         print("listening on", stream.getsockopt_string(zmq.LAST_ENDPOINT), flush=True)

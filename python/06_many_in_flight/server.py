@@ -75,7 +75,7 @@ def main() -> None:
         try:
             socket.bind(options.endpoint)
         except zmq.ZMQError as error:
-            cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "this machine has no such address"
+            cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "no such address, or no right to it"
             sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
         workers = Workers(work, options.workers, options.processes)
         if options.kill_workers:

@@ -25,8 +25,8 @@ def main() -> None:
         # Frames of a stream wait in the operating system and at the sender, not in this memory.
         router.rcvhwm = 16
         router.sndhwm = publisher.sndhwm = 0
-        # Each subscriber is counted, not only the first.
-        publisher.xpub_verbose = 1
+        # Each subscriber that comes or goes is told, not only the first and the last.
+        publisher.xpub_verboser = 1
         router.bind("tcp://127.0.0.1:*")
         publisher.bind("tcp://127.0.0.1:*")
         endpoints = [socket.getsockopt_string(zmq.LAST_ENDPOINT) for socket in (router, publisher)]
