@@ -134,7 +134,7 @@ def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
             f"publish 32 B to {count}",
             [TCP, SUBSCRIBER, WEBSOCKET],
             lambda each, endpoint, count=count: [  # type: ignore[misc]
-                "publish", each.name, endpoint, 32, (500 if quick else 10000) // count, count
+                "publish", f"{each.name}@{count}", endpoint, 32, (500 if quick else 10000) // count, count
             ],
         ))  # fmt: skip
     for count in (1, 10, 100) if quick else (1, 10, 100, 1000):

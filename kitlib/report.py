@@ -52,7 +52,7 @@ def goals(results: dict[str, Any]) -> list[str]:
         return value
 
     small, large = "echo of 32 B", "echo of 230,400 B"
-    rows = [("", "aimed at", "this run", "NetMQ alone", "libzmq alone")]
+    rows: list[tuple[str, ...]] = [("", "aimed at", "this run", "NetMQ alone", "libzmq alone")]
     for label, title, aim in (("lesson 01", small, "0.90"), ("lesson 05, pooled", large, "0.80")):
         alone = [f"{middle(title, each):.2f}" for each in ("NetMQ alone", "NetMQ alone, offline engine")]
         rows.append((f"{label}, {title}, to raw TCP", aim, f"{middle(title, label):.2f}", *alone))

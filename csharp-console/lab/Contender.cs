@@ -1,8 +1,7 @@
 // What every contender of the lab can do: send its payload, and wait until the server's answer is there.
 //
 // The first byte of a payload tells the server of the lab what to do: 1 answers with the same bytes, 0 does nothing, and
-// 2 sends as many messages of the same size as bytes 1 to 4 say to each client, once there are as many as bytes 5 to 8
-// say. The servers of the lessons know nothing of this, and always answer.
+// 2 sends to as many clients as bytes 1 to 4 say, once they are there, as many of the same messages as bytes 5 to 8 say. The servers of the lessons know nothing of this, and always answer.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -43,7 +42,7 @@ namespace NetMQExample.Lab
 
         public static Contender Make(string name, string endpoint, int size)
         {
-            // many@64 has 64 in flight, hello@200 looks for its reply for 200 us before it sleeps.
+            // many@64 has 64 in flight, hello@200 looks for its reply for 200 us before it sleeps, subscriber@10 is one of ten.
             var parts = name.Split('@');
             var number = parts.Length > 1 ? int.Parse(parts[1], CultureInfo.InvariantCulture) : 0;
             // Where the server has two, the second is that of its publisher.
@@ -61,7 +60,7 @@ namespace NetMQExample.Lab
                 case "pooled": return new PooledMessages(endpoint, size);
                 case "many": return new Many(endpoint, size, number);
                 case "bare": return new Bare(endpoint, size);
-                case "subscriber": return new Subscriber(endpoint, endpoints[1], size);
+                case "subscriber": return new Subscriber(endpoint, endpoints[1], size, number);
                 default: throw new ArgumentException($"no contender {name}");
             }
         }

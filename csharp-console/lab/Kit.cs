@@ -176,11 +176,15 @@ namespace NetMQExample.Lab
         private readonly SubscriberSocket socket = new SubscriberSocket();
         private readonly string control;
 
-        public Subscriber(string control, string publisher, int size) : base(size)
+        public Subscriber(string control, string publisher, int size, int clients) : base(size)
         {
             this.control = control;
             socket.Options.ReceiveHighWatermark = 0;
-            socket.SubscribeToAnyTopic();
+            // With the number in its topic, those of another work that have not quite left are not counted as here.
+            var topic = new byte[5];
+            topic[0] = Publish;
+            BitConverter.GetBytes(clients).CopyTo(topic, 1);
+            socket.Subscribe(topic);
             NetMQLifetime.Connect(socket, publisher);
         }
 

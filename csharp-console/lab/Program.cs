@@ -125,8 +125,8 @@ namespace NetMQExample.Lab
         {
             var payload = clients[0].Payload;
             payload[0] = Contender.Publish;
-            BitConverter.GetBytes((int)count).CopyTo(payload, 1);
-            BitConverter.GetBytes(clients.Length).CopyTo(payload, 5);
+            BitConverter.GetBytes(clients.Length).CopyTo(payload, 1);
+            BitConverter.GetBytes((int)count).CopyTo(payload, 5);
             clients[0].Send();
             foreach (var client in clients)
                 for (var i = 0; i < count; i++) client.Receive();

@@ -45,7 +45,7 @@ def act(connection: socket.socket, message: memoryview) -> None:
     if message[4] == 1:
         connection.sendall(message)
     elif message[4] == 2:
-        count, clients = (int.from_bytes(message[start : start + 4], "little") for start in (5, 9))
+        clients, count = (int.from_bytes(message[start : start + 4], "little") for start in (5, 9))
         while len(CLIENTS) < clients:
             time.sleep(0.001)
         for _ in range(count):

@@ -21,7 +21,7 @@ async def act(connection: ServerConnection) -> None:
         if message[0] == 1:
             await connection.send(message)
         elif message[0] == 2:
-            count, clients = (int.from_bytes(message[start : start + 4], "little") for start in (1, 5))
+            clients, count = (int.from_bytes(message[start : start + 4], "little") for start in (1, 5))
             while len(CLIENTS) < clients:
                 await asyncio.sleep(0.001)
             for _ in range(count):

@@ -5,18 +5,20 @@ Bytes: one frame each way. Its first byte says what to do: 1 answers with the sa
 
 from __future__ import annotations
 
+from collections import Counter
+
 import zmq
 
 
-def publish(publisher: zmq.Socket[bytes], message: bytes, subscribed: int) -> int:
-    """Bytes 1 to 4 say how many messages, bytes 5 to 8 to how many subscribers: it waits until they are there."""
-    count, subscribers = (int.from_bytes(message[start : start + 4], "little") for start in (1, 5))
-    while publisher.poll(0) or subscribed < subscribers:
+def publish(publisher: zmq.Socket[bytes], message: bytes, subscribed: Counter[bytes]) -> None:
+    """Bytes 1 to 4 say to how many subscribers, whose topic ends there; bytes 5 to 8 say how many messages."""
+    subscribers, count = (int.from_bytes(message[start : start + 4], "little") for start in (1, 5))
+    while publisher.poll(0) or subscribed[message[:5]] < subscribers:
         # XPUB receives what subscribers ask for: a byte 1 to subscribe, or 0 to end it, and the topic.
-        subscribed += 1 if publisher.recv()[0] else -1
+        request = publisher.recv()
+        subscribed[request[1:]] += 1 if request[0] else -1
     for _ in range(count):
         publisher.send(message)
-    return subscribed
 
 
 def main() -> None:
@@ -32,14 +34,14 @@ def main() -> None:
         endpoints = [socket.getsockopt_string(zmq.LAST_ENDPOINT) for socket in (router, publisher)]
         print(f"publishing on {endpoints[1]}", flush=True)
         print(f"listening on {endpoints[0]}", flush=True)
-        subscribed = 0
+        subscribed = Counter[bytes]()
         while True:
             client, message = router.recv_multipart(copy=False)
             first = message.buffer[0]
             if first == 1:
                 router.send_multipart([client, message], copy=False)
             elif first == 2:
-                subscribed = publish(publisher, message.bytes, subscribed)
+                publish(publisher, message.bytes, subscribed)
 
 
 if __name__ == "__main__":
