@@ -18,7 +18,8 @@ UNLIMITED = [("grpc.max_receive_message_length", -1), ("grpc.max_send_message_le
 
 def measure(channel: grpc.Channel, size: int, seconds: float) -> dict[str, object]:
     """Messages, seconds, and each wait in microseconds."""
-    echo, payload, waits = channel.unary_unary("/lab/Echo"), bytes([1]) * size, []
+    echo, payload = channel.unary_unary("/lab/Echo"), bytes([1]) * size
+    waits: list[float] = []
     start = now = time.perf_counter()
     while not waits or now < start + seconds:
         before = now
