@@ -461,6 +461,29 @@ def test_a_server_ends_at_once_with_workers_at_work(how, pool, serve, connect):
     assert again.stop() == 0
 
 
+def test_no_socket_is_made_after_the_ready_line(start):
+    """A Ctrl-C in the middle of making one would leave a socket that the context waits for, for ever."""
+    noting = (
+        "import runpy, sys, zmq\n"
+        "make = zmq.Context.socket\n"
+        "def noting(context, kind):\n"
+        "    print('makes', zmq.SocketType(kind).name, flush=True)\n"
+        "    return make(context, kind)\n"
+        "zmq.Context.socket = noting\n"
+        "del sys.argv[0]\n"
+        "sys.path.insert(0, sys.argv[0].rpartition('/')[0])\n"
+        "runpy.run_path(sys.argv[0], run_name='__main__')\n"
+    )
+    server = start(PYTHON, "-c", noting, f"python/{KEY}/server.py", "--endpoint", "tcp://127.0.0.1:*")
+    endpoint = server.wait_for("^listening on (.*)")[1]
+    with zmq.Context() as context, context.socket(zmq.DEALER) as client:
+        client.linger = 0
+        client.connect(endpoint)
+        assert ask(client, b"1", b"echo x") == [b"1", b"x"]
+    assert server.lines[:3] == ["makes ROUTER", "makes PAIR", f"listening on {endpoint}"]
+    assert not [line for line in server.lines[3:] if line.startswith("makes")]
+
+
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 @pytest.mark.parametrize("endpoint", ["127.0.0.1:5556", "tcp://127.0.0.1:99999", "tcp://no-such-host.invalid:5556", ""])
 def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, client_command):

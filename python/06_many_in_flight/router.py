@@ -20,18 +20,18 @@ class Router:
         # client -> id -> text: the clients in the order in which it is their turn, each with its own queue.
         self.waiting: OrderedDict[bytes, OrderedDict[bytes, bytes]] = OrderedDict()
         self.at_work: set[tuple[bytes, bytes]] = set()
+        self.monitor = socket.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED)
 
     def serve(self) -> None:
-        monitor = self.socket.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED)
         poller = zmq.Poller()
-        for readable in (self.socket, self.workers.bell, monitor):
+        for readable in (self.socket, self.workers.bell, self.monitor):
             poller.register(readable, zmq.POLLIN)
         clients = 0
         while True:
             # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
             ready = dict(poller.poll(200))
-            if monitor in ready:
-                clients += 1 if recv_monitor_message(monitor)["event"] == zmq.EVENT_ACCEPTED else -1
+            if self.monitor in ready:
+                clients += 1 if recv_monitor_message(self.monitor)["event"] == zmq.EVENT_ACCEPTED else -1
                 print(f"clients: {clients}", flush=True)
             if self.socket in ready:
                 self.take_in()

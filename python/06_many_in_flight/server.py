@@ -80,8 +80,11 @@ def main() -> None:
         workers = Workers(work, options.workers, options.processes)
         if options.kill_workers:
             threading.Thread(target=workers.kill_at_random, args=(options.kill_workers,), daemon=True).start()
+        # Its sockets are made before the line that invites a Ctrl-C: one that comes in the middle of making a socket
+        # leaves it half known to the context, which then waits for it at the end.
+        router = Router(socket, workers, options.queue)
         print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        Router(socket, workers, options.queue).serve()
+        router.serve()
 
 
 if __name__ == "__main__":
