@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import datetime
 import json
-import os
-import platform
 import re
 import shutil
 import statistics
 import subprocess
-import sys
 import time
-from pathlib import Path
 from typing import Any
 
-from . import dotnet, python_setup, report
+from . import dotnet, machine, python_setup, report
 from .contest import (
     BARE,
     BUSY,
@@ -35,7 +30,7 @@ from .contest import (
     many,
     progress,
 )  # fmt: skip
-from .lab import LIMIT, machine_is_busy
+from .lab import LIMIT
 from .lessons import ROOT, KitError
 from .terminal import say
 
@@ -43,8 +38,6 @@ SIZES = {"32 B": 32, "1 KB": 1024, "64 KB": 65536, "230,400 B": 230400, "2 MB": 
 WINDOWS = (1, 4, 16, 64, 256)
 # A picture of 320 x 240 points, each of three bytes.
 PICTURE = 230400
-# More work of others than this, or raw TCP that differs by more between rounds, and the run is called noisy.
-BUSY_LIMIT, SPREAD_LIMIT = 0.1, 2.5
 
 
 def bench(quick: bool, free: bool, engine: str | None) -> int:
@@ -54,23 +47,22 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     python = python_setup.interpreter("tests", optional=("05_messages", "bench"))
     started = time.monotonic()
     lab = Lab(python, engines(engine), *((2, 0.04) if quick else (9, 0.2)), free=free)
-    busy = machine_is_busy()
+    busy = machine.busy()
     try:
         for name in lab.engines:
             lab.program(name)
         works = [*echoes(lab), *other_work(lab, quick)]
         results = {
-            "machine": machine(lab),
-            "noise": noise(busy, works),
-            "seconds": round(time.monotonic() - started),
+            "machine": machine.about(lab),
+            "noise": machine.noise(busy, works),
             "works": works,
             "first": starts(lab, quick),
             "frames": frames(lab, 120 if quick else 600),
             "skipped": lab.skipped,
+            "seconds": round(time.monotonic() - started),
         }
     finally:
         lab.end()
-    results["seconds"] = round(time.monotonic() - started)
     print(report.text(results))
     folder = ROOT / ".build" / "bench" if quick or free else ROOT / "img"
     folder.mkdir(parents=True, exist_ok=True)
@@ -106,61 +98,34 @@ def echoes(lab: Lab) -> list[dict[str, Any]]:
             taking_part = [TCP, HELLO, SPIN, POOL, BUSY, *everywhere[1:], *map(many, WINDOWS), *there]
         else:
             taking_part = [*everywhere, *(each for each in there if not each.only_small)]
-        found.append(lab.work(
-            f"echo of {title}",
-            taking_part,
-            lambda each, endpoint, size=size: ["echo", each.name, endpoint, size, lab.moment],  # type: ignore[misc]
-        ))  # fmt: skip
+        found.append(lab.work(f"echo of {title}", taking_part, f"echo {{name}} {{endpoint}} {size} {lab.moment}"))
     return found
 
 
 def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     """One way, one to many, many to one, and a server that thinks."""
-    found = [
-        lab.work(
-            "one way, frames of 230,400 B",
-            [
-                TCP,
-                BARE,
-                WEBSOCKET,
-                JSON,
-                *(each for each in elsewhere("offline", "offline engine") if each.name == "bare"),
-            ],
-            lambda each, endpoint: ["stream", each.name, endpoint, PICTURE, lab.moment],
-        )
-    ]
+    offline = [each for each in elsewhere("offline", "offline engine") if each.name == BARE.name]
+    one_way = [TCP, BARE, WEBSOCKET, JSON, *offline]
+    stream = f"stream {{name}} {{endpoint}} {PICTURE} {lab.moment}"
+    found = [lab.work("one way, frames of 230,400 B", one_way, stream)]
     for count in (1, 10, 100):
-        found.append(lab.work(
-            f"publish 32 B to {count}",
-            [TCP, SUBSCRIBER, WEBSOCKET],
-            lambda each, endpoint, count=count: [  # type: ignore[misc]
-                "publish", f"{each.name}@{count}", endpoint, 32, (500 if quick else 10000) // count, count
-            ],
-        ))  # fmt: skip
+        publish = f"publish {{name}}@{count} {{endpoint}} 32 {(500 if quick else 10000) // count} {count}"
+        found.append(lab.work(f"publish 32 B to {count}", [TCP, SUBSCRIBER, WEBSOCKET], publish))
+    echo = f"echo {{name}} {{endpoint}} 32 {lab.moment}"
     for count in (1, 10, 100) if quick else (1, 10, 100, 1000):
-        found.append(lab.work(
-            f"{count} clients, 32 B",
-            [TCP, HELLO, BARE, WEBSOCKET, HTTP],
-            lambda each, endpoint, count=count: ["echo", each.name, endpoint, 32, lab.moment, count],  # type: ignore[misc]
-        ))  # fmt: skip
-    found.append(lab.work(
-        "a server that takes 10 ms",
-        [HELLO, BUSY],
-        lambda each, endpoint: ["echo", each.name, endpoint, 32, lab.moment],
-        "--delay", "0.01",
-    ))  # fmt: skip
+        found.append(lab.work(f"{count} clients, 32 B", [TCP, HELLO, BARE, WEBSOCKET, HTTP], f"{echo} {count}"))
+    found.append(lab.work("a server that takes 10 ms", [HELLO, BUSY], echo, "--delay", "0.01"))
     return found
 
 
 def starts(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     """Milliseconds from nothing to the first reply: a new connection in a program that runs, and whole programs."""
-    found = []
     contenders = [TCP, HELLO, BARE, POOLED, WEBSOCKET, HTTP, GRPC, JSON]
     times: dict[str, list[float]] = {}
     for number in range(lab.rounds + 1):
         progress(f"first reply: round {number} of {lab.rounds}", last=number == lab.rounds)
         for each in lab.here(*contenders):
-            answer = lab.program(each.program).ask("first", each.name, lab.server(each.server).endpoint, 32)
+            answer = lab.program(each.program).ask(f"first {each.name} {lab.server(each.server).endpoint} 32")
             if number > 0:
                 times.setdefault(f"connection: {each.label}", []).append(answer["seconds"] * 1000)
     console = dotnet.build(lab.python, lab.engines["dotnet"])
@@ -175,11 +140,10 @@ def starts(lab: Lab, quick: bool) -> list[dict[str, Any]]:
                 [*command, "--endpoint", endpoint, "--count", "1"], check=True, capture_output=True, timeout=LIMIT
             )
             times.setdefault(label, []).append((time.perf_counter() - start) * 1000)
-    for label, values in times.items():
-        found.append(
-            {"label": label, "milliseconds": [round(pick(values), 2) for pick in (min, statistics.median, max)]}
-        )
-    return found
+    return [
+        {"label": label, "milliseconds": [round(pick(values), 2) for pick in (min, statistics.median, max)]}
+        for label, values in times.items()
+    ]
 
 
 def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
@@ -189,7 +153,7 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
         if name in ("grpc", "pool"):
             continue
         endpoint = lab.server("04_background_client").endpoint
-        said = " ".join(client.ask("frames", endpoint, count)["said"])
+        said = " ".join(client.ask(f"frames {endpoint} {count}")["said"])
         numbers = re.search(
             r"mean ([\d.]+) ms, half below ([\d.]+) ms, 99 of 100 below ([\d.]+) ms, longest ([\d.]+) ms, (\d+) bytes",
             said,
@@ -205,52 +169,3 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
             }
         )
     return found
-
-
-def noise(busy: float, works: list[dict[str, Any]]) -> list[str]:
-    """Why not to trust this run, if there are reasons."""
-    found = []
-    if busy > BUSY_LIMIT:
-        found.append(f"other programs used {busy:.0%} of the processor before it began")
-    for work in works:
-        least, _, greatest = next((row["rate"] for row in work["rows"] if row["label"] == TCP.label), (1, 1, 1))
-        if greatest > SPREAD_LIMIT * least:
-            found.append(f"{work['title']}: raw TCP made {least:.0f} to {greatest:.0f} a second")
-    return found
-
-
-def machine(lab: Lab) -> dict[str, str]:
-    """What it was measured on and with."""
-
-    def versions(*names: str) -> str:
-        code = (
-            f"import importlib.metadata as m\nfor n in {names!r}:\n"
-            "  try: print(n, m.version(n))\n  except Exception: pass"
-        )
-        return ", ".join(
-            subprocess.run([str(lab.python), "-c", code], capture_output=True, text=True).stdout.split("\n")[:-1]
-        )
-
-    model = platform.processor() or platform.machine()
-    if sys.platform == "linux":
-        model = next(iter(re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())), model)
-    libzmq = subprocess.run(
-        [str(lab.python), "-c", "import zmq; print(zmq.zmq_version())"], capture_output=True, text=True
-    )
-    return {
-        "date": datetime.date.today().isoformat(),
-        "processor": f"{model}, {os.cpu_count()} cores",
-        "system": f"{platform.system()} {platform.release()}",
-        "cores": f"clients on {sorted(lab.client_cores)}, servers on {sorted(lab.server_cores)}"
-        if lab.client_cores
-        else "wherever the system puts them",
-        "engine": lab.engines["dotnet"].name,
-        "runtimes": f".NET SDK {dotnet.sdk()}, Python {platform.python_version()}"
-        + (f", {mono_version()}" if "mono" in lab.engines else ""),
-        "packages": f"libzmq {libzmq.stdout.strip()}, " + versions("pyzmq", "websockets", "aiohttp", "grpcio"),
-    }
-
-
-def mono_version() -> str:
-    text = subprocess.run(["mono", "--version"], capture_output=True, text=True).stdout
-    return "Mono " + "".join(re.findall(r"version ([\d.]+)", text)[:1])

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import statistics
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -60,10 +59,6 @@ def elsewhere(program: str, where: str) -> list[Contender]:
         Contender(f"{each.label}, {where}", program, each.name, each.server, only_small=each.only_small)
         for each in (*([TCP] if program == "mono" else []), HELLO, many(64), BARE, POOLED)
     ]
-
-
-# What a contender's program is asked, by the contender and its server's endpoint.
-Words = Callable[[Contender, str], list[str | int | float]]
 
 
 @dataclass
@@ -160,8 +155,9 @@ class Lab:
             self.skipped[each.label] = "there is no such runtime or engine on this machine"
         return each.label in self.skipped
 
-    def work(self, title: str, contenders: list[Contender], words: Words, *options: str) -> dict[str, Any]:
-        """Rounds of one kind of work; `options` are for the servers."""
+    def work(self, title: str, contenders: list[Contender], line: str, *options: str) -> dict[str, Any]:
+        """Rounds of one kind of work: what a client program is told, with {name} and {endpoint}; `options` are for
+        the servers."""
         rows = {each: Row(each.label) for each in self.here(*contenders)}
         for number in range(self.rounds + 1):
             progress(f"{title}: round {number} of {self.rounds}", last=number == self.rounds)
@@ -170,7 +166,7 @@ class Lab:
                     server = self.server(each.server, *options)
                     client = self.program(each.program)
                     before = client.spent(), server.spent()
-                    answer = client.ask(*words(each, server.endpoint))
+                    answer = client.ask(line.format(name=each.name, endpoint=server.endpoint))
                     used = [side.spent().since(then) for side, then in zip((client, server), before, strict=True)]
                 except KitError as error:
                     self.skipped[f"{each.label} ({title})"] = str(error)

@@ -128,28 +128,32 @@ def csharp_excerpt(text: str, name: str) -> str | None:
     return None
 
 
-@functools.cache
-def printed(source: str, engine: str | None = None) -> tuple[str, ...]:
-    """What `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
-    words = shlex.split(source)
+def run_command(source: str, engine: str | None = None) -> list[str | Path]:
+    """The words that start `kit.py run SOURCE`, on ports that are free."""
     chosen = ["--engine", engine] if engine else []
-    command: list[str | Path] = [
+    return [
         sys.executable,
         ROOT / "kit.py",
         "run",
-        *words,
+        *shlex.split(source),
         *chosen,
         "--endpoint",
         "tcp://127.0.0.1:*",
     ]
-    result = quietly(command, LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
+
+
+@functools.cache
+def printed(source: str, engine: str | None = None) -> tuple[str, ...]:
+    """What `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
+    result = quietly(run_command(source, engine), LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
     if result.code not in (0, 1):
         raise KitError(f"`kit.py run {source}` ended with {result.code}: {result.output}")
-    return tuple(with_own_ports(result.output, find(words[0]).number).splitlines())
+    return tuple(with_own_ports(result.output, source).splitlines())
 
 
-def with_own_ports(output: str, number: int) -> str:
+def with_own_ports(output: str, source: str) -> str:
     """A run takes free ports. Its ready line names the lesson's own; what else listens has the port 100 higher."""
+    number = find(shlex.split(source)[0]).number
     found = re.findall(r"\b(\w+) on tcp://127\.0\.0\.1:(\d+)", output)
     ports = {port: str(number + (5550 if name == "listening" else 5650)) for name, port in found}
     return re.sub(r"(?<=tcp://127\.0\.0\.1:)\d+", lambda port: ports.get(port[0], port[0]), output)

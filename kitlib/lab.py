@@ -7,7 +7,6 @@ import math
 import os
 import re
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -58,7 +57,7 @@ class Spent(NamedTuple):
 class Process:
     """A program of the lab."""
 
-    def __init__(self, command: list[str], cores: set[int], env: dict[str, str] | None = None) -> None:
+    def __init__(self, command: list[str], cores: set[int]) -> None:
         self.name = " ".join(Path(word).name for word in command[:3])
         with on(cores):
             self.process = subprocess.Popen(
@@ -68,7 +67,7 @@ class Process:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 text=True,
-                env={**os.environ, "PYTHONUNBUFFERED": "1", **(env or {})},
+                env={**os.environ, "PYTHONUNBUFFERED": "1"},
                 preexec_fn=many_files if os.name == "posix" else None,
             )
 
@@ -129,10 +128,10 @@ class Server(Process):
 class Client(Process):
     """A client program, which does what a line says and answers with a line of JSON."""
 
-    def ask(self, *words: str | int | float) -> dict[str, Any]:
+    def ask(self, line: str) -> dict[str, Any]:
         """Its answer; what it prints before is under `said`."""
         assert self.process.stdin
-        self.process.stdin.write(" ".join(map(str, words)) + "\n")
+        self.process.stdin.write(line + "\n")
         self.process.stdin.flush()
         said = []
         while not (text := self.line()).startswith("{"):
@@ -140,17 +139,3 @@ class Client(Process):
                 raise KitError(text)
             said.append(text)
         return {**json.loads(text), "said": said}
-
-
-def machine_is_busy(seconds: float = 1.0) -> float:
-    """How much of all cores others use while we do nothing, 0 to 1; nan where the system does not say."""
-
-    def now() -> list[int]:
-        return [int(word) for word in Path("/proc/stat").read_text().splitlines()[0].split()[1:9]]
-
-    if sys.platform != "linux":
-        return math.nan
-    before = now()
-    time.sleep(seconds)
-    spent = [b - a for a, b in zip(before, now(), strict=True)]
-    return 1 - (spent[3] + spent[4]) / max(1, sum(spent))

@@ -11,15 +11,16 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import matplotlib
+from matplotlib import pyplot
 
-matplotlib.use("svg")
+from .report import rows_of
+
+pyplot.switch_backend("svg")
 # Letters stay letters, and two runs on the same numbers draw the same file.
-matplotlib.rcParams.update({
+pyplot.rcParams.update({
     "svg.fonttype": "none", "svg.hashsalt": "netmqexample", "font.family": "sans-serif", "font.size": 14,
     "axes.spines.top": False, "axes.spines.right": False,
 })  # fmt: skip
-from matplotlib import pyplot  # noqa: E402
 
 OURS, OTHERS, LIMIT = "#0072B2", "#E69F00", "#999999"
 MARKS = "os^Dv"
@@ -30,11 +31,6 @@ def colour(label: str) -> str:
     if label.startswith("raw TCP"):
         return LIMIT
     return OURS if label.startswith(("lesson", "NetMQ")) else OTHERS
-
-
-def work(results: dict[str, Any], title: str) -> list[dict[str, Any]]:
-    """The rows of one kind of work."""
-    return next((each["rows"] for each in results["works"] if each["title"] == title), [])
 
 
 def save(path: Path, figure: Any, title: str) -> None:
@@ -70,7 +66,7 @@ def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]],
 def echoes(results: dict[str, Any], title: str, path: Path) -> None:
     rows = [
         (row["label"], row["ratio"])
-        for row in work(results, f"echo of {title}")
+        for row in rows_of(results, f"echo of {title}")
         if row["ratio"] and " in flight" not in row["label"]
     ]
     bars(
@@ -80,7 +76,7 @@ def echoes(results: dict[str, Any], title: str, path: Path) -> None:
 
 def latency(results: dict[str, Any], path: Path) -> None:
     """Where half, 99 of 100 and 999 of 1000 round trips end."""
-    rows = [row for row in work(results, "echo of 32 B") if row["latency"]]
+    rows = [row for row in rows_of(results, "echo of 32 B") if row["latency"]]
     figure, axes = pyplot.subplots(figsize=(10, 1.4 + 0.42 * len(rows)))
     for place, row in enumerate(rows):
         values = list(row["latency"].values())
@@ -109,7 +105,7 @@ def lines(results: dict[str, Any], path: Path) -> None:
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(12, 5))
     windows = [
         (row["label"], row["rate"])
-        for row in work(results, "echo of 32 B")
+        for row in rows_of(results, "echo of 32 B")
         if row["label"].startswith("lesson 06") and row["label"].endswith("in flight")
     ]
     numbers = [int(label.split(", ")[1].split()[0]) for label, _ in windows]
@@ -125,7 +121,7 @@ def lines(results: dict[str, Any], path: Path) -> None:
     counts = [int(each["title"].split()[0]) for each in results["works"] if each["title"].endswith("clients, 32 B")]
     series: dict[str, list[tuple[int, float]]] = {}
     for count in counts:
-        for row in work(results, f"{count} clients, 32 B"):
+        for row in rows_of(results, f"{count} clients, 32 B"):
             series.setdefault(row["label"], []).append((count, row["rate"][1]))
     for mark, colour_, (label, points) in zip(
         MARKS, ("#000000", OURS, "#56B4E9", OTHERS, "#D55E00"), series.items(), strict=False
@@ -145,7 +141,7 @@ def price(results: dict[str, Any], path: Path) -> None:
     """Processor time of the client for one message, where the server takes its time."""
     rows = [
         (row["label"], [row["client_cpu"]] * 3)
-        for row in work(results, "a server that takes 10 ms")
+        for row in rows_of(results, "a server that takes 10 ms")
         if row["client_cpu"]
     ]
     bars(

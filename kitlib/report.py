@@ -6,12 +6,15 @@ from typing import Any
 
 FIRST, FRAMES = "milliseconds to the first reply", "main thread, each frame"
 RUNTIMES = {"dotnet": ".NET", "offline": ".NET, offline engine", "mono": "Mono"}
-
-
 HEAD = (
     *("", "a second", "least", "ratio to TCP", "most", "p50 us", "p99 us", "p99.9 us"),
     *("client us", "server us", "client sleeps", "server sleeps"),
 )
+
+
+def rows_of(results: dict[str, Any], title: str) -> list[dict[str, Any]]:
+    """What each contender did in one kind of work."""
+    return next(work["rows"] for work in results["works"] if work["title"] == title)
 
 
 def text(results: dict[str, Any]) -> str:
@@ -37,8 +40,7 @@ def table(results: dict[str, Any], title: str, columns: list[str] | None = None)
             (row["label"], *(f"{row[key]:.4f}" for key in keys), f"{row['bytes']:.0f}") for row in results["frames"]
         ]
         return aligned([("", "mean ms", "half below", "99 of 100 below", "longest", "bytes"), *rows])
-    work = next(work for work in results["works"] if work["title"] == title)
-    rows = without_empty([HEAD, *map(cells, work["rows"])])
+    rows = without_empty([HEAD, *map(cells, rows_of(results, title))])
     kept = [i for i, name in enumerate(rows[0]) if not columns or i == 0 or name in columns]
     return aligned([tuple(row[i] for i in kept) for row in rows])
 
@@ -47,8 +49,7 @@ def goals(results: dict[str, Any]) -> list[str]:
     """What this kit aims at, what a run has shown, and where ZeroMQ alone, without a lesson around it, is faster."""
 
     def middle(title: str, label: str, what: str = "ratio") -> float:
-        rows = next(work["rows"] for work in results["works"] if work["title"] == title)
-        value: float = next(row[what][1] for row in rows if row["label"] == label)
+        value: float = next(row[what][1] for row in rows_of(results, title) if row["label"] == label)
         return value
 
     small, large = "echo of 32 B", "echo of 230,400 B"

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import subprocess
 import sys
 from html import escape, unescape
-from pathlib import Path
 
-from .guide import new_journal, with_own_ports
-from .lessons import ROOT, find
+from .guide import new_journal, run_command, with_own_ports
+from .lessons import ROOT
 
 PICTURE = ROOT / "img" / "terminal.svg"
 # A reply is lost, the client asks again, and nothing is counted twice.
@@ -35,17 +33,10 @@ def record(run: str) -> list[str]:
     """What a lesson prints into a terminal, with its colours; not what kit.py says of this machine."""
     import pty
 
-    command: list[str | Path] = [
-        sys.executable,
-        ROOT / "kit.py",
-        "run",
-        *shlex.split(run),
-        "--endpoint",
-        "tcp://127.0.0.1:*",
-    ]
     environment = {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
     ours, its = pty.openpty()
-    with subprocess.Popen(command, stdin=its, stdout=its, stderr=its, env={**environment, "TERM": "xterm"}) as process:
+    environment["TERM"] = "xterm"
+    with subprocess.Popen(run_command(run), stdin=its, stdout=its, stderr=its, env=environment) as process:
         os.close(its)
         printed = b""
         while chunk := read(ours):
@@ -53,7 +44,7 @@ def record(run: str) -> list[str]:
     os.close(ours)
     if process.returncode:
         sys.exit(f"`kit.py run {run}` ended with {process.returncode}: {printed.decode()}")
-    text = with_own_ports(printed.decode().replace("\r\n", "\n"), find(shlex.split(run)[0]).number)
+    text = with_own_ports(printed.decode().replace("\r\n", "\n"), run)
     return [line for line in text.splitlines() if re.match(r"\033\[\d+m(server|client) \|", line)]
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import bench, contest, lab, report
+from kitlib import bench, contest, lab, machine, report
 from kitlib.contest import TCP, Contender, Lab, Row, many
 from tests.conftest import PYTHON
 from tests.programs import ROOT
@@ -116,7 +116,7 @@ def test_a_server_that_sends_something_else_back_is_found_out(engine):
         program = client(engine)
         try:
             with pytest.raises(lab.KitError, match="the answer is not the one that was expected"):
-                program.ask("echo", "tcp", f"tcp://127.0.0.1:{listener.getsockname()[1]}", 32, 0.1)
+                program.ask(f"echo tcp tcp://127.0.0.1:{listener.getsockname()[1]} 32 0.1")
         finally:
             program.end()
 
@@ -125,7 +125,7 @@ def test_a_contender_that_fails_is_named_and_the_others_go_on(engine):
     broken = Contender("broken", "dotnet", "nonsense", "tcp")
     place = Lab(PYTHON, {"dotnet": engine}, rounds=1, moment=0.02, free=True)
     try:
-        result = place.work("test", [TCP, broken], lambda each, to: ["echo", each.name, to, 32, 0.02])
+        result = place.work("test", [TCP, broken], "echo {name} {endpoint} 32 0.02")
     finally:
         place.end()
     assert [row["label"] for row in result["rows"]] == ["raw TCP"]
@@ -156,9 +156,9 @@ def test_a_noisy_run_says_so():
     def work(rate):
         return {"title": "echo", "rows": [{"label": "raw TCP", "rate": rate}]}
 
-    assert bench.noise(0.02, [work([900.0, 1000.0, 1100.0])]) == []
-    assert "raw TCP made 300 to 1000 a second" in bench.noise(0.02, [work([300.0, 900.0, 1000.0])])[0]
-    assert "50%" in bench.noise(0.5, [])[0]
+    assert machine.noise(0.02, [work([900.0, 1000.0, 1100.0])]) == []
+    assert "raw TCP made 300 to 1000 a second" in machine.noise(0.02, [work([300.0, 900.0, 1000.0])])[0]
+    assert "50%" in machine.noise(0.5, [])[0]
 
 
 def test_many_in_flight_are_many():
