@@ -1,7 +1,8 @@
 // What every contender of the lab can do: send its payload, and wait until the server's answer is there.
 //
 // The first byte of a payload tells the server of the lab what to do: 1 answers with the same bytes, 0 does nothing, and
-// 2 sends to as many clients as bytes 1 to 4 say, once they are there, as many of the same messages as bytes 5 to 8 say. The servers of the lessons know nothing of this, and always answer.
+// 2 sends to as many clients as bytes 1 to 4 say, once they are there, as many of the same messages as bytes 5 to 8 say.
+// The servers of the lessons know nothing of this, and always answer.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
