@@ -7,7 +7,7 @@ from typing import Any
 FIRST, FRAMES = "milliseconds to the first reply", "main thread, each frame"
 RUNTIMES = {"dotnet": ".NET", "offline": ".NET, offline engine", "mono": "Mono"}
 HEAD = (
-    *("", "a second", "least", "ratio to TCP", "most", "p50 us", "p99 us", "p99.9 us"),
+    *("", "a second", "least", "to TCP", "most", "p50 us", "p99 us", "p99.9 us"),
     *("client us", "server us", "client sleeps", "server sleeps"),
 )
 
