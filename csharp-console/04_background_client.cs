@@ -15,7 +15,7 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5554");
             var (count, text) = (arguments.Whole("count", 10), arguments.Text("text", "hello"));
-            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 3));
+            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 20));
             var (naive, measure) = (arguments.Flag("naive"), arguments.Whole("measure", 0));
             arguments.RefuseTheRest();
 

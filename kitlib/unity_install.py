@@ -17,10 +17,11 @@ import urllib.request
 import zipfile
 from pathlib import Path
 
-from . import dotnet
-from .lessons import KitError, find
+from . import dotnet, python_setup
+from .lessons import ROOT, KitError, find
 from .terminal import say
-from .unity_meta import FOLDER, PACKAGE, assets, behaviours, guid, meta_of
+from .unity_meta import END, FOLDER, IMPORTERS, PACKAGE, assets, behaviours, guid, meta_of
+from .unity_project import TARGET, advice, check_moved, elsewhere, find_project, has_netmq, has_scripts, packages_of
 
 # The three DLLs of NetMQ inside Unity: package, version, and the file in it.
 LIBRARIES = (
@@ -29,7 +30,6 @@ LIBRARIES = (
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
 )
 NUGET = "https://api.nuget.org/v3-flatcontainer"
-TARGET = "Assets/NetMQExample"
 PLUGINS = f"{TARGET}/Plugins"
 # What this command wrote, and so may write again. Unity ignores names that begin with a dot.
 RECORD = f"{TARGET}/.kit.json"
@@ -81,59 +81,19 @@ def install(project: Path, lesson: str | None = None, force: bool = False) -> No
     """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not."""
     root = find_project(project)
     manifest = packages_of(root)
-    files = {} if has_scripts(root, manifest) else scripts(lesson)
+    files = {} if has_scripts(root, manifest) else {**scripts(lesson), **notices()}
+    check_moved(root, files)
     if has_netmq(root, manifest):
         say("NetMQ is in this project already: its DLLs are left as they are")
     else:
-        files |= libraries()
+        files |= {
+            name: data
+            for name, data in libraries().items()
+            if not elsewhere(root, Path(name.removesuffix(".meta")).name)
+        }
     write(root, files, force)
-    for line in next_steps(root, lesson):
+    for line in [*advice(root), *next_steps(root, lesson)]:
         say(line)
-
-
-def find_project(path: Path) -> Path:
-    """The Unity project that PATH is, or is inside of."""
-    for folder in [path.resolve(), *path.resolve().parents]:
-        version = folder / "ProjectSettings" / "ProjectVersion.txt"
-        if (folder / "Assets").is_dir() and version.is_file():
-            check_version(version.read_text(encoding="utf-8"))
-            return folder
-    reason = "there is no such folder" if not path.exists() else "no Assets folder beside a ProjectSettings folder"
-    raise KitError(f"{path} is no Unity project: {reason}; give the folder that Unity Hub shows")
-
-
-def check_version(text: str) -> None:
-    found = re.search(r"^m_EditorVersion: (\d+)\.(\d+)", text, re.MULTILINE)
-    if found and (int(found[1]), int(found[2])) < (2021, 2):
-        raise KitError(
-            f"this project is for Unity {found[1]}.{found[2]}; NetMQ needs 2021.2 or later (.NET Standard 2.1)"
-        )
-
-
-def packages_of(root: Path) -> dict[str, str]:
-    path = root / "Packages" / "manifest.json"
-    if not path.exists():
-        return {}
-    try:
-        dependencies: dict[str, str] = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
-    except (ValueError, AttributeError) as error:
-        raise KitError(f"{path} is no valid manifest: {error}") from None
-    return dependencies
-
-
-def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
-    """True if the package is there by another route; a second copy would not compile."""
-    if (root / TARGET).resolve() == PACKAGE.resolve():
-        return True
-    name = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))["name"]
-    if name in manifest:
-        say(f"the scripts come from {name} in Packages/manifest.json: they are not copied")
-    return name in manifest
-
-
-def has_netmq(root: Path, manifest: dict[str, str]) -> bool:
-    places = [p for folder in ("Assets", "Packages") for p in (root / folder).rglob("NetMQ.dll")]
-    return "org.nuget.netmq" in manifest or any(place.parent != root / PLUGINS for place in places)
 
 
 def scripts(lesson: str | None) -> dict[str, bytes]:
@@ -159,7 +119,17 @@ def take_home(folder: Path) -> list[Path]:
         code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
         chosen += [other for other in others if other not in chosen and uses(code, other.stem)]
     folders = sorted({path.parent for path in chosen})
-    return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml"]
+    # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
+    return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml", PACKAGE / "NetMQExample.asmdef"]
+
+
+def notices() -> dict[str, bytes]:
+    """The licences, which go where the files go."""
+    found: dict[str, bytes] = {}
+    for source, name in (("LICENSE", "LICENSE.md"), ("THIRD-PARTY-NOTICES.md", "THIRD-PARTY-NOTICES.md")):
+        found[f"{TARGET}/{name}"] = (ROOT / source).read_bytes()
+        found[f"{TARGET}/{name}.meta"] = f"fileFormatVersion: 2\nguid: {guid(name)}\n{IMPORTERS['.md']}{END}".encode()
+    return found
 
 
 def uses(code: str, name: str) -> bool:
@@ -184,7 +154,8 @@ def library(package: str, version: str, inside: str) -> bytes:
         say(f"asking NuGet for {package} …")
         result = dotnet.restore(dotnet.Engine("netmq", ""))
         if not result.ok:
-            raise KitError(f"{dotnet.refusal(result)}: nothing was copied; try again when it can be reached")
+            why = dotnet.refusal(result)
+            raise KitError(f"{why}: nothing was copied; docs/guide/unity_project.md has other routes")
     return here.read_bytes() if here.exists() else download(package, version, inside)
 
 
@@ -250,11 +221,16 @@ def digest(data: bytes) -> str:
 
 
 def next_steps(root: Path, lesson: str | None) -> list[str]:
+    """What to type and to press now."""
     key = find(lesson or "1").key
+    # What kit.py has set up for the lessons, if it has; the terminal may be in any folder.
+    here = python_setup.venv_python()
+    needs = " ".join(map(python_setup.name, python_setup.needs(key)))
+    python, first_of_all = (f'"{here}"', "") if here.exists() else ("python", f"pip install {needs}, and then ")
     first = next((path.stem for path in behaviours(PACKAGE / key)), "of the lesson")
     scene = f"{TARGET}/{key}/{key}.unity"
     there = f"open {scene}" if (root / scene).exists() else f"add the component {first} to any GameObject"
     return [
-        f"next, in a terminal: python python/{key}/server.py",
+        f'next, in a terminal: {first_of_all}{python} "{ROOT / "python" / key / "server.py"}"',
         f"then, in Unity: wait for the import, {there}, and press Play",
     ]

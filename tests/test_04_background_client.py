@@ -192,7 +192,7 @@ def test_the_bytes_of_a_client(kind, start, client_command, context):
     assert len(set(seen)) == 3
     assert replies(client) == [f"{i}: sent echo grün ✓, received größer" for i in (1, 2, 3)]
     # What is shown is what a frame saw; a retry between two frames may stay unseen.
-    assert set(trouble(client)) <= {garbage(endpoint, 1), garbage(endpoint, 2)}
+    assert set(trouble(client)) <= {garbage(endpoint, 1, tries=20), garbage(endpoint, 2, tries=20)}
 
 
 # --- trouble on command
@@ -218,7 +218,7 @@ def test_trouble_is_over_with_the_next_try(kind, options, first, again, serve, s
     assert first in server.lines
     assert again in server.lines, "done twice"
     if options[0] in ("--drop", "--slow-on"):
-        assert trouble(client)[0] == silence(endpoint, 1, patience="0.8")
+        assert trouble(client)[0] == silence(endpoint, 1, tries=20, patience="0.8")
         assert frames(client) > 20, "the frames stood still"
 
 
@@ -263,7 +263,7 @@ def test_a_client_that_starts_before_its_server(kind, serve, start, client_comma
 
 def gives_up(kind, endpoint, start, client_command, why=silence):
     """The frames go on, and in the end there is a line that says what is wrong."""
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5"))
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5", "--tries", "3"))
     assert client.wait() == 1, client.output
     assert not replies(client)
     last = why(endpoint, 3, patience="0.5") if why is silence else why(endpoint, 3)
@@ -308,7 +308,11 @@ def test_another_lessons_server(kind, serve, start, client_command):
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_more_requests_than_have_room(kind, start, client_command):
-    client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{steady_port()}", "--count", "1000", "--tries", "2"))
+    client = start(
+        *client_command(
+            kind, KEY, f"tcp://127.0.0.1:{steady_port()}", "--count", "1000", "--tries", "1", "--patience", "5"
+        )
+    )
     assert client.wait() == 1, client.output
     assert "refused: 64 requests are under way already" in trouble(client)
 
@@ -328,7 +332,19 @@ def test_the_naive_way_stops_the_frames(kind, serve, start, client_command):
 
 @pytest.mark.parametrize(
     "name",
-    ["stop-answered", "stuck", "forgotten", "many", "await", "throwing", "nested", "cleanup", "never-polled"],
+    [
+        "stop-answered",
+        "stuck",
+        "one-after-another",
+        "why",
+        "forgotten",
+        "many",
+        "await",
+        "throwing",
+        "nested",
+        "cleanup",
+        "never-polled",
+    ],
 )
 def test_in_code(name, serve, check):
     _, endpoint = serve(KEY)

@@ -17,7 +17,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, free_port
+from tests.programs import ROOT, free_port, steady_port
 
 KEY = "05_messages"
 FOLDER = ROOT / "python" / KEY
@@ -569,9 +569,42 @@ else:
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_client_without_a_server_gives_up(kind, start, client_command):
     endpoint = f"tcp://127.0.0.1:{free_port()}"
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5"))
+    once = ["--tries", "1"] if kind == "unity" else []
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5", *once))
     assert client.wait() == 1, client.output
     assert client.lines[-1] == f"gave up: no reply from {endpoint} within 0.5 s; is the server running?"
+
+
+def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start, client_command):
+    """Whoever writes the Python side starts it again all day, while Unity plays."""
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    client = start(*client_command("unity", KEY, endpoint, "--count", "60", "--patience", "0.5"))
+    # Unity is first, and its first picture is lost.
+    client.wait_for(f"^trouble: no reply from {endpoint} within 0.5 s")
+    for number in (1, 20, 40):
+        server, _ = serve(KEY, "--delay", "0.02", endpoint=endpoint)
+        client.wait_for(f"^{number}: sent frame")
+        server.kill()
+    serve(KEY, endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    replies = [line for line in client.lines if "brightest" in line]
+    assert [int(line.split(":")[0]) for line in replies] == list(range(1, 61))
+    for line in replies:
+        number = int(re.search(r"frame (\d+),", line)[1])
+        assert f"x {16 * number % 320}, y {8 * number % 240}," in line, "an answer to another picture"
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_reply_of_another_server_is_shown_as_it_is(kind, start, client_command):
+    with zmq.Context() as context, context.socket(zmq.REP) as server:
+        server.linger = 0
+        port = server.bind_to_random_port("tcp://127.0.0.1")
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1"))
+        assert server.poll(20_000)
+        request = messages.read([frame.buffer for frame in server.recv_multipart(copy=False)])
+        server.send_multipart(Message("ok", request.id, {"steer": 0.5, "gas": 1}).frames())
+        assert client.wait() == 0, client.output
+    assert "1: sent frame 1, 230400 bytes; steer 0.5, gas 1" in client.lines
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])

@@ -48,7 +48,9 @@ class BackgroundClient:
     def request(self, text: str, reply: Callback, error: Callback) -> bool:
         """Have one of the callbacks run in a later poll(). False if refused: neither will, and last_error says why."""
         if self._stopped or self._under_way == self.capacity:
-            self.last_error = ENDED if self._stopped else f"refused: {self.capacity} requests are under way already"
+            # While the server is silent, that silence is the cause, and stays.
+            if self._stopped or self.state != "Retrying":
+                self.last_error = ENDED if self._stopped else f"refused: {self.capacity} requests are under way already"
             return False
         self._under_way += 1
         self._waiting.put((text, reply, error))
@@ -161,7 +163,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=10, help="how many requests")
     parser.add_argument("--text", default="hello", help="what to ask: 'hello' or 'echo TEXT'")
     parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for each reply")
-    parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
+    parser.add_argument("--tries", type=int, default=20, help="how often to send a request before giving up")
     parser.add_argument("--naive", action="store_true", help="let each frame wait for its reply")
     options = parser.parse_args()
     # libzmq itself takes port 99999 and an unknown host without a word, and waits.

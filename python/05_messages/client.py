@@ -98,7 +98,10 @@ def main() -> None:
             sent = message(camera.newest(), options.jpeg)
             found = request(socket, sent.frames(), options.patience).values
             what = f"{sent.kind} {sent.id}, {len(sent.arrays[0].data)} bytes"
-            where = f"brightest at x {found['x']}, y {found['y']}, mean {found['mean']:.1f}"
+            where = ", ".join(f"{name} {value}" for name, value in found.items())
+            # A server of your own may answer with something else.
+            if found.keys() >= {"x", "y", "mean"}:
+                where = f"brightest at x {found['x']}, y {found['y']}, mean {found['mean']:.1f}"
             print(f"{i}: sent {what}; {where}", flush=True)
         print(f"done: {options.count} replies, {camera.number - options.count} pictures skipped")
 

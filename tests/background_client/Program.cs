@@ -29,6 +29,8 @@ namespace NetMQExample.Tests
                     ["stop-answered"] = StopAnswered,
                     ["look-up"] = LookUp,
                     ["stuck"] = Stuck,
+                    ["one-after-another"] = OneAfterAnother,
+                    ["why"] = Why,
                     ["forgotten"] = Forgotten,
                     ["many"] = Many,
                     ["await"] = Await,
@@ -137,6 +139,34 @@ namespace NetMQExample.Tests
         }
 
         // A name that is looked up in vain: the reason reaches the caller, and the thread goes on.
+        private static void OneAfterAnother(string endpoint)
+        {
+            // A game that changes its server now and then: each of the waits has its own time.
+            for (var i = 0; i < 4; i++)
+            {
+                var ending = new Thread(() => Thread.Sleep(30));
+                ending.Start();
+                NetMQLifetime.Join(ending);
+                Check(!ending.IsAlive, $"thread {i} was not waited for");
+                Thread.Sleep(300);
+            }
+            // Those of one Stop share 200 ms.
+            var stuck = Enumerable.Range(0, 5).Select(_ => new Thread(() => Thread.Sleep(20000)) { IsBackground = true }).ToArray();
+            foreach (var thread in stuck) thread.Start();
+            var watch = Stopwatch.StartNew();
+            foreach (var thread in stuck) NetMQLifetime.Join(thread);
+            Check(watch.Elapsed < TimeSpan.FromSeconds(0.9), $"five waits took {watch.Elapsed}");
+        }
+
+        private static void Why(string endpoint)
+        {
+            Equal("no reply", NetMQLifetime.Why(new TimeoutException("no reply")));
+            Equal("bad-json: the header", NetMQLifetime.Why(new MessageException("bad-json", "the header")));
+            // What IL2CPP says when something was stripped away.
+            var unforeseen = NetMQLifetime.Why(new TypeInitializationException("Boom", new NotSupportedException("not in this build")));
+            Check(unforeseen.Contains("NotSupportedException") && unforeseen.Contains("not in this build"), unforeseen);
+        }
+
         private static void LookUp(string endpoint)
         {
             using var client = new BackgroundClient(endpoint);

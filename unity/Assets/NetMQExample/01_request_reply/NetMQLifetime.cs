@@ -5,6 +5,7 @@
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
 // counted, and the last one to leave cleans up.
 using System;
+using System.IO;
 using System.Net;
 using System.Net.Sockets;
 using System.Threading;
@@ -21,7 +22,7 @@ namespace NetMQExample
     public sealed class NetMQLifetime : IDisposable
     {
         private static readonly object Gate = new object();
-        private static readonly Stopwatch Stopping = new Stopwatch();
+        private static readonly Stopwatch Joining = new Stopwatch(), SinceJoin = new Stopwatch();
         private static int users;
         private bool left;
 
@@ -64,10 +65,22 @@ namespace NetMQExample
         /// <param name="thread">The thread; it may still run afterwards, and ends by itself.</param>
         public static void Join(Thread thread)
         {
-            // Waits that begin a second later belong to another Stop.
-            if (!Stopping.IsRunning || Stopping.ElapsedMilliseconds > 1000) Stopping.Restart();
-            thread.Join(Math.Max(0, 200 - (int)Stopping.ElapsedMilliseconds));
+            // A wait that begins a second after the one before belongs to another Stop.
+            if (SinceJoin.ElapsedMilliseconds > 1000) Joining.Reset();
+            Joining.Start();
+            thread.Join(Math.Max(0, 200 - (int)Joining.ElapsedMilliseconds));
+            Joining.Stop();
+            SinceJoin.Restart();
         }
+
+        /// <summary>What to show of an exception on the network thread. Those of this kit name cause and cure in one line;
+        /// of all others the type and the stack are needed too, above all in a build on a device.</summary>
+        /// <param name="e">The exception.</param>
+        /// <returns>Its message, or everything that is known of it.</returns>
+        public static string Why(Exception e) =>
+            e is TimeoutException || e is ArgumentException || e is IOException || e is OperationCanceledException
+                ? e.Message
+                : e.ToString();
 
         /// <summary>Connects, after a look at what NetMQ itself reports in riddles.</summary>
         /// <param name="socket">A socket of the calling thread.</param>

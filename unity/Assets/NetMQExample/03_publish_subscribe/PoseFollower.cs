@@ -76,7 +76,7 @@ namespace NetMQExample
             catch (OperationCanceledException) { /* Stop was pressed. */ }
             catch (Exception e)
             {
-                forUpdate.Enqueue(() => Debug.LogError($"gave up: {e.Message}"));
+                forUpdate.Enqueue(() => Debug.LogError($"gave up: {NetMQLifetime.Why(e)}"));
             }
         }
 

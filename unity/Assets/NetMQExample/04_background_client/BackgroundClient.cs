@@ -26,7 +26,7 @@ namespace NetMQExample
     /// <summary>What is known about the server. Only a reply proves that it is there.</summary>
     public enum ClientState
     {
-        /// <summary>No request was answered or given up yet.</summary>
+        /// <summary>No request has been answered or given up yet.</summary>
         Connecting,
         /// <summary>The last request was answered.</summary>
         Connected,
@@ -100,14 +100,17 @@ namespace NetMQExample
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="reply">Gets the reply's text. A text that begins with <c>error:</c> is a reply too.</param>
         /// <param name="error">Gets the reason why there is no reply.</param>
-        /// <returns>False if refused, with the reason in <see cref="LastError"/>: neither callback will run.</returns>
+        /// <returns>False if refused, because the client is full or disposed: neither callback will run, and
+        /// <see cref="LastError"/> has the reason, which is what the server does not answer, if it is silent.</returns>
         public bool Request(string text, Action<string> reply, Action<string> error = null)
         {
             lock (gate)
             {
                 if (stopped || waiting.Count + done.Count >= capacity)
                 {
-                    lastError = stopped ? Ended : full;
+                    // While the server is silent, that silence is the cause, and stays.
+                    if (stopped) lastError = Ended;
+                    else if (state != ClientState.Retrying) lastError = full;
                     return false;
                 }
                 waiting.Enqueue((text, reply, error));
@@ -199,8 +202,8 @@ namespace NetMQExample
                 {
                     // Whatever it is, this thread goes on, and the caller gets to know.
                     Close();
-                    (state, lastError) = (ClientState.Lost, e.Message);
-                    Finish(call.error, e.Message);
+                    (state, lastError) = (ClientState.Lost, NetMQLifetime.Why(e));
+                    Finish(call.error, lastError);
                 }
             }
             Close();

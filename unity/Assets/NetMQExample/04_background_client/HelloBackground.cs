@@ -1,7 +1,8 @@
 // Lesson 04 in Unity: once a frame a request, and the callbacks of what came back. No thread, no lock, no waiting here.
 //
 // Use: start python/04_background_client/server.py, add this component and HelloWorldHud to a GameObject, press Play.
-// Stop the server while it runs: the game goes on. The Python and terminal clients print the same lines.
+// Set Count to 100000, stop the server while it runs and start it again: the game goes on, and so do the replies.
+// The Python and terminal clients print the same lines.
 using System;
 using UnityEngine;
 
@@ -15,7 +16,7 @@ namespace NetMQExample
         [SerializeField] private int count = 10;
         [SerializeField, Tooltip("hello, or echo TEXT")] private string text = "hello";
         [SerializeField, Tooltip("Seconds to wait for each reply")] private float patience = 1;
-        [SerializeField, Tooltip("How often to send a request before giving up")] private int tries = 3;
+        [SerializeField, Tooltip("How often to send a request before giving up")] private int tries = 20;
         [SerializeField, Tooltip("Log no replies, and measure this number of frames")] private int measure = 0;
 
         // Made once: written at the call, they would be new objects in each frame.

@@ -9,6 +9,7 @@
 // Take home: this file and Json.cs. They need neither NetMQ nor UnityEngine. The Python side is messages.py.
 using System;
 using System.Collections.Generic;
+using System.IO;
 using System.Linq;
 using System.Runtime.InteropServices;
 using System.Text;
@@ -16,7 +17,7 @@ using System.Text;
 namespace NetMQExample
 {
     /// <summary>What is wrong with a message: a code for programs and a text for people.</summary>
-    public sealed class MessageException : Exception
+    public sealed class MessageException : IOException
     {
         /// <summary>Such as <c>bad-shape</c>.</summary>
         public string Code { get; }

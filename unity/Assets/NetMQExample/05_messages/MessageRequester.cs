@@ -27,7 +27,7 @@ namespace NetMQExample
         private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
 
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private readonly RequestSocket socket = new RequestSocket();
+        private RequestSocket socket;
         private readonly string endpoint;
         // The frames of the last reply. A Msg gives its buffer back to the pool when it receives the next frame.
         private readonly List<ReadOnlyMemory<byte>> frames = new List<ReadOnlyMemory<byte>>();
@@ -41,13 +41,9 @@ namespace NetMQExample
         public MessageRequester(string endpoint)
         {
             this.endpoint = endpoint;
-            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
-            socket.Options.Linger = TimeSpan.Zero;
-            // Room for several pictures in the operating system: the two sides then wait for each other less often.
-            socket.Options.SendBuffer = socket.Options.ReceiveBuffer = 1 << 20;
             try
             {
-                NetMQLifetime.Connect(socket, endpoint);
+                Open();
             }
             catch
             {
@@ -62,7 +58,8 @@ namespace NetMQExample
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The reply. Its arrays are only valid until the next request: their buffers are used again.</returns>
         /// <exception cref="MessageException">The reply is an error, with the server's code and text, or no message.</exception>
-        /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
+        /// <exception cref="TimeoutException">No reply came. The next request has a new socket, and a server that is
+        /// back again.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public Message Request(Message request, TimeSpan patience, CancellationToken stop = default) =>
             Request(request.Header(), request.Arrays, patience, stop);
@@ -70,14 +67,40 @@ namespace NetMQExample
         /// <summary>The same for a header that is written already.</summary>
         public Message Request(string header, IReadOnlyList<MessageArray> arrays, TimeSpan patience, CancellationToken stop = default)
         {
-            Send(Encoding.UTF8.GetBytes(header), arrays.Count > 0);
-            for (var i = 0; i < arrays.Count; i++) Send(arrays[i].Data, i + 1 < arrays.Count);
-            Receive(patience, stop);
+            if (socket == null) Open();
+            try
+            {
+                Send(Encoding.UTF8.GetBytes(header), arrays.Count > 0);
+                for (var i = 0; i < arrays.Count; i++) Send(arrays[i].Data, i + 1 < arrays.Count);
+                Receive(patience, stop);
+            }
+            catch
+            {
+                // A REQ socket that waits for a reply takes no other request. A new one also never gets a late reply.
+                Close();
+                throw;
+            }
             var reply = Message.Read(frames);
             if (reply.Kind != "error") return reply;
             reply.Values.TryGetValue("code", out var code);
             reply.Values.TryGetValue("text", out var text);
             throw new MessageException(code as string ?? "error", text as string ?? "the server gave no reason");
+        }
+
+        private void Open()
+        {
+            socket = new RequestSocket();
+            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
+            socket.Options.Linger = TimeSpan.Zero;
+            // Room for several pictures in the operating system: the two sides then wait for each other less often.
+            socket.Options.SendBuffer = socket.Options.ReceiveBuffer = 1 << 20;
+            NetMQLifetime.Connect(socket, endpoint);
+        }
+
+        private void Close()
+        {
+            socket?.Dispose();
+            socket = null;
         }
 
         private void Send(ReadOnlyMemory<byte> bytes, bool more)
@@ -125,7 +148,7 @@ namespace NetMQExample
         {
             for (var i = 0; i < parts.Length; i++) parts[i].Close();
             parts = new Msg[0];
-            socket.Dispose();
+            Close();
             lifetime.Dispose();
         }
     }

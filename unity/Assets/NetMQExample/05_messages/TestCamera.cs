@@ -2,6 +2,7 @@
 using System;
 using System.Diagnostics;
 using System.Globalization;
+using System.Linq;
 
 namespace NetMQExample
 {
@@ -57,9 +58,15 @@ namespace NetMQExample
         /// <summary>The line to print about an exchange.</summary>
         public static string Describe(int i, Message sent, Message reply)
         {
-            var mean = Convert.ToDouble(reply.Values["mean"], CultureInfo.InvariantCulture);
-            return FormattableString.Invariant($"{i}: sent {sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes; ") +
-                FormattableString.Invariant($"brightest at x {reply.Values["x"]}, y {reply.Values["y"]}, mean {mean:F1}");
+            var values = reply.Values;
+            // A server of your own may answer with something else.
+            var found = string.Join(", ", values.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}")));
+            if (values.ContainsKey("x") && values.ContainsKey("y") && values.TryGetValue("mean", out var mean))
+            {
+                var middle = Convert.ToDouble(mean, CultureInfo.InvariantCulture);
+                found = FormattableString.Invariant($"brightest at x {values["x"]}, y {values["y"]}, mean {middle:F1}");
+            }
+            return FormattableString.Invariant($"{i}: sent {sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes; {found}");
         }
     }
 }
