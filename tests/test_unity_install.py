@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from kitlib import dotnet, unity_install
-from kitlib.lessons import KitError, lessons
+from kitlib.lessons import ROOT, KitError, lessons
 from kitlib.terminal import Result
 from kitlib.unity_meta import PACKAGE
 
@@ -58,7 +58,7 @@ def test_copies_everything_with_its_meta(project: Path, nuget: Path, capsys: pyt
     assert len(guids) == len(set(guids))
     printed = capsys.readouterr().out
     assert "wrote Assets/NetMQExample/Plugins/NetMQ.dll" in printed
-    assert "python python/01_request_reply/server.py" in printed
+    assert str(ROOT / "python" / "01_request_reply" / "server.py") in printed
     assert "press Play" in printed
     assert not list(project.glob(".netmqexample-*"))
 
@@ -108,7 +108,8 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
     copied = {path.name for path in (project / TARGET).rglob("*.cs")}
     assert copied >= {path.name for path in (PACKAGE / key).glob("*.cs")}
     assert "NetMQLifetime.cs" in copied
-    assert not (project / TARGET / "NetMQExample.asmdef").exists()
+    assert (project / TARGET / "NetMQExample.asmdef").exists(), "the game's own assemblies could not refer to them"
+    assert not list((project / TARGET).rglob("*.unity"))
     if key.startswith("01"):
         assert copied == {"HelloClient.cs", "HelloRequester.cs", "NetMQLifetime.cs"}
     # Whatever class of the kit a copied file uses has come along.
@@ -122,6 +123,59 @@ def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
     (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.2-2"}}')
     unity_install.install(project, None, False)
     assert not (project / TARGET / "Plugins").exists()
+
+
+def test_a_library_that_is_there_alone_is_not_copied_again(project: Path, nuget: Path) -> None:
+    """Some other package has brought it."""
+    mine = project / "Assets" / "Other" / "AsyncIO.dll"
+    mine.parent.mkdir()
+    mine.write_bytes(b"MZ mine")
+    unity_install.install(project, "4", False)
+    copied = {path.name for path in (project / TARGET / "Plugins").iterdir()}
+    assert copied == {"NetMQ.dll", "NetMQ.dll.meta", "NaCl.dll", "NaCl.dll.meta"}
+
+
+def test_a_script_that_was_moved_would_be_there_twice(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    new = project / "Assets" / "Scripts"
+    new.mkdir()
+    for name in ("BackgroundClient.cs", "BackgroundClient.cs.meta"):
+        (project / TARGET / "04_background_client" / name).rename(new / name)
+    before = listing(project)
+    with pytest.raises(
+        KitError, match=r"^Assets/Scripts/BackgroundClient\.cs is .*, moved: nothing was copied"
+    ) as error:
+        unity_install.install(project, "4", False)
+    assert "\n" not in str(error.value)
+    assert listing(project) == before
+
+
+def test_a_file_of_the_same_name_is_no_script_of_ours(project: Path, nuget: Path) -> None:
+    for name, text in (
+        ("Message.cs", "class Message { }"),
+        ("Message.cs.meta", "guid: 00000000000000000000000000000001\n"),
+    ):
+        (project / "Assets" / name).write_text(text)
+    unity_install.install(project, "5", False)
+    assert (project / TARGET / "05_messages" / "Message.cs").exists()
+
+
+@pytest.mark.parametrize(("level", "said"), [(3, True), (6, False)])
+def test_the_net_framework_is_advised_against(
+    level: int, said: bool, project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = (
+        f"PlayerSettings:\n  apiCompatibilityLevelPerPlatform:\n    Android: 6\n    Standalone: {level}\n  other: 3\n"
+    )
+    (project / "ProjectSettings" / "ProjectSettings.asset").write_text(settings)
+    unity_install.install(project, "4", False)
+    assert ("Api Compatibility Level" in capsys.readouterr().out) == said
+
+
+def test_the_licences_go_where_the_files_go(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    assert (project / TARGET / "LICENSE.md").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert "MPL-2.0" in (project / TARGET / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
 
 
 def test_two_copies_of_the_scripts_do_not_compile(project: Path, nuget: Path) -> None:
