@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from . import dotnet
+from . import dotnet, python_setup
 from .lessons import KitError, lessons
 from .terminal import coloured, quietly
 
@@ -23,6 +23,11 @@ def rows(python: Path | None) -> Iterator[Row]:
     else:
         code = "import zmq; print(zmq.__version__, 'with libzmq', zmq.zmq_version())"
         yield True, "pyzmq", f"{quietly([python, '-c', code], 20).output.strip()} ({python})"
+        for lesson in lessons():
+            for need in python_setup.needs(lesson.key)[len(python_setup.needs()) :]:
+                name, there = python_setup.name(need), python_setup.has(python, [need])
+                cure = "" if there else f"; missing: `python3 kit.py run {lesson.number}` installs it"
+                yield there, name, f"for lesson {lesson.number:02}{cure}"
     yield from csharp_rows()
     mono = quietly(["mono", "--version"], 20)
     yield (

@@ -8,6 +8,7 @@ import itertools
 import json
 import math
 import re
+import shutil
 import signal
 import struct
 import subprocess
@@ -16,6 +17,7 @@ import sys
 import pytest
 import zmq
 
+from kitlib import guide
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import ROOT, free_port, steady_port
 
@@ -605,6 +607,32 @@ def test_a_reply_of_another_server_is_shown_as_it_is(kind, start, client_command
         server.send_multipart(Message("ok", request.id, {"steer": 0.5, "gas": 1}).frames())
         assert client.wait() == 0, client.output
     assert "1: sent frame 1, 230400 bytes; steer 0.5, gas 1" in client.lines
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_the_server_of_the_page_answers_with_an_action(kind, tmp_path, start, client_command):
+    page = ROOT / "docs" / "guide" / f"{KEY}.md"
+    (block,) = [each for each in guide.blocks(page) if "test_the_server_of_the_page" in each.source]
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    text = block.body.replace("tcp://127.0.0.1:5555", endpoint)
+    assert text != block.body
+    (tmp_path / "my_server.py").write_text(text, encoding="utf-8")
+    for name in ("messages.py", "pixels.py"):
+        shutil.copy(ROOT / "python" / KEY / name, tmp_path)
+    server = start(PYTHON, tmp_path / "my_server.py")
+    # It prints nothing; a client of ZeroMQ may come first.
+    client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--patience", "20"))
+    assert client.wait() == 0, client.output
+    said = re.search(r"`(1: sent frame 1, 230400 bytes; steer 0\.\d+)…`", page.read_text(encoding="utf-8"))[1]
+    assert client.lines[1].startswith(said), client.output
+    with zmq.Context() as context, context.socket(zmq.REQ) as other:
+        other.linger = 0
+        other.connect(endpoint)
+        other.send(b"no message")
+        assert other.poll(20_000)
+        assert b"bad-json" in other.recv()
+    assert server.stop(signal.SIGINT) != 0
+    assert server.output.endswith("KeyboardInterrupt"), server.output
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])

