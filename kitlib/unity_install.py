@@ -81,7 +81,11 @@ def install(project: Path, lesson: str | None = None, force: bool = False) -> No
     """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not."""
     root = find_project(project)
     manifest = packages_of(root)
-    files = {} if has_scripts(root, manifest) else {**scripts(lesson), **notices()}
+    if has_scripts(root, manifest):
+        # Unity reads no link.xml in a package. Without our .meta, whose GUID the package's own file has.
+        files = {f"{TARGET}/link.xml": (PACKAGE / "link.xml").read_bytes()}
+    else:
+        files = {**scripts(lesson), **notices()}
     check_moved(root, files)
     if has_netmq(root, manifest):
         say("NetMQ is in this project already: its DLLs are left as they are")

@@ -201,6 +201,9 @@ def test_two_copies_of_the_scripts_do_not_compile(project: Path, nuget: Path) ->
     )
     unity_install.install(project, None, False)
     assert not list((project / TARGET).rglob("*.cs"))
+    # Unity reads no link.xml in a package, and the GUID of its .meta is taken.
+    assert (project / TARGET / "link.xml").read_bytes() == (PACKAGE / "link.xml").read_bytes()
+    assert not (project / TARGET / "link.xml.meta").exists()
     assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
 
 

@@ -1,6 +1,7 @@
 // A head-up display for lesson 04: what a BackgroundClient knows, in the corner of the game's view.
 //
-// Use: add it to the GameObject with HelloBackground. For a client of your own, exchange that one name.
+// Use: add it to the GameObject with HelloBackground. For a component of your own, write its name in place of that one, and
+// let it have a property Client.
 using UnityEngine;
 
 namespace NetMQExample
