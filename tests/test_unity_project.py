@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from kitlib import guide
 from kitlib.unity_meta import PACKAGE, assets, behaviours, guid, meta_of, own_guid
 from tests.programs import ROOT
 
@@ -179,6 +180,14 @@ def test_a_script_is_a_file_that_unity_can_attach(path: Path) -> None:
     """A MonoBehaviour whose class is not named like its file cannot be put on a game object."""
     classes = re.findall(r"class (\w+) : MonoBehaviour", path.read_text(encoding="utf-8"))
     assert classes in ([], [path.stem])
+
+
+def test_the_page_shows_what_the_kits_own_manifest_has() -> None:
+    page = ROOT / "docs" / "guide" / "unity_project.md"
+    (shown,) = [json.loads(block.body) for block in guide.blocks(page) if block.language == "json"]
+    manifest = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    assert shown["scopedRegistries"] == manifest["scopedRegistries"]
+    assert shown["dependencies"].items() <= manifest["dependencies"].items()
 
 
 def test_the_linker_keeps_netmq() -> None:
