@@ -112,7 +112,7 @@ def lines(results: dict[str, Any], path: Path) -> None:
     left.plot(numbers, [rate[1] for _, rate in windows], "o-", color=OURS, linewidth=2)
     for number, (_, rate) in zip(numbers, windows, strict=True):
         left.annotate(
-            f"{rate[1]:,.0f}", (number, rate[1]), textcoords="offset points", xytext=(0, 9), ha="center", fontsize=12
+            f"{rate[1]:,.0f}", (number, rate[1]), textcoords="offset points", xytext=(-12, 9), ha="center", fontsize=12
         )
     left.set(xscale="log", yscale="log", xlabel="requests in flight", ylabel="requests of 32 B a second")
     left.set_xticks(numbers, [str(number) for number in numbers])
@@ -131,7 +131,7 @@ def lines(results: dict[str, Any], path: Path) -> None:
         xscale="log", yscale="log", xlabel="clients of one server, one request each", ylabel="requests of 32 B a second"
     )
     right.set_xticks(counts, [str(count) for count in counts])
-    right.legend(fontsize=11)
+    right.legend(fontsize=12, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncol=2, frameon=False)
     right.set_title("Many clients", fontsize=16, loc="left")
     figure.tight_layout()
     save(path, figure, "Requests a second, by requests in flight and by clients")
