@@ -78,7 +78,7 @@ def check_moved(root: Path, scripts: dict[str, bytes]) -> None:
                 moved, target = (str(path).removesuffix(".meta") for path in (other.relative_to(root), name))
                 raise KitError(
                     f"{moved} is {target}, moved: nothing was copied, because two of them do not compile; "
-                    f"move it back with its .meta, or delete it"
+                    "move it back with its .meta, or delete it"
                 )
 
 

@@ -101,7 +101,7 @@ namespace NetMQExample
         /// <param name="reply">Gets the reply's text. A text that begins with <c>error:</c> is a reply too.</param>
         /// <param name="error">Gets the reason why there is no reply.</param>
         /// <returns>False if refused, because the client is full or disposed: neither callback will run, and
-        /// <see cref="LastError"/> has the reason, which is what the server does not answer, if it is silent.</returns>
+        /// <see cref="LastError"/> has the reason. While the server does not answer, that is its silence.</returns>
         public bool Request(string text, Action<string> reply, Action<string> error = null)
         {
             lock (gate)
@@ -202,8 +202,9 @@ namespace NetMQExample
                 {
                     // Whatever it is, this thread goes on, and the caller gets to know.
                     Close();
-                    (state, lastError) = (ClientState.Lost, NetMQLifetime.Why(e));
-                    Finish(call.error, lastError);
+                    var why = NetMQLifetime.Why(e);
+                    (state, lastError) = (ClientState.Lost, why);
+                    Finish(call.error, why);
                 }
             }
             Close();

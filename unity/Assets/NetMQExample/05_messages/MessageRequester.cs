@@ -58,8 +58,8 @@ namespace NetMQExample
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The reply. Its arrays are only valid until the next request: their buffers are used again.</returns>
         /// <exception cref="MessageException">The reply is an error, with the server's code and text, or no message.</exception>
-        /// <exception cref="TimeoutException">No reply came. The next request has a new socket, and a server that is
-        /// back again.</exception>
+        /// <exception cref="TimeoutException">No reply came. The next request has a new socket, and so finds a server
+        /// that is back again.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public Message Request(Message request, TimeSpan patience, CancellationToken stop = default) =>
             Request(request.Header(), request.Arrays, patience, stop);
