@@ -628,9 +628,13 @@ def test_the_server_of_the_page_answers_with_an_action(kind, tmp_path, start, cl
     with zmq.Context() as context, context.socket(zmq.REQ) as other:
         other.linger = 0
         other.connect(endpoint)
-        other.send(b"no message")
-        assert other.poll(20_000)
-        assert b"bad-json" in other.recv()
+        for request, code in (
+            ([b"no message"], b"bad-json"),
+            (Message("echo", 7).frames(), b"unknown-kind"),
+        ):
+            other.send_multipart(request)
+            assert other.poll(20_000)
+            assert code in other.recv()
     assert server.stop(signal.SIGINT) != 0
     assert server.output.endswith("KeyboardInterrupt"), server.output
 
