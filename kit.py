@@ -27,7 +27,7 @@ from kitlib import bench, doctor, dotnet, python_setup, unity_install
 from kitlib import run as runner
 from kitlib.commands import KIT, Command, PassingOn, split, start
 from kitlib.lessons import ROOT, KitError, find, lessons
-from kitlib.terminal import coloured, end, interruptible, nobody_reads, say, spawn
+from kitlib.terminal import coloured, end, interruptible, later, nobody_reads, say, spawn
 
 
 def commands() -> list[Command]:
@@ -115,12 +115,15 @@ def test(options: argparse.Namespace) -> int:
     optional = tuple(extra for extra in python_setup.all_extras() if extra != "tests")
     python = python_setup.interpreter("tests", optional=optional)
     say(f"testing with {python}")
-    pytest = spawn([str(python), "-m", "pytest", *options.words], cwd=ROOT)
+    pytest = None
     try:
+        with later():
+            pytest = spawn([str(python), "-m", "pytest", *options.words], cwd=ROOT)
         return pytest.wait()
     finally:
-        # After Ctrl-C pytest ends the programs of the test that was running, and says how far it came.
-        end(pytest, 60)
+        if pytest:
+            # After Ctrl-C pytest ends the programs of the test that was running, and says how far it came.
+            end(pytest, 60)
 
 
 def run_bench(options: argparse.Namespace) -> int:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from . import dotnet
 from .lessons import ROOT, KitError, Lesson
-from .terminal import say, show, uninterrupted
+from .terminal import later, say, show, uninterrupted
 
 # A server prints its ready line within this many seconds, or something is wrong with it.
 READY = 20.0
@@ -93,13 +93,15 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
 def run(lesson: Lesson, python: Path, client: list[str], endpoint: str | None, server_options: list[str]) -> int:
     """Start the server, run the client against it, stop the server; returns the client's exit code."""
     given = ["--endpoint", endpoint] if endpoint else []
-    server = Side("server", [str(python), str(lesson.python / "server.py"), *given, *server_options], {})
-    started = [server]
+    started: list[Side] = []
     try:
+        with later():
+            started.append(Side("server", [str(python), str(lesson.python / "server.py"), *given, *server_options], {}))
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
-        for name, address in server.endpoints().items():
+        for name, address in started[0].endpoints().items():
             client += ["--set", f"{name}={address}"] if "--unity" in client else [f"--{name}", address]
-        started.append(Side("client", client, {}))
+        with later():
+            started.append(Side("client", client, {}))
         return started[-1].process.wait()
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.

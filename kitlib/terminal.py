@@ -8,9 +8,10 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TextIO
 
 SCREEN = threading.Lock()
@@ -86,20 +87,21 @@ def quietly(
 ) -> Result:
     """Run a command to its end without showing it; one that takes longer than `limit` seconds is ended."""
     words = [str(word) for word in command]
+    process = None
     try:
-        process = spawn(words, env, cwd, shown=False)
+        with later():
+            process = spawn(words, env, cwd, shown=False)
+        output, _ = process.communicate(timeout=limit)
     except FileNotFoundError:
         return Result(127, f"{words[0]}: not found")
     except PermissionError as error:
         return Result(126, str(error))
-    try:
-        output, _ = process.communicate(timeout=limit)
-    except subprocess.TimeoutExpired:
-        end(process)
+    except BaseException as error:
+        if process:
+            end(process)
+        if not isinstance(error, subprocess.TimeoutExpired):
+            raise
         return Result(124, f"{Path(words[0]).name} did not end within {limit:.0f} s")
-    except BaseException:
-        end(process)
-        raise
     return Result(process.returncode, output.decode("utf-8", "replace").replace("\r\n", "\n"))
 
 
@@ -151,17 +153,35 @@ def interruptible() -> None:
 @contextmanager
 def uninterrupted() -> Iterator[None]:
     """A second Ctrl-C does not stop the clearing up, which ends by itself."""
+    with handling(signal.SIG_IGN):
+        yield
+
+
+@contextmanager
+def later() -> Iterator[None]:
+    """A Ctrl-C inside is raised at the end: in the middle of starting a program it would leave one unknown behind."""
+    came: list[int] = []
+    # A handler, and not SIG_IGN, which the program would inherit.
+    with handling(lambda number, _: came.append(number)):
+        yield
+    if came:
+        raise KeyboardInterrupt
+
+
+@contextmanager
+def handling(how: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
+    """Inside, what asks us to end is handled like this; what is ignored stays so. Only the main thread may say that."""
     found = {}
     if threading.current_thread() is threading.main_thread():
         for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            if hasattr(signal, name):
-                found[name] = signal.signal(getattr(signal, name), signal.SIG_IGN)
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) not in (signal.SIG_IGN, None):
+                found[number] = signal.signal(number, how)
     try:
         yield
     finally:
-        for name, handler in found.items():
-            if handler is not None:
-                signal.signal(getattr(signal, name), handler)
+        for number, handler in found.items():
+            signal.signal(number, handler)
 
 
 def step(what: str, command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None) -> Result:
