@@ -14,16 +14,14 @@ import pytest
 from kitlib import bench, contest, lab, machine, report
 from kitlib.contest import TCP, Contender, Lab, Row, many
 from tests.conftest import PYTHON
-from tests.programs import ROOT
+from tests.programs import ROOT, Program
 
 KEPT = ROOT / "img" / "performance.json"
 
 
 @pytest.fixture(scope="module")
-def quick(engine, tmp_path_factory):
+def quick(engine):
     """One quick run for all tests of this file: what it printed, and the results."""
-    from tests.programs import Program
-
     program = Program([PYTHON, ROOT / "kit.py", "bench", "--quick", "--engine", engine.name])
     try:
         assert program.wait(280) == 0, program.output
@@ -36,7 +34,7 @@ pytestmark = pytest.mark.timeout(300)
 
 
 def labels(results, title):
-    return [row["label"] for work in results["works"] if work["title"] == title for row in work["rows"]]
+    return [row["label"] for row in report.rows_of(results, title)]
 
 
 def test_a_quick_run_measures_everything_that_can_run_here(quick):
@@ -79,8 +77,7 @@ def read(path):
 def test_a_request_one_at_a_time_is_the_sum_of_its_waits(quick):
     """Messages a second, and the waits, are measured apart; they must agree."""
     _, results = quick
-    rows = next(work["rows"] for work in results["works"] if work["title"] == "echo of 230,400 B")
-    for row in rows:
+    for row in report.rows_of(results, "echo of 230,400 B"):
         if row["latency"]:
             # A mean is at least half of the median, whatever else happened.
             assert 1e6 / row["rate"][2] > row["latency"]["p50"] / 2, row
@@ -88,7 +85,7 @@ def test_a_request_one_at_a_time_is_the_sum_of_its_waits(quick):
 
 def test_the_busy_wait_shows_its_price(quick):
     _, results = quick
-    rows = {row["label"]: row for work in results["works"] if "10 ms" in work["title"] for row in work["rows"]}
+    rows = {row["label"]: row for row in report.rows_of(results, "a server that takes 10 ms")}
     if rows["lesson 01"]["client_cpu"] is None:
         pytest.skip("this system does not say how much processor time a thread has used")
     assert rows["busy-wait client"]["client_cpu"] > 5 * rows["lesson 01"]["client_cpu"]
@@ -185,8 +182,7 @@ def test_a_plot_shows_the_kept_run(name):
     shown = re.findall(r">([^<>\n]+)</text>", drawn)
     titles = {"echo_32": "echo of 32 B", "echo_230400": "echo of 230,400 B", "price": "a server that takes 10 ms"}
     if name in titles:
-        rows = [row for work in results["works"] if work["title"] == titles[name] for row in work["rows"]]
-        for row in rows:
+        for row in report.rows_of(results, titles[name]):
             if name != "price" and " in flight" not in row["label"]:
                 assert row["label"] in shown
                 assert f"{row['ratio'][1]:.3g}" in shown
