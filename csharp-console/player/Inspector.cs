@@ -11,13 +11,15 @@ namespace UnityPlayer
 {
     public static class Inspector
     {
-        /// <summary>The fields that Unity serializes: public ones, and private ones with [SerializeField].</summary>
+        /// <summary>The fields that Unity serializes: public ones, and private ones with [SerializeField], of types that it
+        /// can write into a scene.</summary>
         public static IEnumerable<FieldInfo> Fields(Type script)
         {
             const BindingFlags own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
             for (var type = script; type != null && type != typeof(MonoBehaviour); type = type.BaseType)
                 foreach (var field in type.GetFields(own))
-                    if (!field.IsInitOnly && !field.IsNotSerialized && (field.IsPublic || field.IsDefined(typeof(SerializeField))))
+                    if (!field.IsInitOnly && !field.IsNotSerialized && (field.IsPublic || field.IsDefined(typeof(SerializeField)))
+                        && CanSerialize(field.FieldType))
                         yield return field;
         }
 
@@ -37,17 +39,31 @@ namespace UnityPlayer
             throw new ArgumentException($"--set {name}: there is no such field; there are: {string.Join(" ", known)}");
         }
 
+        private static bool CanSerialize(Type type)
+        {
+            if (type.IsArray) return CanSerialize(type.GetElementType());
+            if (type.IsGenericType) return type.GetGenericTypeDefinition() == typeof(List<>) && CanSerialize(type.GetGenericArguments()[0]);
+            return type.IsPrimitive || type.IsEnum || type == typeof(string) || type == typeof(Vector3) || type == typeof(Quaternion)
+                || typeof(UnityEngine.Object).IsAssignableFrom(type)
+                || (type.IsSerializable && type.Assembly != typeof(object).Assembly && !typeof(Delegate).IsAssignableFrom(type));
+        }
+
         private static object Parse(FieldInfo field, string text)
         {
+            object value;
             try
             {
-                return TypeDescriptor.GetConverter(field.FieldType).ConvertFromString(null, CultureInfo.InvariantCulture, text);
+                value = TypeDescriptor.GetConverter(field.FieldType).ConvertFromString(null, CultureInfo.InvariantCulture, text);
             }
             // Converters wrap what goes wrong in a plain Exception, differently on each runtime.
             catch (Exception e) when (!(e is OutOfMemoryException))
             {
                 throw new ArgumentException($"--set {field.Name}: '{text}' is no {field.FieldType.Name}");
             }
+            // The inspector of Unity does not let one type anything else.
+            if (field.GetCustomAttribute<MinAttribute>() is MinAttribute least && !(Convert.ToSingle(value, CultureInfo.InvariantCulture) >= least.min))
+                throw new ArgumentException(FormattableString.Invariant($"--set {field.Name}: it must be at least {least.min}, not {text}"));
+            return value;
         }
     }
 }

@@ -26,7 +26,7 @@ namespace UnityPlayer
         private readonly FrameContext context = new FrameContext();
         private SynchronizationContext contextBefore;
         private int errorsBefore;
-        private double fixedTime;
+        private double clockBefore, fixedTime;
 
         /// <param name="assemblies">Those with the scripts, whose RuntimeInitializeOnLoadMethods are called.</param>
         public Player(params Assembly[] assemblies) => this.assemblies = assemblies;
@@ -53,13 +53,15 @@ namespace UnityPlayer
             contextBefore = SynchronizationContext.Current;
             SynchronizationContext.SetSynchronizationContext(context);
             errorsBefore = Debug.Errors;
-            fixedTime = Time.Now = Time.Elapsed = Time.Frames = 0;
+            fixedTime = clockBefore = Time.Now = Time.Elapsed = Time.Frames = 0;
             Time.Clock = () => clock.Elapsed.TotalSeconds;
             Application.QuitAsked = false;
             Application.Playing = true;
             foreach (var moment in BeforeTheScene) CallLoadMethods(moment);
             scene();
             CallLoadMethods(RuntimeInitializeLoadType.AfterSceneLoad);
+            Tell("OnApplicationFocus", true);
+            Tell("OnApplicationPause", false);
             clock.Restart();
         }
 
@@ -67,13 +69,23 @@ namespace UnityPlayer
         public void Frame()
         {
             Time.Frames++;
-            Time.Elapsed = clock.Elapsed.TotalSeconds - Time.Now;
-            Time.Now += Time.Elapsed;
+            Time.Elapsed = clock.Elapsed.TotalSeconds - clockBefore;
+            clockBefore += Time.Elapsed;
+            // Capped: after a long frame the game's time is behind, and FixedUpdate does not have to catch up for ever.
+            Time.Now += Time.deltaTime;
             ForEach(script => script.BeginFrame());
-            for (; fixedTime <= Time.Now; fixedTime += Time.fixedDeltaTime) ForEach(script => script.Tick("FixedUpdate"));
+            for (; fixedTime <= Time.Now; fixedTime += Time.fixedDeltaTime)
+            {
+                Time.Fixed = fixedTime;
+                ForEach(script => script.Tick("FixedUpdate"));
+            }
+            Time.Fixed = null;
             ForEach(script => script.Tick("Update"));
             context.Run();
+            // What was made in an Update starts in the same frame.
+            ForEach(script => script.BeginFrame());
             ForEach(script => script.Tick("LateUpdate"));
+            ForEach(script => script.Tick("OnGUI"));
             Scene.RemoveDoomed();
         }
 
@@ -89,6 +101,20 @@ namespace UnityPlayer
                 // A frame that took too long is not made up for by a burst of short ones.
                 else next = clock.Elapsed - FrameTime;
             }
+        }
+
+        /// <summary>What a phone does with a game that is not seen any more, or is again.</summary>
+        public void Pause(bool paused) => Tell("OnApplicationPause", paused);
+
+        /// <summary>What the editor does when a script was changed while playing, but for the reload itself.</summary>
+        public TimeSpan Recompile()
+        {
+            var busy = Stopwatch.StartNew();
+            UnityEditor.AssemblyReloadEvents.SayReloading();
+            foreach (var script in Behaviours().ToArray()) script.enabled = false;
+            var took = busy.Elapsed;
+            foreach (var script in Behaviours().ToArray()) script.enabled = true;
+            return took;
         }
 
         /// <summary>Ends the Play.</summary>
@@ -119,6 +145,8 @@ namespace UnityPlayer
                     if (parts[k] is MonoBehaviour script) call(script);
             }
         }
+
+        private static void Tell(string message, bool value) => ForEach(script => script.Tell(message, value));
 
         private void CallLoadMethods(RuntimeInitializeLoadType moment)
         {

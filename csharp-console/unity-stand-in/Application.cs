@@ -2,11 +2,37 @@
 using System;
 using System.Threading;
 
+namespace UnityEditor
+{
+    public static class AssemblyReloadEvents
+    {
+        public delegate void AssemblyReloadCallback();
+
+        public static event AssemblyReloadCallback beforeAssemblyReload;
+
+        internal static void SayReloading() => beforeAssemblyReload?.Invoke();
+    }
+}
+
 namespace UnityEngine
 {
+    public enum LogType
+    {
+        Error,
+        Assert,
+        Warning,
+        Log,
+        Exception,
+    }
+
     public class Application
     {
-        private static bool background;
+        // As ProjectSettings.asset of unity/ has it.
+        private static bool background = true;
+
+        public delegate void LogCallback(string condition, string stackTrace, LogType type);
+
+        public static event LogCallback logMessageReceived;
 
         public static event Action quitting;
 
@@ -14,7 +40,11 @@ namespace UnityEngine
 
         internal static bool Playing { get; set; }
 
+        internal static bool Mobile { get; set; }
+
         public static bool isEditor => false;
+
+        public static bool isMobilePlatform => Mobile;
 
         public static bool isPlaying
         {
@@ -34,6 +64,12 @@ namespace UnityEngine
         }
 
         internal static void SayQuitting() => quitting?.Invoke();
+
+        // Unity too calls it on the main thread only; what is logged elsewhere goes to logMessageReceivedThreaded.
+        internal static void SayLogged(string text, LogType type)
+        {
+            if (MainThread.IsThis) logMessageReceived?.Invoke(text, "", type);
+        }
     }
 
     public class Time
@@ -42,13 +78,21 @@ namespace UnityEngine
 
         internal static double Elapsed { get; set; }
 
+        internal static double? Fixed { get; set; }
+
         internal static int Frames { get; set; }
 
         internal static Func<double> Clock { get; set; } = () => 0;
 
-        public static float time => (float)Checked("get_time", Now);
+        // In FixedUpdate both are those of the step.
+        public static float time => (float)Checked("get_time", Fixed ?? Now);
 
-        public static float deltaTime => (float)Checked("get_deltaTime", Elapsed);
+        public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? Math.Min(Elapsed, maximumDeltaTime) : 0.02);
+
+        public static float unscaledDeltaTime => (float)Checked("get_unscaledDeltaTime", Elapsed);
+
+        // What a new project has: a third of a second.
+        public static float maximumDeltaTime => (float)Checked("get_maximumDeltaTime", 1 / 3.0);
 
         public static float fixedDeltaTime => (float)Checked("get_fixedDeltaTime", 0.02);
 
@@ -70,18 +114,21 @@ namespace UnityEngine
 
         internal static int Errors => errors;
 
-        public static void Log(object message) => Console.WriteLine(Text(message));
+        /// <summary>What a message costs; in Unity it is 0.1 ms in a build, and a multiple in the editor.</summary>
+        internal static TimeSpan Cost { get; set; }
+
+        public static void Log(object message) => Write(Console.Out, message, LogType.Log);
 
         public static void Log(object message, Object context) => Log(message);
 
-        public static void LogWarning(object message) => Console.Error.WriteLine(Text(message));
+        public static void LogWarning(object message) => Write(Console.Error, message, LogType.Warning);
 
         public static void LogWarning(object message, Object context) => LogWarning(message);
 
         public static void LogError(object message)
         {
             Interlocked.Increment(ref errors);
-            Console.Error.WriteLine(Text(message));
+            Write(Console.Error, message, LogType.Error);
         }
 
         public static void LogError(object message, Object context) => LogError(message);
@@ -89,6 +136,16 @@ namespace UnityEngine
         public static void LogException(Exception exception) => LogError(exception);
 
         public static void LogException(Exception exception, Object context) => LogError(exception);
+
+        private static void Write(System.IO.TextWriter where, object message, LogType type)
+        {
+            var text = Text(message);
+            where.WriteLine(text);
+            // A sleep would be longer than asked for.
+            var end = System.Diagnostics.Stopwatch.GetTimestamp() + (Cost.TotalSeconds * System.Diagnostics.Stopwatch.Frequency);
+            while (System.Diagnostics.Stopwatch.GetTimestamp() < end) { }
+            Application.SayLogged(text, type);
+        }
 
         private static string Text(object message) =>
             message is IFormattable number ? number.ToString(null, System.Globalization.CultureInfo.InvariantCulture) : message?.ToString() ?? "Null";

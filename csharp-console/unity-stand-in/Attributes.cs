@@ -17,7 +17,8 @@ namespace UnityEngine
         public TooltipAttribute(string tooltip) => this.tooltip = tooltip;
     }
 
-    [AttributeUsage(AttributeTargets.Field | AttributeTargets.Property, AllowMultiple = true)]
+    // Properties too only since Unity 6; the lessons are for 2022.3 as well.
+    [AttributeUsage(AttributeTargets.Field, AllowMultiple = true)]
     public class HeaderAttribute : PropertyAttribute
     {
         public readonly string header;
@@ -25,7 +26,7 @@ namespace UnityEngine
         public HeaderAttribute(string header) => this.header = header;
     }
 
-    [AttributeUsage(AttributeTargets.Field | AttributeTargets.Property)]
+    [AttributeUsage(AttributeTargets.Field)]
     public sealed class RangeAttribute : PropertyAttribute
     {
         public readonly float min;
@@ -38,7 +39,7 @@ namespace UnityEngine
         }
     }
 
-    [AttributeUsage(AttributeTargets.Field | AttributeTargets.Property)]
+    [AttributeUsage(AttributeTargets.Field)]
     public sealed class MinAttribute : PropertyAttribute
     {
         public readonly float min;

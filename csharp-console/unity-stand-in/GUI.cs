@@ -1,4 +1,4 @@
-// What OnGUI draws with. A terminal has no place for it: this only has to compile.
+// What a text is drawn with. A terminal has no place for it: it is only kept.
 namespace UnityEngine
 {
     public struct Rect
@@ -22,6 +22,13 @@ namespace UnityEngine
 
     public class GUI
     {
-        public static void Label(Rect position, string text) { }
+        internal static string Drawn { get; private set; } = "";
+
+        public static void Label(Rect position, string text) => Drawn = text;
+    }
+
+    public sealed class TextMesh : Component
+    {
+        public string text { get; set; } = "";
     }
 }

@@ -38,11 +38,15 @@ namespace UnityEngine
         public Component AddComponent(Type componentType)
         {
             MainThread.Only(nameof(AddComponent));
+            if (componentType.IsDefined(typeof(DisallowMultipleComponent)) && GetComponent(componentType) != null)
+            {
+                Debug.LogError($"Can't add component '{componentType.Name}' to {name}: it allows no second one");
+                return null;
+            }
             foreach (var need in componentType.GetCustomAttributes<RequireComponent>())
                 if (GetComponent(need.m_Type0) == null) AddComponent(need.m_Type0);
             var component = (Component)Activator.CreateInstance(componentType);
             component.Owner = this;
-            component.name = name;
             Components.Add(component);
             (component as MonoBehaviour)?.Refresh();
             return component;
@@ -56,6 +60,12 @@ namespace UnityEngine
     public class Component : Object
     {
         internal GameObject Owner { get; set; }
+
+        internal override string Title
+        {
+            get => Owner.Title;
+            set => Owner.Title = value;
+        }
 
         public GameObject gameObject
         {
@@ -98,6 +108,7 @@ namespace UnityEngine
     public class MonoBehaviour : Behaviour
     {
         private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
+        private bool argument;
         private bool awoken;
         private bool running;
         private bool started;
@@ -110,6 +121,8 @@ namespace UnityEngine
             if (!Destroyed && !awoken && Owner.activeSelf)
             {
                 awoken = true;
+                // In the editor alone, where a scene is loaded or a field changed.
+                Send("OnValidate");
                 Send("Awake");
             }
             if (!awoken || running == isActiveAndEnabled) return;
@@ -135,6 +148,13 @@ namespace UnityEngine
             if (awoken) Send("OnDestroy");
         }
 
+        /// <summary>A message to a component that is on, such as OnApplicationPause(true).</summary>
+        internal void Tell(string message, bool value)
+        {
+            argument = value;
+            if (running) Send(message);
+        }
+
         /// <summary>Calls a message by its name, whatever its access. What it throws is logged and the Play goes on.</summary>
         internal void Send(string message)
         {
@@ -155,10 +175,16 @@ namespace UnityEngine
             const BindingFlags any = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
             for (var type = GetType(); type != typeof(MonoBehaviour); type = type.BaseType)
             {
-                var method = type.GetMethod(message, any, null, Type.EmptyTypes, null);
+                var method = type.GetMethod(message, any, null, Type.EmptyTypes, null) ?? type.GetMethod(message, any, null, new[] { typeof(bool) }, null);
                 if (method == null) continue;
-                if (method.ReturnType == typeof(void)) return (Action)method.CreateDelegate(typeof(Action), this);
-                throw new NotSupportedException($"{type.Name}.{message} returns {method.ReturnType.Name}: the player runs no coroutines");
+                if (method.ReturnType != typeof(void))
+                {
+                    Debug.LogError($"{type.Name}.{message} returns {method.ReturnType.Name}: it is left out, because the player runs no coroutines");
+                    return null;
+                }
+                if (method.GetParameters().Length == 0) return (Action)method.CreateDelegate(typeof(Action), this);
+                var told = (Action<bool>)method.CreateDelegate(typeof(Action<bool>), this);
+                return () => told(argument);
             }
             return null;
         }
@@ -179,6 +205,12 @@ namespace UnityEngine
         {
             get { MainThread.Only("get_rotation"); return turn; }
             set { MainThread.Only("set_rotation"); turn = value; }
+        }
+
+        public void SetPositionAndRotation(Vector3 position, Quaternion rotation)
+        {
+            MainThread.Only(nameof(SetPositionAndRotation));
+            (place, turn) = (position, rotation);
         }
     }
 

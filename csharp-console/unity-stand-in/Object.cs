@@ -5,14 +5,15 @@ namespace UnityEngine
 {
     public class Object
     {
-        private string title = "";
-
         internal bool Destroyed { get; set; }
+
+        // A component has none of its own: it answers with that of its game object.
+        internal virtual string Title { get; set; } = "";
 
         public string name
         {
-            get { MainThread.Only("GetName"); return title; }
-            set { MainThread.Only("SetName"); title = value; }
+            get { MainThread.Only("GetName"); return Title; }
+            set { MainThread.Only("SetName"); Title = value; }
         }
 
         /// <summary>Takes effect at the end of the frame.</summary>
@@ -39,7 +40,7 @@ namespace UnityEngine
 
         public override int GetHashCode() => base.GetHashCode();
 
-        public override string ToString() => $"{title} ({GetType().FullName})";
+        public override string ToString() => $"{Title} ({GetType().FullName})";
 
         private static bool IsGone(Object thing) => thing is null || thing.Destroyed;
     }
@@ -54,9 +55,11 @@ namespace UnityEngine
     {
         public static int? Id { get; set; }
 
+        public static bool IsThis => Id == null || Id == Environment.CurrentManagedThreadId;
+
         public static void Only(string api)
         {
-            if (Id == null || Id == Environment.CurrentManagedThreadId) return;
+            if (IsThis) return;
             throw new UnityException(
                 $"{api} can only be called from the main thread.\n" +
                 "Constructors and field initializers will be executed from the loading thread when loading a scene.\n" +

@@ -1,0 +1,159 @@
+// What the lessons' components share: each has a network thread, and a queue from there to Update. A lesson overrides Talk,
+// which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the scene.
+//
+// Take home: this file, with NetMQLifetime.cs (lesson 01). For a component of your own, derive from it.
+using System;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.Threading;
+using System.Threading.Tasks;
+using UnityEngine;
+using Debug = UnityEngine.Debug;
+using Stopwatch = System.Diagnostics.Stopwatch;
+
+namespace NetMQExample
+{
+    /// <summary>A component that talks to the network on a thread of its own while it is enabled.</summary>
+    public abstract class NetworkBehaviour : MonoBehaviour
+    {
+        // How much may wait for Update. Whoever has more waits on its own thread, so that a fast server can fill neither
+        // a frame nor the memory, also while the editor is paused and no Update comes.
+        private const int Room = 50;
+        // What Update spends in a frame. One action is always done, however long it takes.
+        private static readonly long Budget = Stopwatch.Frequency / 500;
+        // For the main thread only. It outlives a Play where Unity keeps statics, and holds only what has not ended.
+        private static readonly List<Run> Runs = new List<Run>();
+        [ThreadStatic] private static Run own;
+
+        [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
+        private bool runInBackground = true;
+
+        private Run run;
+        private bool interrupted;
+
+        /// <summary>True once the last line, or the reason why there is none, was logged.</summary>
+        public bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
+
+        /// <summary>The lesson, on the network thread. What it throws is logged as the reason for giving up.</summary>
+        /// <param name="stop">Cancelled when the component is disabled. Look at least every 50 ms.</param>
+        protected abstract void Talk(CancellationToken stop);
+
+        /// <summary>Logs a line in Update. For the network thread.</summary>
+        /// <param name="line">The line.</param>
+        protected void Log(string line) => InUpdate(() => Debug.Log(line));
+
+        /// <summary>Has something done in Update, and waits while much else is to be done there. For the network thread.
+        /// </summary>
+        /// <param name="action">What may touch the scene.</param>
+        protected void InUpdate(Action action) => own.ForUpdate.Add(action, own.Stop.Token);
+
+        /// <summary>Has something made in Update, and waits for it. For the network thread.</summary>
+        /// <param name="make">What may touch the scene.</param>
+        /// <typeparam name="T">What it makes.</typeparam>
+        /// <returns>What was made.</returns>
+        protected T FromUpdate<T>(Func<T> make)
+        {
+            var task = new Task<T>(make);
+            InUpdate(task.RunSynchronously);
+            // Unlike Wait it throws nothing of the task's, and GetResult throws that unwrapped.
+            Task.WaitAny(new Task[] { task }, own.Stop.Token);
+            return task.GetAwaiter().GetResult();
+        }
+
+        /// <summary>What the inspector has as seconds.</summary>
+        /// <param name="patience">More than 0, and a day at the most.</param>
+        /// <returns>The same.</returns>
+        protected static TimeSpan Seconds(float patience) => patience > 0 && patience <= 86400
+            ? TimeSpan.FromSeconds(patience)
+            : throw new ArgumentException($"patience must be more than 0 s and at most a day (86400), not {patience}");
+
+        /// <summary>Starts the thread.</summary>
+        protected virtual void OnEnable()
+        {
+            if (runInBackground && !Application.runInBackground)
+            {
+                // Without it Unity stops calling Update when another window has the focus.
+                Application.runInBackground = true;
+                Debug.Log("Application.runInBackground is now true");
+            }
+#if UNITY_EDITOR
+            // A script was changed while playing: its assembly is unloaded with everything that runs in it.
+            UnityEditor.AssemblyReloadEvents.beforeAssemblyReload -= EndAll;
+            UnityEditor.AssemblyReloadEvents.beforeAssemblyReload += EndAll;
+#endif
+            Begin();
+        }
+
+        /// <summary>Does what the network thread has for this frame.</summary>
+        protected virtual void Update()
+        {
+            var end = Stopwatch.GetTimestamp() + Budget;
+            for (var left = Room; left > 0 && run.ForUpdate.TryTake(out var action); left--)
+            {
+                action();
+                if (Stopwatch.GetTimestamp() >= end) return;
+            }
+        }
+
+        /// <summary>Tells the thread to end, and does not wait for that: a destroyed object must cost no frame.</summary>
+        protected virtual void OnDisable() => run.Stop.Cancel();
+
+        /// <summary>Stop, and the end of the game: nothing may run on in the editor.</summary>
+        protected virtual void OnApplicationQuit() => EndAll();
+
+        /// <summary>iOS and Android take the sockets of an app that is not seen: they are closed before, and the lesson
+        /// begins again when the app is back.</summary>
+        /// <param name="paused">True when it goes.</param>
+        protected virtual void OnApplicationPause(bool paused)
+        {
+            if (!Application.isMobilePlatform || !isActiveAndEnabled) return;
+            if (!paused && interrupted) Begin();
+            interrupted = paused && !Done;
+            if (paused) EndAll();
+        }
+
+        // All are told before the first one is waited for: ten clients end in the time of one, 200 ms at the most.
+        private static void EndAll()
+        {
+            foreach (var one in Runs) one.Stop.Cancel();
+            foreach (var one in Runs) NetMQLifetime.Join(one.Thread);
+            Runs.RemoveAll(one => !one.Thread.IsAlive);
+        }
+
+        private void Begin()
+        {
+            run = new Run(Talk, GetType().Name);
+            Runs.RemoveAll(one => !one.Thread.IsAlive);
+            Runs.Add(run);
+            run.Thread.Start();
+        }
+
+        /// <summary>One run of the thread. What a run before it has left behind is never mixed with it.</summary>
+        private sealed class Run
+        {
+            public readonly BlockingCollection<Action> ForUpdate = new BlockingCollection<Action>(Room);
+            public readonly CancellationTokenSource Stop = new CancellationTokenSource();
+            public readonly Thread Thread;
+
+            public Run(Action<CancellationToken> talk, string name) =>
+                Thread = new Thread(() => Work(talk)) { IsBackground = true, Name = name };
+
+            private void Work(Action<CancellationToken> talk)
+            {
+                own = this;
+                try
+                {
+                    talk(Stop.Token);
+                }
+                catch (ThreadAbortException) { /* The domain is being unloaded. */ }
+                catch (Exception e)
+                {
+                    // After Stop nobody wants to know why it ended.
+                    if (Stop.IsCancellationRequested) return;
+                    var why = $"gave up: {NetMQLifetime.Why(e)}";
+                    while (!ForUpdate.TryAdd(() => Debug.LogError(why), 50) && !Stop.IsCancellationRequested) { }
+                }
+            }
+        }
+    }
+}
