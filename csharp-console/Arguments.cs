@@ -63,6 +63,17 @@ namespace NetMQExample.Terminal
                 : throw new UsageException($"--{name} takes seconds, such as 0.5, not '{text}'");
         }
 
+        /// <summary>What is left, as name and value: <c>--count 3</c>; a switch alone, such as <c>--jpeg</c>, is true.</summary>
+        public IEnumerable<(string Name, string Value)> TakeTheRest()
+        {
+            while (rest.Count > 0 && rest[0].StartsWith("--", StringComparison.Ordinal) && !rest.Contains("--help"))
+            {
+                var alone = rest.Count == 1 || rest[1].StartsWith("--", StringComparison.Ordinal);
+                yield return (rest[0][2..], alone ? "true" : rest[1]);
+                rest.RemoveRange(0, alone ? 1 : 2);
+            }
+        }
+
         /// <summary>Call it after the last option: an unknown word, or --help, ends the program here.</summary>
         public void RefuseTheRest()
         {

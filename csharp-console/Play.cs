@@ -1,7 +1,8 @@
 // Runs a lesson's MonoBehaviours in the player: dotnet run --project csharp-console -- NN --unity.
 //
-//     --set endpoint=tcp://127.0.0.1:5600     a serialized field, as in the inspector; as often as needed
-//     --seconds 5                             stop then; without it, once every script with a Done property is done
+//     --count 3           a serialized field, as in the inspector; --help says which there are
+//     --set count=3       the same
+//     --seconds 5         stop then; without it, once every script with a Done property is done
 //
 // The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene.
 using System;
@@ -19,13 +20,18 @@ namespace NetMQExample.Terminal
         public static int Run(string? lesson, Arguments arguments)
         {
             arguments.Flag("unity");
-            var limit = arguments.Seconds("seconds", 86400);
-            var settings = new List<string>();
-            for (var set = arguments.Text("set", ""); set.Length > 0; set = arguments.Text("set", "")) settings.Add(set);
-            arguments.RefuseTheRest();
-
             var scripts = typeof(NetMQLifetime).Assembly;
             var types = Scripts.Of(scripts, lesson ?? "");
+            var fields = types.SelectMany(Inspector.Defaults).ToList();
+            // A script that has such a field itself ends by itself then.
+            var limit = fields.Any(field => field.Name == "seconds") ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
+            var settings = new List<(string Name, string Value)>();
+            for (var set = arguments.Text("set", ""); set.Length > 0; set = arguments.Text("set", "")) settings.Add(Setting(set));
+            settings.AddRange(arguments.TakeTheRest());
+            // Only for --help, and for what does not begin with --.
+            foreach (var (name, value) in fields) arguments.Text(name, value);
+            arguments.RefuseTheRest();
+
             var stopped = 0;
             void Stop(PosixSignalContext signal)
             {
@@ -50,19 +56,22 @@ namespace NetMQExample.Terminal
             return stopped == 1 || player.Errors > 0 ? 1 : 0;
         }
 
-        private static void MakeScene(Type[] types, List<string> settings)
+        private static void MakeScene(Type[] types, List<(string Name, string Value)> settings)
         {
             var thing = new GameObject(types[0].Name);
             // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
             thing.SetActive(false);
             var scripts = types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray();
-            foreach (var setting in settings)
-            {
-                var equals = setting.IndexOf('=');
-                if (equals < 1) throw new UsageException($"--set takes name=value, such as endpoint=tcp://127.0.0.1:5551, not '{setting}'");
-                Inspector.Set(scripts, setting[..equals], setting[(equals + 1)..]);
-            }
+            foreach (var (name, value) in settings) Inspector.Set(scripts, name, value);
             thing.SetActive(true);
+        }
+
+        private static (string Name, string Value) Setting(string text)
+        {
+            var equals = text.IndexOf('=');
+            return equals > 0
+                ? (text[..equals], text[(equals + 1)..])
+                : throw new UsageException($"--set takes name=value, such as endpoint=tcp://127.0.0.1:5551, not '{text}'");
         }
     }
 }

@@ -11,7 +11,7 @@ import json
 import os
 import re
 import shutil
-import tempfile
+import time
 import urllib.error
 import urllib.request
 import zipfile
@@ -21,7 +21,17 @@ from . import dotnet, python_setup
 from .lessons import ROOT, KitError, find
 from .terminal import say
 from .unity_meta import END, FOLDER, IMPORTERS, PACKAGE, assets, behaviours, guid, meta_of
-from .unity_project import TARGET, advice, check_moved, elsewhere, find_project, has_netmq, has_scripts, packages_of
+from .unity_project import (
+    TARGET,
+    advice,
+    all_packages,
+    check_moved,
+    elsewhere,
+    find_project,
+    has_netmq,
+    has_scripts,
+    packages_of,
+)
 
 # The three DLLs of NetMQ inside Unity: package, version, and the file in it.
 LIBRARIES = (
@@ -31,10 +41,12 @@ LIBRARIES = (
 )
 NUGET = "https://api.nuget.org/v3-flatcontainer"
 PLUGINS = f"{TARGET}/Plugins"
+# A stand-in for System.ServiceModel.Primitives, which NetMQ.dll names: two of them do not compile.
+STUB = "ServiceModel"
 # What this command wrote, and so may write again. Unity ignores names that begin with a dot.
 RECORD = f"{TARGET}/.kit.json"
 
-# validateReferences: NetMQ.dll names System.ServiceModel.Primitives, which only BufferPool uses.
+# validateReferences: NetMQ.dll names System.ServiceModel.Primitives, of which STUB has a part.
 LIBRARY_META = """fileFormatVersion: 2
 guid: {guid}
 PluginImporter:
@@ -86,8 +98,10 @@ def install(project: Path, lesson: str | None = None, force: bool = False) -> No
         files = {f"{TARGET}/link.xml": (PACKAGE / "link.xml").read_bytes()}
     else:
         files = {**scripts(lesson), **notices()}
+        if elsewhere(root, "System.ServiceModel.Primitives.dll"):
+            files = {name: data for name, data in files.items() if not name.startswith(f"{TARGET}/{STUB}")}
     check_moved(root, files)
-    if has_netmq(root, manifest):
+    if has_netmq(root, all_packages(root, manifest)):
         say("NetMQ is in this project already: its DLLs are left as they are")
     else:
         files |= {
@@ -119,9 +133,11 @@ def take_home(folder: Path) -> list[Path]:
         raise KitError(f"lesson {folder.name} has no Unity scripts")
     chosen = sorted(folder.glob("*.cs"))
     others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < folder.name]
+    others += sorted(PACKAGE.glob("Shared/*.cs"))
     for path in chosen:  # It grows meanwhile: what is used may use others.
         code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
         chosen += [other for other in others if other not in chosen and uses(code, other.stem)]
+    chosen += sorted(path for path in (PACKAGE / STUB).iterdir() if path.suffix in (".cs", ".asmdef"))
     folders = sorted({path.parent for path in chosen})
     # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
     return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml", PACKAGE / "NetMQExample.asmdef"]
@@ -187,15 +203,20 @@ def write(root: Path, files: dict[str, bytes], force: bool) -> None:
     if changed and not force:
         more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
         raise KitError(f"{changed[0]}{more} was changed in your project: nothing was copied; --force overwrites it")
-    # Beside the project, and so on the same disk: what can fail fails before the first file is moved to its place.
-    stage = Path(tempfile.mkdtemp(prefix=".netmqexample-", dir=root))
+    # On Windows a file that is read-only cannot be replaced: version control makes them so until they are checked out.
+    if locked := [name for name in news if (root / name).exists() and not os.access(root / name, os.W_OK)]:
+        raise KitError(f"{locked[0]} is read-only: nothing was copied; check it out first, or clear the attribute")
+    # In the project, and so on the same disk: what can fail fails before the first file is moved to its place. Not by
+    # tempfile, whose folders on Windows are for one account alone, and so would be the files that are moved out of it.
+    stage = root / f".netmqexample-{os.getpid()}"
     try:
+        stage.mkdir()
         for number, data in enumerate(news.values()):
             (stage / str(number)).write_bytes(data)
         for name in news:
             (root / name).parent.mkdir(parents=True, exist_ok=True)
         for number, name in enumerate(news):
-            os.replace(stage / str(number), root / name)
+            replace(stage / str(number), root / name)
         if news:
             record |= {name: digest(data) for name, data in news.items()}
             (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
@@ -209,6 +230,18 @@ def write(root: Path, files: dict[str, bytes], force: bool) -> None:
     same = sum(not name.endswith(".meta") for name in files.keys() - news.keys())
     if same:
         say(f"{same} files were there already")
+
+
+def replace(source: Path, target: Path) -> None:
+    """Move a file; on Windows a virus scanner or Unity's importer may have the old one open for a moment."""
+    for wait in (0.2, 0.2, 0.0):
+        try:
+            os.replace(source, target)
+            return
+        except PermissionError:
+            if not wait:
+                raise
+            time.sleep(wait)
 
 
 def read_record(root: Path) -> dict[str, str]:
@@ -227,14 +260,20 @@ def digest(data: bytes) -> str:
 def next_steps(root: Path, lesson: str | None) -> list[str]:
     """What to type and to press now."""
     key = find(lesson or "1").key
-    # What kit.py has set up for the lessons, if it has; the terminal may be in any folder.
-    here = python_setup.venv_python()
-    needs = " ".join(map(python_setup.name, python_setup.needs(key)))
-    python, first_of_all = (f'"{here}"', "") if here.exists() else ("python", f"pip install {needs}, and then ")
+    # The one that kit.py runs the lessons with; the terminal may be in any folder.
+    python = python_setup.interpreter(key)
     first = next((path.stem for path in behaviours(PACKAGE / key)), "of the lesson")
     scene = f"{TARGET}/{key}/{key}.unity"
     there = f"open {scene}" if (root / scene).exists() else f"add the component {first} to any GameObject"
     return [
-        f'next, in a terminal: {first_of_all}{python} "{ROOT / "python" / key / "server.py"}"',
+        f"next, in a terminal: {command(python, ROOT / 'python' / key / 'server.py')}",
         f"then, in Unity: wait for the import, {there}, and press Play",
     ]
+
+
+def command(*words: str | Path) -> str:
+    """A line for the terminal. PowerShell takes a line that begins with a quotation mark for a text, unless & stands first."""
+    quoted = [f'"{word}"' if " " in str(word) else str(word) for word in words]
+    if os.name == "nt" and quoted[0].startswith('"'):
+        return f"& {' '.join(quoted)}   (in a command prompt without the &)"
+    return " ".join(quoted)

@@ -40,9 +40,7 @@ SCENE = """%YAML 1.1
 SceneRoots:
   m_ObjectHideFlags: 0
   m_Roots:
-  - {{fileID: 101}}
-  - {{fileID: 201}}
-"""
+{roots}"""
 GAME_OBJECT = """--- !u!1 &{number}
 GameObject:
   m_ObjectHideFlags: 0
@@ -56,7 +54,7 @@ GameObject:
 Transform:
   m_ObjectHideFlags: 0
   m_GameObject: {{fileID: {number}}}
-  m_LocalRotation: {{x: 0, y: 0, z: 0, w: 1}}
+  m_LocalRotation: {rotation}
   m_LocalPosition: {position}
   m_LocalScale: {{x: 1, y: 1, z: 1}}
   m_Children: []
@@ -70,11 +68,74 @@ Camera:
   serializedVersion: 2
   m_ClearFlags: 2
   m_BackGroundColor: {r: 0.16, g: 0.2, b: 0.25, a: 1}
+  m_NormalizedViewPortRect:
+    serializedVersion: 2
+    x: 0
+    y: 0
+    width: 1
+    height: 1
+  near clip plane: 0.3
+  far clip plane: 1000
+  field of view: 60
+  m_CullingMask:
+    serializedVersion: 2
+    m_Bits: 4294967295
+"""
+LIGHT = """--- !u!108 &302
+Light:
+  m_ObjectHideFlags: 0
+  m_GameObject: {fileID: 300}
+  m_Enabled: 1
+  serializedVersion: 10
+  m_Type: 1
+  m_Color: {r: 1, g: 0.96, b: 0.84, a: 1}
+  m_Intensity: 1
+"""
+# What these two refer to is built into Unity: the cube and its grey, the font and its ink.
+CUBE = """--- !u!33 &{mesh}
+MeshFilter:
+  m_ObjectHideFlags: 0
+  m_GameObject: {{fileID: 200}}
+  m_Mesh: {{fileID: 10202, guid: 0000000000000000e000000000000000, type: 0}}
+--- !u!23 &{renderer}
+MeshRenderer:
+  m_ObjectHideFlags: 0
+  m_GameObject: {{fileID: 200}}
+  m_Enabled: 1
+  m_Materials:
+  - {{fileID: 10303, guid: 0000000000000000f000000000000000, type: 0}}
+"""
+TEXT = """--- !u!102 &402
+TextMesh:
+  m_ObjectHideFlags: 0
+  m_GameObject: {fileID: 400}
+  serializedVersion: 3
+  m_Text: press Play
+  m_OffsetZ: 0
+  m_CharacterSize: 0.05
+  m_LineSpacing: 1
+  m_Anchor: 4
+  m_Alignment: 1
+  m_TabSize: 4
+  m_FontSize: 80
+  m_FontStyle: 0
+  m_RichText: 0
+  m_Font: {fileID: 10102, guid: 0000000000000000e000000000000000, type: 0}
+  m_Color:
+    serializedVersion: 2
+    rgba: 4294967295
+--- !u!23 &403
+MeshRenderer:
+  m_ObjectHideFlags: 0
+  m_GameObject: {fileID: 400}
+  m_Enabled: 1
+  m_Materials:
+  - {fileID: 10100, guid: 0000000000000000e000000000000000, type: 0}
 """
 SCRIPT = """--- !u!114 &{number}
 MonoBehaviour:
   m_ObjectHideFlags: 0
-  m_GameObject: {{fileID: 200}}
+  m_GameObject: {{fileID: {owner}}}
   m_Enabled: 1
   m_EditorHideFlags: 0
   m_Script: {{fileID: 11500000, guid: {guid}, type: 3}}
@@ -116,27 +177,52 @@ def assets() -> list[Path]:
 
 def behaviours(folder: Path) -> list[Path]:
     """The scripts of a lesson that can be put on a game object: Unity wants the class named like its file."""
-    pattern = r"^\s*public (?:sealed )?class {} : MonoBehaviour"
+    pattern = r"^\s*public (?:sealed )?class {} : (?:Mono|Network)Behaviour\b"
     scripts = sorted(folder.glob("*.cs"))
     return [p for p in scripts if re.search(pattern.format(p.stem), p.read_text(encoding="utf-8"), re.MULTILINE)]
 
 
 def scene(scripts: list[Path]) -> str:
-    """A camera, and one game object with the lesson's scripts; their fields have the values that the code gives."""
+    """A camera, a light, a text that shows the last line, and one game object with the lesson's scripts, whose fields
+    have the values that the code gives. What moves is a cube."""
     numbers = [202 + i for i in range(len(scripts))]
+    last = numbers[-1]
+    moves = any("transform." in path.read_text(encoding="utf-8") for path in scripts)
+    cube = [last + 1, last + 2] if moves else []
+    shown = PACKAGE / "Shared" / "LastLine.cs"
     parts = [
         game_object(100, "Main Camera", "MainCamera", "{x: 0, y: 1, z: -10}", [101, 102]),
         CAMERA,
-        game_object(200, scripts[0].stem, "Untagged", "{x: 0, y: 0, z: 0}", [201, *numbers]),
-        *(SCRIPT.format(number=n, guid=own_guid(path)) for n, path in zip(numbers, scripts, strict=True)),
+        game_object(200, scripts[0].stem, "Untagged", "{x: 0, y: 0, z: 0}", [201, *numbers, *cube]),
+        *(script(n, 200, path) for n, path in zip(numbers, scripts, strict=True)),
+        CUBE.format(mesh=last + 1, renderer=last + 2) if moves else "",
+        # Down and to the right, as the light of a new scene in Unity.
+        game_object(300, "Light", "Untagged", "{x: 0, y: 3, z: 0}", [301, 302], "{x: 0.41, y: -0.23, z: 0.11, w: 0.88}"),
+        LIGHT,
+        game_object(400, "Last line", "Untagged", "{x: 0, y: 4, z: 0}", [401, 402, 403, 404]),
+        TEXT,
+        script(404, 400, shown),
     ]
-    return SCENE.format(game_objects="".join(parts))
+    roots = "".join(f"  - {{fileID: {number}}}\n" for number in (101, 201, 301, 401))
+    return SCENE.format(game_objects="".join(parts), roots=roots)
 
 
-def game_object(number: int, name: str, tag: str, position: str, components: list[int]) -> str:
+def script(number: int, owner: int, path: Path) -> str:
+    return SCRIPT.format(number=number, owner=owner, guid=own_guid(path))
+
+
+def game_object(
+    number: int, name: str, tag: str, position: str, components: list[int], rotation: str = "{x: 0, y: 0, z: 0, w: 1}"
+) -> str:
     lines = "".join(f"  - component: {{fileID: {component}}}\n" for component in components)
     return GAME_OBJECT.format(
-        number=number, transform=number + 1, name=name, tag=tag, position=position, components=lines
+        number=number,
+        transform=number + 1,
+        name=name,
+        tag=tag,
+        position=position,
+        rotation=rotation,
+        components=lines,
     )
 
 

@@ -16,6 +16,9 @@ TARGET = "Assets/NetMQExample"
 
 def find_project(path: Path) -> Path:
     """The Unity project that PATH is, or is inside of."""
+    if '"' in str(path):
+        # On Windows "C:\My Game\" arrives so, with all that follows: a backslash takes the quotation mark its meaning.
+        raise KitError(f"the path is {path}: leave out the backslash before the quotation mark")
     for folder in [path.resolve(), *path.resolve().parents]:
         version = folder / "ProjectSettings" / "ProjectVersion.txt"
         if (folder / "Assets").is_dir() and version.is_file():
@@ -46,6 +49,17 @@ def packages_of(root: Path) -> dict[str, str]:
     return dependencies
 
 
+def all_packages(root: Path, manifest: dict[str, str]) -> set[str]:
+    """Also the packages that other packages bring along: Unity writes them down once it has opened the project."""
+    try:
+        lock = json.loads((root / "Packages" / "packages-lock.json").read_text(encoding="utf-8-sig"))
+        brought = set(lock["dependencies"])
+    except (OSError, ValueError, KeyError, TypeError):
+        brought = set()
+    brought |= {path.name.split("@")[0] for path in (root / "Library" / "PackageCache").glob("org.nuget.netmq@*")}
+    return brought | set(manifest)
+
+
 def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
     """True if the package is there by another route; a second copy would not compile."""
     if (root / TARGET).resolve() == PACKAGE.resolve():
@@ -56,9 +70,9 @@ def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
     return name in manifest
 
 
-def has_netmq(root: Path, manifest: dict[str, str]) -> bool:
+def has_netmq(root: Path, packages: set[str]) -> bool:
     """True if NetMQ is there by another route; two copies of one library do not compile."""
-    return "org.nuget.netmq" in manifest or bool(elsewhere(root, "NetMQ.dll"))
+    return "org.nuget.netmq" in packages or bool(elsewhere(root, "NetMQ.dll"))
 
 
 def elsewhere(root: Path, name: str) -> list[Path]:
@@ -75,7 +89,7 @@ def check_moved(root: Path, scripts: dict[str, bytes]) -> None:
         ours = re.search(rb"^guid: \S+", meta, re.MULTILINE)
         for other in elsewhere(root, Path(name).name):
             if ours and ours[0] in other.read_bytes():
-                moved, target = (str(path).removesuffix(".meta") for path in (other.relative_to(root), name))
+                moved, target = (str(path).removesuffix(".meta") for path in (other.relative_to(root).as_posix(), name))
                 raise KitError(
                     f"{moved} is {target}, moved: nothing was copied, because two of them do not compile; "
                     "move it back with its .meta, or delete it"

@@ -297,6 +297,135 @@ def test_ten_clients_and_one_destroyed_early(
         unity.stop()
 
 
+@every_way
+def test_destroyed_objects_are_not_waited_for(
+    runtime: str, mode: str, editor: Callable[..., Any], silent: str
+) -> None:
+    """Ten clients that wait for a reply, all destroyed in one frame. The best of five, for the machine's sake."""
+    unity = editor(runtime, mode, "1", silent, 10, "10 clients, all destroyed while they wait")
+    took = []
+    for _ in range(5):
+        unity.play()
+        for _ in range(10):
+            unity.wait_for("^asking")
+        unity.press("destroy all")
+        took.append(float(unity.wait_for(r"^destroyed in ([\d.]+) ms")[1]))
+        unity.stop()
+    # Those that are waited for take 50 ms each, and 200 together.
+    assert min(took) < 40, took
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_recompile_while_playing(runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]) -> None:
+    """Unity disables everything, loads the new assembly and enables everything: the old run leaves nothing to the new."""
+    endpoint = serve("01_request_reply", "--delay", "0.002")[1]
+    unity = editor(runtime, "keep", "1", endpoint, 3, "3 clients, recompiled while playing")
+    for _ in range(5):
+        unity.play()
+        for _ in range(3):
+            unity.wait_for("^2: sent Hello, received World")
+        stalled = unity.milliseconds_without_a_core()
+        unity.press("recompile")
+        took = float(unity.wait_for(r"^recompiled in ([\d.]+) ms")[1])
+        assert took - (unity.milliseconds_without_a_core() - stalled) <= STOP_LIMIT
+        news = unity.said
+        for _ in range(3):
+            unity.wait_for("^2: sent Hello, received World")
+        numbers = [int(n) for n in re.findall(r"^(\d+): ", "\n".join(unity.program.lines[news:]), re.MULTILINE)]
+        assert max(numbers[:3]) <= 3, f"lines of the run before: {numbers[:9]}"
+        unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+@pytest.mark.parametrize("key", [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.cs"))])
+def test_a_phone_closes_the_sockets_of_a_game_that_is_not_seen(
+    runtime: str, key: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    endpoint = serve(key)[1]
+    unity = editor(runtime, "keep", key, endpoint, 2, f"{key} x 2, paused as on a phone")
+    reply = r"^\d+: |^snapshot"
+    unity.play()
+    for _ in range(4):
+        unity.wait_for(reply)
+    for _ in range(2):
+        unity.press("pause")
+        unity.wait_for("^paused$")
+        unity.nothing_left()
+        unity.press("resume")
+        unity.wait_for("^resumed$")
+        for _ in range(4):
+            unity.wait_for(reply)
+    unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_paused_editor_is_felt_by_the_network_thread(
+    runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    """Without Update a queue without a limit would fill the memory."""
+    server, endpoint = serve("01_request_reply")
+    unity = editor(runtime, "keep", "1", endpoint, 1, "1 client, server up, editor paused")
+    unity.play()
+    unity.wait_for("^2: sent Hello, received World")
+    unity.press("freeze")
+    unity.wait_for("^frozen$")
+    before, now = len(server.lines), -1
+    deadline = time.monotonic() + 10
+    while now != len(server.lines) and time.monotonic() < deadline:
+        now = len(server.lines)
+        time.sleep(0.5)
+    assert len(server.lines) == now, "it never waited"
+    # What was answered and not yet logged: a full queue, and what was on its way when the count began.
+    assert now - before < 200
+    unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_flood_of_replies_fills_no_frame(
+    runtime: str, engine: dotnet.Engine, harness: Path, serve: Callable[..., Any], start: Callable[..., Any]
+) -> None:
+    """Each line costs 0.3 ms, as it may in a build; in the editor it is more."""
+    if runtime == "mono":
+        needs_mono(engine)
+    endpoint = serve("01_request_reply", "--quiet")[1]
+    play = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "flood", "1", endpoint, "10000")
+    assert play.wait(120) == 0, play.output[-2000:]
+    found = re.fullmatch(r"(\d+) lines in (\d+) frames, at most (\d+) in one", play.lines[-1])
+    assert found, play.output[-2000:]
+    replies = [line for line in play.lines if "sent Hello" in line]
+    assert replies == [f"{i}: sent Hello, received World" for i in range(1, 10_001)]
+    assert int(found[1]) == 10_002
+    # 20 ms are 66 lines. Where the machine is busy there are fewer in a frame, never more.
+    assert int(found[3]) <= 20, play.lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("lesson", "name", "value", "says"),
+    [
+        ("1", "patience", "NaN", "patience must be"),
+        ("1", "patience", "-1", "patience must be"),
+        ("1", "patience", "1e30", "patience must be"),
+        ("2", "tries", "0", "tries must be"),
+        ("3", "patience", "0", "patience must be"),
+        ("4", "tries", "0", "tries and capacity must be"),
+        ("4", "patience", "NaN", "patience must be"),
+        ("4", "patience", "1e30", "patience must be"),
+        ("5", "patience", "-1", "patience must be"),
+        ("6", "window", "0", "window and tries must be"),
+    ],
+)
+def test_a_wrong_field_is_said_once(
+    lesson: str, name: str, value: str, says: str, harness: Path, start: Callable[..., Any]
+) -> None:
+    play = start("dotnet", harness, "wrong", lesson, name, value)
+    assert play.wait() == 0, play.output
+    assert "done before it was enabled: False" in play.lines
+    assert play.lines[-1] == "errors: 1" or "errors: 1" in play.lines, play.output
+    (said,) = [line for line in play.lines if "gave up: " in line]
+    assert says in said
+    assert not [line for line in play.lines if line.startswith("   at ") or "Exception" in line]
+
+
 OTHERS = [lesson.key for lesson in lessons.lessons() if lesson.number > 1 and list(lesson.unity.glob("*.cs"))]
 
 

@@ -60,7 +60,29 @@ def test_events_come_in_unitys_order(harness: Path, start: Callable[..., Any]) -
     ]
 
 
-COUNT = ("--set", "count=3")
+def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callable[..., Any]) -> None:
+    play = start("dotnet", harness, "habits")
+    assert play.wait() == 0, play.output
+    happened = [
+        "OnValidate",
+        "a component's name: renamed",
+        "a line",
+        "shown: a line",
+        "a second one: True",
+        "OnApplicationFocus True",
+        "OnApplicationPause False",
+        "Start of what was made in frame 1",
+        "LateUpdate of what was made in frame 1",
+        "OnGUI",
+        "after await",
+        "Send came to the main thread: True",
+        "deltaTime is capped: True, unscaledDeltaTime: False",
+    ]
+    assert [line for line in play.lines if line in happened] == happened
+    assert "Can't add component 'Once' to renamed: it allows no second one" in play.lines
+    assert "Habits.Start returns IEnumerator: it is left out, because the player runs no coroutines" in play.lines
+    assert "System.InvalidOperationException: in a continuation" in play.lines
+    assert not [line for line in play.lines if "wrong deltaTime" in line]
 
 
 def test_plays_the_console_twins_lines(
@@ -69,10 +91,12 @@ def test_plays_the_console_twins_lines(
     endpoint = serve("01_request_reply")[1]
     twin = start(*console, "1", "--endpoint", endpoint, "--count", "3")
     assert twin.wait() == 0, twin.output
-    played = start(*console, "1", "--unity", "--set", f"endpoint={endpoint}", *COUNT)
-    assert played.wait() == 0, played.output
-    assert played.lines == twin.lines
-    assert played.lines[-1] == "done: 3 replies"
+    # The twin's own options set the fields of these names.
+    for words in (("--endpoint", endpoint, "--count", "3"), ("--set", f"endpoint={endpoint}", "--set", "count=3")):
+        played = start(*console, "1", "--unity", *words)
+        assert played.wait() == 0, played.output
+        assert played.lines == twin.lines
+        assert played.lines[-1] == "done: 3 replies"
 
 
 def test_an_error_in_the_log_is_exit_code_1(console: list[str], start: Callable[..., Any]) -> None:
@@ -84,8 +108,13 @@ def test_an_error_in_the_log_is_exit_code_1(console: list[str], start: Callable[
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["1", "--unity", "--set", "nope=3"], "there are: endpoint count patience"),
+        (["1", "--unity", "--set", "nope=3"], "unknown: --nope; the fields that a script has here: endpoint count patience"),
         (["1", "--unity", "--set", "count=three"], "'three' is no Int32"),
+        (["1", "--unity", "--count", "three"], "--count: 'three' is no Int32"),
+        (["1", "--unity", "--count", "-1"], "--count: it must be at least 0, not -1"),
+        (["2", "--unity", "--tries", "0"], "--tries: it must be at least 1, not 0"),
+        (["2", "--unity", "--patience", "NaN"], "--patience: it must be at least 0.01, not NaN"),
+        (["1", "--unity", "--help"], "--endpoint tcp://127.0.0.1:5551  --count 10  --patience 2.5"),
         (["1", "--unity", "--set", "count"], "--set takes name=value"),
         (["1", "--unity", "--frames", "3"], "unknown: --frames"),
         (["99", "--unity"], "which lesson?"),

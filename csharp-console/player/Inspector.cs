@@ -1,4 +1,4 @@
-// Serialized fields by name, as the inspector shows them and --set endpoint=… sets them.
+// Serialized fields by name, as the inspector shows them and --endpoint … sets them.
 using System;
 using System.Collections.Generic;
 using System.ComponentModel;
@@ -23,6 +23,13 @@ namespace UnityPlayer
                         yield return field;
         }
 
+        /// <summary>What a script's fields have before anybody sets them, in words.</summary>
+        public static IEnumerable<(string Name, string Value)> Defaults(Type script)
+        {
+            var one = Activator.CreateInstance(script);
+            return Fields(script).Select(field => (field.Name, Convert.ToString(field.GetValue(one), CultureInfo.InvariantCulture)));
+        }
+
         /// <summary>Sets a field of every script that has it.</summary>
         /// <exception cref="ArgumentException">No script has it, or the text is no such value; the message says what is.</exception>
         public static void Set(IReadOnlyCollection<MonoBehaviour> scripts, string name, string text)
@@ -36,7 +43,7 @@ namespace UnityPlayer
                 }
             if (found) return;
             var known = scripts.SelectMany(script => Fields(script.GetType())).Select(field => field.Name).Distinct();
-            throw new ArgumentException($"--set {name}: there is no such field; there are: {string.Join(" ", known)}");
+            throw new ArgumentException($"unknown: --{name}; the fields that a script has here: {string.Join(" ", known)}");
         }
 
         private static bool CanSerialize(Type type)
@@ -58,11 +65,11 @@ namespace UnityPlayer
             // Converters wrap what goes wrong in a plain Exception, differently on each runtime.
             catch (Exception e) when (!(e is OutOfMemoryException))
             {
-                throw new ArgumentException($"--set {field.Name}: '{text}' is no {field.FieldType.Name}");
+                throw new ArgumentException($"--{field.Name}: '{text}' is no {field.FieldType.Name}");
             }
             // The inspector of Unity does not let one type anything else.
             if (field.GetCustomAttribute<MinAttribute>() is MinAttribute least && !(Convert.ToSingle(value, CultureInfo.InvariantCulture) >= least.min))
-                throw new ArgumentException(FormattableString.Invariant($"--set {field.Name}: it must be at least {least.min}, not {text}"));
+                throw new ArgumentException(FormattableString.Invariant($"--{field.Name}: it must be at least {least.min}, not {text}"));
             return value;
         }
     }

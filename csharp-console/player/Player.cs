@@ -34,6 +34,21 @@ namespace UnityPlayer
         /// <summary>How often something called Debug.LogError or threw in this Play.</summary>
         public int Errors => Debug.Errors - errorsBefore;
 
+        /// <summary>What each message in the log costs the thread that writes it.</summary>
+        public static TimeSpan LogCost
+        {
+            set => Debug.Cost = value;
+        }
+
+        /// <summary>Whether the scripts are to think that this is a phone.</summary>
+        public static bool Mobile
+        {
+            set => Application.Mobile = value;
+        }
+
+        /// <summary>What OnGUI has drawn last.</summary>
+        public static string Drawn => GUI.Drawn;
+
         /// <summary>True once a script called Application.Quit, or every component with a Done property says true.</summary>
         public bool Done
         {

@@ -14,11 +14,12 @@ namespace UnityPlayer
         /// <exception cref="ArgumentException">There is no such lesson; the message says which there are.</exception>
         public static Type[] Of(Assembly assembly, string lesson)
         {
-            // Unity finds a script's class by the name of its file, and so does this.
+            // Unity finds a script's class by the name of its file, in whatever namespace, and so does this.
+            var classes = assembly.GetTypes().Where(type => !type.IsNested).ToLookup(type => type.Name);
             var found = assembly.GetCustomAttributes<AssemblyMetadataAttribute>()
                 .Where(data => data.Value == "script")
                 .Select(data => data.Key.Split('/', '\\'))
-                .Select(path => (Lesson: path[0], Type: assembly.GetType($"NetMQExample.{path[path.Length - 1]}")))
+                .Select(path => (Lesson: path[0], Type: classes[path[path.Length - 1]].FirstOrDefault()))
                 .Where(script => typeof(MonoBehaviour).IsAssignableFrom(script.Type) && !script.Type.IsAbstract)
                 .ToLookup(script => script.Lesson.Substring(0, 2), script => script.Type);
             var number = lesson.Split('_')[0].PadLeft(2, '0');

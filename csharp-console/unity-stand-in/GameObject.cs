@@ -113,6 +113,8 @@ namespace UnityEngine
         private bool running;
         private bool started;
 
+        public bool useGUILayout { get; set; } = true;
+
         public static void print(object message) => Debug.Log(message);
 
         /// <summary>Awake once, then OnEnable or OnDisable as this component is switched on or off.</summary>

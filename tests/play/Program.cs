@@ -5,11 +5,15 @@
 //     … play.dll keep …                                  every Play on the same statics, as with domain reload off
 //     … play.dll api                                     no Play: what the stand-in of UnityEngine has
 //     … play.dll events                                  one Play, which prints its events in their order
+//     … play.dll habits                                  one Play, in which scripts do what they may do in Unity
+//     … play.dll flood 1 tcp://127.0.0.1:5551 10000      a Play in which each line of the log costs 0.3 ms
+//     … play.dll wrong 4 tries 0                         a Play of ten frames with a field that is wrong
 //
 // It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
 // Threads and sockets are counted by the test, from outside.
 using System;
 using System.Collections.Concurrent;
+using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
 using System.IO;
@@ -31,11 +35,13 @@ namespace NetMQExample.PlayTest
 
         private static int Main(string[] words)
         {
-            if (words[0] == "api" || words[0] == "events")
+            switch (words[0])
             {
-                if (words[0] == "api") Api.Print();
-                else Events.Print();
-                return 0;
+                case "api": Api.Print(); return 0;
+                case "events": Events.Print(); return 0;
+                case "habits": Habits.Print(); return 0;
+                case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
+                case "wrong": return Wrong(words[1], words[2], float.Parse(words[3], CultureInfo.InvariantCulture));
             }
             if (words[0] == "inside") return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
             var inside = words.Skip(1).Prepend("inside").ToArray();
@@ -72,25 +78,84 @@ namespace NetMQExample.PlayTest
             var types = named == null ? Scripts.Of(lessons, script) : new[] { named };
             var player = new Player(lessons);
             GameObject first = null;
+            var all = new List<GameObject>();
             player.Begin(() =>
             {
-                for (var i = clients; i > 0; i--) first = MakeObject($"client {i}", types, endpoint);
+                for (var i = clients; i > 0; i--) all.Add(first = MakeObject($"client {i}", types, endpoint, int.MaxValue));
             });
             Console.WriteLine("playing");
+            var frozen = false;
             for (var asked = ""; asked != "stop"; asked = (string)here.GetData(Asked) ?? "")
             {
                 if (asked.Length > 0) here.SetData(Asked, null);
+                var busy = Stopwatch.StartNew();
                 if (asked == "destroy") Object.Destroy(first);
-                player.Frame();
+                if (asked == "destroy all") all.ForEach(Object.Destroy);
+                if (asked == "recompile") Say("recompiled", player.Recompile());
+                if (asked == "pause" || asked == "resume")
+                {
+                    Player.Mobile = true;
+                    player.Pause(asked == "pause");
+                    Console.WriteLine($"{asked}d");
+                }
+                frozen = frozen || asked == "freeze";
+                if (!frozen) player.Frame();
+                if (asked == "freeze") Console.WriteLine("frozen");
                 if (asked == "destroy") Console.WriteLine("destroyed");
+                if (asked == "destroy all") Say("destroyed", busy.Elapsed);
                 Thread.Sleep(5);
             }
+            Player.Mobile = false;
             here.SetData(Asked, null);
             Say("stopped", player.Stop());
             return 0;
         }
 
-        private static GameObject MakeObject(string name, Type[] types, string endpoint)
+        // How many lines at most one frame has logged, which no load of the machine can make more.
+        private static int Flood(string script, string endpoint, int count)
+        {
+            var lessons = typeof(NetMQLifetime).Assembly;
+            var player = new Player(lessons);
+            int lines = 0, before = 0, most = 0, frames = 0;
+            Application.logMessageReceived += (line, stack, type) => lines++;
+            player.Begin(() => MakeObject("flood", Scripts.Of(lessons, script), endpoint, count));
+            Player.LogCost = TimeSpan.FromMilliseconds(0.3);
+            for (; !player.Done; frames++)
+            {
+                player.Frame();
+                (most, before) = (Math.Max(most, lines - before), lines);
+            }
+            Player.LogCost = TimeSpan.Zero;
+            player.Stop();
+            Console.WriteLine($"{lines} lines in {frames} frames, at most {most} in one");
+            return 0;
+        }
+
+        private static int Wrong(string script, string name, float value)
+        {
+            var lessons = typeof(NetMQLifetime).Assembly;
+            var player = new Player(lessons);
+            GameObject thing = null;
+            player.Begin(() =>
+            {
+                thing = MakeObject("wrong", Scripts.Of(lessons, script), "tcp://127.0.0.1:9", 3, false);
+                Console.WriteLine($"done before it was enabled: {player.Done}");
+                foreach (var part in Scripts.Of(lessons, script).Select(type => thing.GetComponent(type)))
+                    foreach (var field in Inspector.Fields(part.GetType()).Where(field => field.Name == name))
+                        field.SetValue(part, Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
+                thing.SetActive(true);
+            });
+            for (var i = 0; i < 10 || (!player.Done && i < 1000); i++)
+            {
+                player.Frame();
+                Thread.Sleep(5);
+            }
+            player.Stop();
+            Console.WriteLine($"errors: {player.Errors}");
+            return 0;
+        }
+
+        private static GameObject MakeObject(string name, Type[] types, string endpoint, int count, bool on = true)
         {
             var thing = new GameObject(name);
             thing.SetActive(false);
@@ -98,10 +163,10 @@ namespace NetMQExample.PlayTest
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
                     if (field.GetValue(script) is string text && text.StartsWith("tcp://", StringComparison.Ordinal)) field.SetValue(script, endpoint);
-                    // So that it is still asking when Stop comes.
-                    if (field.Name == "count") field.SetValue(script, int.MaxValue);
+                    // As a rule so many that it is still asking when Stop comes.
+                    if (field.Name == "count") field.SetValue(script, count);
                 }
-            thing.SetActive(true);
+            thing.SetActive(on);
             return thing;
         }
 

@@ -6,7 +6,6 @@
 using System;
 using System.Threading;
 using UnityEngine;
-using Stopwatch = System.Diagnostics.Stopwatch;
 
 namespace NetMQExample
 {
@@ -34,7 +33,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
-            var time = Stopwatch.StartNew();
+            var time = System.Diagnostics.Stopwatch.StartNew();
             using var subscriber = new PoseSubscriber(endpoint, snapshots, Log, hwm);
             while (subscriber.Received < count && time.Elapsed.TotalSeconds < seconds)
             {

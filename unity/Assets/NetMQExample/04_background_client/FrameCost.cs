@@ -11,6 +11,8 @@ namespace NetMQExample
         // In the first frames code is compiled and queues grow. What counts is what goes on for hours.
         private const int WarmUp = 100;
 
+        private static readonly bool Counted = CountsBytes();
+
         private readonly double[] milliseconds;
         private int frame = -WarmUp;
         private long allocatedBefore, allocated, start;
@@ -52,7 +54,17 @@ namespace NetMQExample
             foreach (var time in sorted) sum += time;
             string Below(double share) => FormattableString.Invariant($"{sorted[(int)(share * (sorted.Length - 1))]:F4} ms");
             return FormattableString.Invariant($"{sorted.Length} frames: mean {sum / sorted.Length:F4} ms, ")
-                + $"half below {Below(0.5)}, 99 of 100 below {Below(0.99)}, longest {Below(1)}, {allocated} bytes allocated";
+                + $"half below {Below(0.5)}, 99 of 100 below {Below(0.99)}, longest {Below(1)}, "
+                + (Counted ? $"{allocated} bytes allocated" : "bytes are not counted by this runtime");
+        }
+
+        // The garbage collector of Unity's Mono and of IL2CPP says 0 whatever was allocated; there the Profiler window
+        // of the editor has it, as GC Allocated In Frame.
+        private static bool CountsBytes()
+        {
+            var before = GC.GetAllocatedBytesForCurrentThread();
+            GC.KeepAlive(new byte[100_000]);
+            return GC.GetAllocatedBytesForCurrentThread() - before >= 100_000;
         }
     }
 }

@@ -12,12 +12,14 @@ namespace NetMQExample
     [DisallowMultipleComponent]
     public sealed class HelloBackground : MonoBehaviour
     {
-        [SerializeField] private string endpoint = "tcp://127.0.0.1:5554";
-        [SerializeField] private int count = 10;
+        [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5554";
+        [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
         [SerializeField, Tooltip("hello, or echo TEXT")] private string text = "hello";
-        [SerializeField, Tooltip("Seconds to wait for each reply")] private float patience = 1;
-        [SerializeField, Tooltip("How often to send a request before giving up")] private int tries = 20;
-        [SerializeField, Tooltip("Log no replies, and measure this number of frames")] private int measure = 0;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 1;
+        [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 20;
+        [SerializeField, Min(0), Tooltip("Log no replies, and measure this number of frames")] private int measure = 0;
+        [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
+        private bool runInBackground = true;
 
         // Made once: written at the call, they would be new objects in each frame.
         private Action<string> onReply, onError;
@@ -34,20 +36,24 @@ namespace NetMQExample
 
         private void OnEnable()
         {
-            // Without it Unity stops calling Update when another window has the focus.
-            if (!Application.runInBackground) Debug.Log("Application.runInBackground is now true");
-            Application.runInBackground = true;
+            if (runInBackground && !Application.runInBackground)
+            {
+                // Without it Unity stops calling Update when another window has the focus.
+                Application.runInBackground = true;
+                Debug.Log("Application.runInBackground is now true");
+            }
             (onReply, onError, shown, Done) = (OnReply, OnError, "", false);
             (asked, replies, frames, longest) = (0, 0, 0, 0);
             cost = measure > 0 ? new FrameCost(measure) : null;
-            Client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(patience), tries);
-            Debug.Log($"asking {endpoint}");
+            Connect();
+            if (Client != null) Debug.Log($"asking {endpoint}");
         }
 
         private void Update()
         {
             if (Done) return;
-            if (frames++ > 0) longest = Math.Max(longest, Time.deltaTime);
+            // Time.deltaTime never says more than Time.maximumDeltaTime, a third of a second.
+            if (frames++ > 0) longest = Math.Max(longest, Time.unscaledDeltaTime);
             cost?.Begin();
             Client.Poll();
             if ((asked < count || cost != null) && Client.Request(text, onReply, onError)) asked++;
@@ -60,7 +66,31 @@ namespace NetMQExample
         {
             // What is still under way ends with OnError, before Dispose returns.
             Done = true;
-            Client.Dispose();
+            Client?.Dispose();
+        }
+
+        // iOS and Android take the sockets of an app that is not seen. What was under way then is asked again.
+        private void OnApplicationPause(bool paused)
+        {
+            if (!Application.isMobilePlatform || Done || Client == null) return;
+            if (paused) Client.Dispose();
+            else if (Client.State == ClientState.Disposed) Connect();
+        }
+
+        private void Connect()
+        {
+            Client = null;
+            try
+            {
+                if (!(patience > 0 && patience <= 86400)) throw new ArgumentException($"patience must be more than 0 s and at most a day, not {patience}");
+                Client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(patience), tries);
+            }
+            catch (ArgumentException e)
+            {
+                // Said once: without a client Update has nothing to do.
+                Done = true;
+                Debug.LogError($"gave up: {e.Message}");
+            }
         }
 
         private void OnReply(string reply)
@@ -73,7 +103,8 @@ namespace NetMQExample
 
         private void OnError(string why)
         {
-            if (!Done) Finish(why);
+            if (Client.State == ClientState.Disposed) asked--;
+            else if (!Done) Finish(why);
         }
 
         private void ShowTrouble()

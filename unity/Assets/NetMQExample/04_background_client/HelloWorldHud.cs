@@ -1,4 +1,5 @@
-// A head-up display for lesson 04: what a BackgroundClient knows, in the corner of the game's view.
+// A head-up display for lesson 04: what a BackgroundClient knows, in the corner of the game's view. A headset shows
+// nothing that is drawn there: with a TextMesh (3D Object, Legacy, 3D Text) on the same GameObject it stands in the scene.
 //
 // Use: add it to the GameObject with HelloBackground. For a component of your own, write its name in place of that one, and
 // let it have a property Client.
@@ -14,25 +15,37 @@ namespace NetMQExample
         private const float Interval = 0.5f;
 
         private HelloBackground source;
+        private BackgroundClient client;
+        private TextMesh mesh;
         private float next, before;
         private int repliesBefore;
 
         /// <summary>What is drawn.</summary>
         public string Text { get; private set; } = "";
 
-        private void OnEnable() => source = GetComponent<HelloBackground>();
+        private void OnEnable()
+        {
+            // IMGUI's own layout would cost a pass, and garbage, in each frame.
+            useGUILayout = false;
+            (source, mesh) = (GetComponent<HelloBackground>(), GetComponent<TextMesh>());
+        }
 
         private void Update()
         {
             var now = Time.realtimeSinceStartup;
-            var client = source.Client;
-            if (client == null || now < next) return;
-            var rate = (client.Replies - repliesBefore) / (now - before);
+            if (source.Client == null || now < next) return;
+            if (client != source.Client) (client, before, repliesBefore) = (source.Client, now, 0);
+            // A client that was made just now has no rate yet.
+            var rate = now > before ? (client.Replies - repliesBefore) / (now - before) : 0;
             Text = $"{client.State}\nround trip {client.RoundTripTime.TotalMilliseconds:F1} ms\n"
                 + $"{rate:F0} messages a second\n{client.LastError}";
             (next, before, repliesBefore) = (now + Interval, now, client.Replies);
+            if (mesh != null) mesh.text = Text;
         }
 
-        private void OnGUI() => GUI.Label(new Rect(10, 10, 800, 100), Text);
+        private void OnGUI()
+        {
+            if (mesh == null) GUI.Label(new Rect(10, 10, 800, 100), Text);
+        }
     }
 }

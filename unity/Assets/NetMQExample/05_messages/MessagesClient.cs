@@ -21,8 +21,7 @@ namespace NetMQExample
 
         private Texture2D texture;
 
-        private void Awake() =>
-            texture = new Texture2D(TestCamera.Width, TestCamera.Height, TextureFormat.RGB24, false);
+        private void Awake() => texture = new Texture2D(TestCamera.Width, TestCamera.Height, TextureFormat.RGB24, false);
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)

@@ -65,7 +65,7 @@ namespace NetMQExample
         /// <returns>The same.</returns>
         protected static TimeSpan Seconds(float patience) => patience > 0 && patience <= 86400
             ? TimeSpan.FromSeconds(patience)
-            : throw new ArgumentException($"patience must be more than 0 s and at most a day (86400), not {patience}");
+            : throw new ArgumentException($"patience must be more than 0 s and at most a day, not {patience}");
 
         /// <summary>Starts the thread.</summary>
         protected virtual void OnEnable()
