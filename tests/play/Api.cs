@@ -26,7 +26,8 @@ namespace NetMQExample.PlayTest
 
         public static void Print()
         {
-            var types = typeof(UnityEngine.Object).Assembly.GetExportedTypes();
+            // A delegate stands where it is used.
+            var types = typeof(UnityEngine.Object).Assembly.GetExportedTypes().Where(type => !typeof(Delegate).IsAssignableFrom(type));
             foreach (var type in types.OrderBy(type => type.FullName, StringComparer.Ordinal))
             {
                 var plain = type.IsValueType || type.BaseType == typeof(object) || type.BaseType == null;

@@ -119,7 +119,8 @@ namespace NetMQExample.PlayTest
             int lines = 0, before = 0, most = 0, frames = 0;
             Application.logMessageReceived += (line, stack, type) => lines++;
             player.Begin(() => MakeObject("flood", Scripts.Of(lessons, script), endpoint, count));
-            Player.LogCost = TimeSpan.FromMilliseconds(0.3);
+            // Not FromMilliseconds: Mono makes that a whole number.
+            Player.LogCost = TimeSpan.FromTicks(3000);
             for (; !player.Done; frames++)
             {
                 player.Frame();

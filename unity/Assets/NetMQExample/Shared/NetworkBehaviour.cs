@@ -76,6 +76,9 @@ namespace NetMQExample
                 Application.runInBackground = true;
                 Debug.Log("Application.runInBackground is now true");
             }
+            // Whoever was destroyed just now hears of no OnApplicationQuit, and its thread may still be ending.
+            Application.quitting -= EndAll;
+            Application.quitting += EndAll;
 #if UNITY_EDITOR
             // A script was changed while playing: its assembly is unloaded with everything that runs in it.
             UnityEditor.AssemblyReloadEvents.beforeAssemblyReload -= EndAll;
