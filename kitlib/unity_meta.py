@@ -197,7 +197,9 @@ def scene(scripts: list[Path]) -> str:
         *(script(n, 200, path) for n, path in zip(numbers, scripts, strict=True)),
         CUBE.format(mesh=last + 1, renderer=last + 2) if moves else "",
         # Down and to the right, as the light of a new scene in Unity.
-        game_object(300, "Light", "Untagged", "{x: 0, y: 3, z: 0}", [301, 302], "{x: 0.41, y: -0.23, z: 0.11, w: 0.88}"),
+        game_object(
+            300, "Light", "Untagged", "{x: 0, y: 3, z: 0}", [301, 302], "{x: 0.41, y: -0.23, z: 0.11, w: 0.88}"
+        ),
         LIGHT,
         game_object(400, "Last line", "Untagged", "{x: 0, y: 4, z: 0}", [401, 402, 403, 404]),
         TEXT,

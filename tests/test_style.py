@@ -83,7 +83,8 @@ def limit(path):
     """A server has about 60 lines, a MonoBehaviour too, a console twin 30, a class to take home 120."""
     if path.parent.name == "csharp-console":
         return 30
-    return 60 if path.name == "server.py" or ": MonoBehaviour" in path.read_text(encoding="utf-8") else 120
+    component = re.search(r": (Mono|Network)Behaviour\b", path.read_text(encoding="utf-8"))
+    return 60 if path.name == "server.py" or component else 120
 
 
 LESSON_FILES = [

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,6 +28,12 @@ def project(tmp_path: Path) -> Path:
     (root / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 2022.3.10f1\n")
     (root / "Packages" / "manifest.json").write_text('{"dependencies": {"com.unity.ugui": "1.0.0"}}')
     return root
+
+
+@pytest.fixture(autouse=True)
+def python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which Python the lessons run with is not the question here."""
+    monkeypatch.setattr(python_setup, "interpreter", lambda *extras: Path("KIT/.venv/bin/python"))
 
 
 @pytest.fixture
@@ -69,14 +77,12 @@ def test_the_page_shows_what_is_printed(
     page = ROOT / "docs" / "guide" / "unity_project.md"
     (shown,) = [block.body for block in guide.blocks(page) if "test_the_page_shows_what_is_printed" in block.source]
     kit = tmp_path / "KIT"
-    (kit / ".venv" / "bin").mkdir(parents=True)
-    (kit / ".venv" / "bin" / "python").touch()
     licences = unity_install.notices()
     monkeypatch.setattr(unity_install, "ROOT", kit)
-    monkeypatch.setattr(python_setup, "venv_python", lambda: kit / ".venv" / "bin" / "python")
     monkeypatch.setattr(unity_install, "notices", lambda: licences)
     unity_install.install(project, "4", False)
-    assert capsys.readouterr().out.replace(f"{tmp_path}/", "") == shown
+    printed = capsys.readouterr().out.replace("\\", "/")
+    assert printed.replace(f"{tmp_path.as_posix()}/", "") == shown
 
 
 def test_again_changes_nothing(project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -90,7 +96,7 @@ def test_again_changes_nothing(project: Path, nuget: Path, capsys: pytest.Captur
 
 def test_a_newer_kit_replaces_what_it_wrote(project: Path, nuget: Path) -> None:
     unity_install.install(project, None, False)
-    dll = nuget / "netmq" / "4.0.2.2" / "lib" / "netstandard2.1" / "NetMQ.dll"
+    dll = nuget / "netmq" / unity_install.LIBRARIES[0][1] / "lib" / "netstandard2.1" / "NetMQ.dll"
     dll.write_bytes(b"MZ newer")
     unity_install.install(project, None, False)
     assert (project / TARGET / "Plugins" / "NetMQ.dll").read_bytes() == b"MZ newer"
@@ -127,9 +133,16 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
     assert (project / TARGET / "NetMQExample.asmdef").exists(), "the game's own assemblies could not refer to them"
     assert not list((project / TARGET).rglob("*.unity"))
     if key.startswith("01"):
-        assert copied == {"HelloClient.cs", "HelloRequester.cs", "NetMQLifetime.cs"}
+        assert copied == {
+            "BufferManager.cs",
+            "HelloClient.cs",
+            "HelloRequester.cs",
+            "NetMQLifetime.cs",
+            "NetworkBehaviour.cs",
+        }
     # Whatever class of the kit a copied file uses has come along.
     stems = {path.stem for path in PACKAGE.glob("[0-9]*/*.cs") if path.parent.name <= key}
+    stems |= {path.stem for path in PACKAGE.glob("Shared/*.cs")}
     for path in (project / TARGET).rglob("*.cs"):
         words = set(re.findall(r"(?<![\w.])\w+", re.sub(r"//.*", "", path.read_text(encoding="utf-8"))))
         assert {f"{stem}.cs" for stem in stems & words} <= copied
@@ -139,6 +152,112 @@ def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
     (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.2-2"}}')
     unity_install.install(project, None, False)
     assert not (project / TARGET / "Plugins").exists()
+
+
+@pytest.mark.parametrize("where", ["packages-lock.json", "PackageCache"])
+def test_a_netmq_that_another_package_brings_is_seen(where: str, project: Path, nuget: Path) -> None:
+    """manifest.json does not name it; Unity writes down what it has resolved."""
+    if where == "PackageCache":
+        (project / "Library" / "PackageCache" / "org.nuget.netmq@4.0.2-1234").mkdir(parents=True)
+    else:
+        brought = {"dependencies": {"org.nuget.netmq": {"version": "4.0.2", "depth": 1, "source": "registry"}}}
+        (project / "Packages" / where).write_text(json.dumps(brought))
+    unity_install.install(project, "4", False)
+    assert not (project / TARGET / "Plugins").exists()
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "{}"])
+def test_a_damaged_lock_is_none(text: str, project: Path, nuget: Path) -> None:
+    (project / "Packages" / "packages-lock.json").write_text(text)
+    unity_install.install(project, "4", False)
+    assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
+
+
+def test_the_stub_is_left_out_where_the_real_library_is(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    assert (project / TARGET / "ServiceModel" / "System.ServiceModel.Primitives.asmdef").exists()
+    shutil.rmtree(project / TARGET)
+    real = project / "Assets" / "Packages" / "System.ServiceModel.Primitives.dll"
+    real.parent.mkdir()
+    real.write_bytes(b"MZ")
+    unity_install.install(project, "4", False)
+    assert not (project / TARGET / "ServiceModel").exists()
+    assert not (project / TARGET / "ServiceModel.meta").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has access lists instead of these bits")
+def test_what_is_copied_is_for_everybody(project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder of tempfile's is for one account, and on Windows so is what is moved out of it."""
+    seen = []
+    replace = os.replace
+
+    def look(source: Path, target: Path) -> None:
+        seen.append(source.parent.stat().st_mode & 0o777)
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", look)
+    old = os.umask(0o022)
+    try:
+        unity_install.install(project, "1", False)
+    finally:
+        os.umask(old)
+    assert set(seen) == {0o755}
+
+
+def test_a_read_only_file_is_named_before_anything_is_copied(
+    project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On Windows it cannot be replaced; root can do anything, so the question itself is answered here."""
+    unity_install.install(project, "1", False)
+    (project / TARGET / "01_request_reply" / "HelloRequester.cs").unlink()
+    dll = nuget / "netmq" / unity_install.LIBRARIES[0][1] / "lib" / "netstandard2.1" / "NetMQ.dll"
+    dll.write_bytes(b"MZ newer")
+    before = listing(project)
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "NetMQ.dll")
+    with pytest.raises(KitError, match=r"Plugins/NetMQ\.dll is read-only: nothing was copied") as error:
+        unity_install.install(project, "1", False)
+    assert "\n" not in str(error.value)
+    assert listing(project) == before
+
+
+def test_a_file_that_is_open_for_a_moment_is_tried_again(
+    project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tries = []
+    replace = os.replace
+
+    def busy(source: Path, target: Path) -> None:
+        tries.append(target)
+        if len(tries) == 1:
+            raise PermissionError(13, "used by another process")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", busy)
+    unity_install.install(project, "1", False)
+    assert tries[0] == tries[1]
+    assert (project / TARGET / "01_request_reply" / "HelloClient.cs").exists()
+
+
+@pytest.mark.parametrize(
+    ("system", "python", "line"),
+    [
+        ("posix", "/kit/python", "/kit/python /kit/server.py"),
+        ("posix", "/my kit/python", '"/my kit/python" /kit/server.py'),
+        ("nt", "/kit/python", "/kit/python /kit/server.py"),
+        ("nt", "/my kit/python", '& "/my kit/python" /kit/server.py   (in a command prompt without the &)'),
+    ],
+)
+def test_the_last_line_fits_the_shell(system: str, python: str, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(unity_install.os, "name", system)
+    said = unity_install.command(python, "/kit/server.py")
+    monkeypatch.undo()
+    assert said == line
+
+
+def test_a_backslash_before_the_quotation_mark_is_named() -> None:
+    """`"C:\\My Game\\" --lesson 4` arrives on Windows as one word."""
+    with pytest.raises(KitError, match="leave out the backslash before the quotation mark"):
+        unity_install.install(Path('C:\\My Game" --lesson 4'), None, False)
 
 
 def test_a_library_that_is_there_alone_is_not_copied_again(project: Path, nuget: Path) -> None:

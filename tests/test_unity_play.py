@@ -298,21 +298,20 @@ def test_ten_clients_and_one_destroyed_early(
 
 
 @every_way
-def test_destroyed_objects_are_not_waited_for(
-    runtime: str, mode: str, editor: Callable[..., Any], silent: str
-) -> None:
-    """Ten clients that wait for a reply, all destroyed in one frame. The best of five, for the machine's sake."""
+def test_destroyed_objects_are_not_waited_for(runtime: str, mode: str, editor: Callable[..., Any], silent: str) -> None:
+    """Ten clients that wait for a reply, all destroyed in one frame."""
     unity = editor(runtime, mode, "1", silent, 10, "10 clients, all destroyed while they wait")
-    took = []
     for _ in range(5):
         unity.play()
         for _ in range(10):
             unity.wait_for("^asking")
+        stalled = unity.milliseconds_without_a_core()
         unity.press("destroy all")
-        took.append(float(unity.wait_for(r"^destroyed in ([\d.]+) ms")[1]))
+        took = float(unity.wait_for(r"^destroyed in ([\d.]+) ms")[1])
+        stalled = unity.milliseconds_without_a_core() - stalled
+        # Those that are waited for take up to 50 ms each, and 200 together.
+        assert took - stalled < 100, f"{took} ms, {stalled:.0f} of them without a core"
         unity.stop()
-    # Those that are waited for take 50 ms each, and 200 together.
-    assert min(took) < 40, took
 
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
@@ -390,7 +389,7 @@ def test_a_flood_of_replies_fills_no_frame(
         needs_mono(engine)
     endpoint = serve("01_request_reply", "--quiet")[1]
     play = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "flood", "1", endpoint, "10000")
-    assert play.wait(120) == 0, play.output[-2000:]
+    assert play.wait(300) == 0, play.output[-2000:]
     found = re.fullmatch(r"(\d+) lines in (\d+) frames, at most (\d+) in one", play.lines[-1])
     assert found, play.output[-2000:]
     replies = [line for line in play.lines if "sent Hello" in line]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
 import signal
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -85,6 +88,47 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
     assert not [line for line in play.lines if "wrong deltaTime" in line]
 
 
+def build(engine: dotnet.Engine, project: str, into: Path, *properties: str) -> Path:
+    """Build somewhere else than kit.py does; returns the folder."""
+    command = ["dotnet", "build", ROOT / "csharp-console" / project, *engine.properties, "-v", "quiet", "--nologo"]
+    words = [str(word) for word in [*command, f"-p:ArtifactsPath={into}", *properties]]
+    environment = {**os.environ, **dotnet.ENVIRONMENT}
+    done = subprocess.run(words, capture_output=True, text=True, timeout=110, env=environment)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return into
+
+
+MINE = """using UnityEngine;
+
+public class MyOwn : MonoBehaviour
+{
+    [SerializeField] private int times = 1;
+    private int unused = 3;
+    public bool Done;
+
+    void Update() { int alsoUnused; for (var i = 0; i < times; i++) Debug.Log("mine"); Application.Quit(); }
+}
+"""
+
+
+def test_a_readers_own_script_is_built_and_played(
+    engine: dotnet.Engine, tmp_path: Path, start: Callable[..., Any]
+) -> None:
+    """Without XML documentation, with warnings, in no namespace: as one writes it."""
+    scripts = tmp_path / "scripts"
+    shutil.copytree(ROOT / "unity" / "Assets" / "NetMQExample", scripts)
+    (scripts / "07_mine").mkdir()
+    (scripts / "07_mine" / "MyOwn.cs").write_text(MINE)
+    out = build(engine, "csharp-console.csproj", tmp_path / "out", f"-p:PackageScripts={scripts}/")
+    played = start("dotnet", next(out.glob("bin/csharp-console/*/csharp-console.dll")), "7", "--unity", "--times", "2")
+    assert played.wait() == 0, played.output
+    assert played.lines == ["mine", "mine"]
+
+
+def test_the_kits_own_scripts_have_no_warning(engine: dotnet.Engine, tmp_path: Path) -> None:
+    build(engine, "lessons/NetMQExample.csproj", tmp_path / "out", "-p:Strict=true")
+
+
 def test_plays_the_console_twins_lines(
     console: list[str], serve: Callable[..., Any], start: Callable[..., Any]
 ) -> None:
@@ -108,7 +152,10 @@ def test_an_error_in_the_log_is_exit_code_1(console: list[str], start: Callable[
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["1", "--unity", "--set", "nope=3"], "unknown: --nope; the fields that a script has here: endpoint count patience"),
+        (
+            ["1", "--unity", "--set", "nope=3"],
+            "unknown: --nope; the fields that a script has here: endpoint count patience",
+        ),
         (["1", "--unity", "--set", "count=three"], "'three' is no Int32"),
         (["1", "--unity", "--count", "three"], "--count: 'three' is no Int32"),
         (["1", "--unity", "--count", "-1"], "--count: it must be at least 0, not -1"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from kitlib import guide
+from kitlib import guide, unity_install
 from kitlib.unity_meta import PACKAGE, assets, behaviours, guid, meta_of, own_guid
 from tests.programs import ROOT
 
@@ -72,8 +73,17 @@ def test_each_lesson_has_a_scene_with_its_scripts(lesson: Path) -> None:
     by_guid = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
     found = re.findall(r"m_Script: \{fileID: 11500000, guid: ([0-9a-f]{32}), type: 3\}", text)
     assert all(one in by_guid for one in found), "the scene names a script that is not there"
-    # The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold the same.
-    assert {by_guid[one] for one in found} == set(behaviours(lesson))
+    # The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold the same, and what shows it.
+    assert {by_guid[one] for one in found} == {*behaviours(lesson), PACKAGE / "Shared" / "LastLine.cs"}
+
+
+@pytest.mark.parametrize("path", SCENES, ids=relative)
+def test_something_can_be_seen_in_a_scene(path: Path) -> None:
+    kinds = [kind for kind, _, _ in documents(path.read_text(encoding="utf-8"))]
+    # A light, and a text with its renderer; in lesson 03 a cube that moves.
+    assert kinds.count(108) == 1 and kinds.count(102) == 1
+    assert kinds.count(23) == (2 if path.stem.startswith("03") else 1)
+    assert kinds.count(33) == (1 if path.stem.startswith("03") else 0)
 
 
 @pytest.mark.parametrize("path", SCENES, ids=relative)
@@ -128,6 +138,33 @@ def test_assembly_definitions_refer_to_what_exists() -> None:
         assert definition["overrideReferences"] or not definition["precompiledReferences"]
 
 
+def test_what_netmq_names_is_there_and_no_more(tmp_path: Path) -> None:
+    """IL2CPP's linker wants every name in NetMQ.dll to be found; where the real library is, this one is left out."""
+    definition = definitions()[PACKAGE / "ServiceModel" / "System.ServiceModel.Primitives.asmdef"]
+    (version,) = definition["versionDefines"]
+    assert version["name"] == "org.nuget.system.servicemodel.primitives" and version["expression"] == ""
+    assert definition["defineConstraints"] == [f"!{version['define']}"]
+    assert not definition["autoReferenced"], "no script of a game should see it"
+    code = (PACKAGE / "ServiceModel" / "BufferManager.cs").read_text(encoding="utf-8")
+    members = set(re.findall(r"public (?:static|abstract) [\w\[\]]+ (\w+)\(", code))
+    disassembler = shutil.which("ikdasm") or shutil.which("monodis")
+    dlls = list(unity_install.nuget_folder().glob("netmq/*/lib/netstandard2.1/NetMQ.dll"))
+    if not disassembler or not dlls:
+        pytest.skip("it needs ikdasm or monodis (of Mono), and NetMQ from NuGet")
+    for dll in dlls:
+        text = subprocess.run([disassembler, dll], capture_output=True, text=True, timeout=60, check=True).stdout
+        named = re.findall(r"\[System\.ServiceModel\.Primitives\]([\w.]+)(?:::(\w+))?", text)
+        assert {kind for kind, _ in named} == {"System.ServiceModel.Channels.BufferManager"}
+        assert {member for _, member in named if member} == members
+    # What is not in .NET Standard and not here must not be named at all.
+    assert set(re.findall(r"^\.assembly extern (\S+)", text, re.MULTILINE)) == {
+        "netstandard",
+        "AsyncIO",
+        "NaCl",
+        "System.ServiceModel.Primitives",
+    }
+
+
 def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error() -> None:
     by_name = {definition["name"]: definition for definition in definitions().values()}
     assert by_name["NetMQExample"]["excludePlatforms"] == ["WebGL"]
@@ -149,6 +186,10 @@ def test_the_package_is_valid() -> None:
     # What the package needs of Unity, the project has.
     manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
     assert package["dependencies"].items() <= manifest["dependencies"].items()
+    # Who adds the package by its address gets these, and nothing else of the repository.
+    assert (PACKAGE / "LICENSE.md").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert f"[{package['version']}]" in (PACKAGE / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert "NetMQ" in (PACKAGE / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_manifest_gets_netmq_from_a_scoped_registry() -> None:
@@ -165,7 +206,19 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry() -> None:
 
 def test_unity_is_a_version_that_can_have_netmq() -> None:
     text = (UNITY / "ProjectSettings" / "ProjectVersion.txt").read_text(encoding="utf-8")
-    assert re.match(r"m_EditorVersion: 6000\.0\.\d+f\d+\n", text)
+    found = re.match(
+        r"m_EditorVersion: 6000\.0\.(\d+)f\d+\nm_EditorVersionWithRevision: 6000\.0\.\1f\d+ \([0-9a-f]{12}\)\n", text
+    )
+    # Earlier ones have CVE-2025-59489.
+    assert found and int(found[1]) >= 58
+    settings = (UNITY / "ProjectSettings" / "ProjectSettings.asset").read_text(encoding="utf-8")
+    assert "\n  m_ActiveColorSpace: 1\n" in settings, "left out, it is gamma"
+
+
+def test_an_editor_for_code_finds_the_project() -> None:
+    """Without its package Unity writes no .csproj: no completion and no debugger."""
+    manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    assert {"com.unity.ide.rider", "com.unity.ide.visualstudio"} <= manifest["dependencies"].keys()
 
 
 def test_no_third_party_dll_is_in_the_repository() -> None:
@@ -178,7 +231,7 @@ def test_no_third_party_dll_is_in_the_repository() -> None:
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.cs")), ids=relative)
 def test_a_script_is_a_file_that_unity_can_attach(path: Path) -> None:
     """A MonoBehaviour whose class is not named like its file cannot be put on a game object."""
-    classes = re.findall(r"class (\w+) : MonoBehaviour", path.read_text(encoding="utf-8"))
+    classes = re.findall(r"class (\w+) : (?:Mono|Network)Behaviour\b", path.read_text(encoding="utf-8"))
     assert classes in ([], [path.stem])
 
 
@@ -190,12 +243,7 @@ def test_the_page_shows_what_the_kits_own_manifest_has() -> None:
     assert shown["dependencies"].items() <= manifest["dependencies"].items()
 
 
-def test_the_linker_keeps_netmq() -> None:
+def test_the_linker_is_not_told_to_keep_all_of_netmq() -> None:
+    """Kept whole it would drag in what only its BufferPool names, at every stripping level."""
     text = (PACKAGE / "link.xml").read_text(encoding="utf-8")
-    # In a WebGL build all of them are missing.
-    assert re.findall(r'assembly fullname="(\w+)" preserve="all" ignoreIfMissing="1"', text) == [
-        "NetMQ",
-        "AsyncIO",
-        "NaCl",
-        "NetMQExample",
-    ]
+    assert re.findall(r'assembly fullname="(\w+)" preserve="all" ignoreIfMissing="1"', text) == ["NetMQExample"]
