@@ -272,7 +272,7 @@ def next_steps(root: Path, lesson: str | None) -> list[str]:
 
 
 def command(*words: str | Path) -> str:
-    """A line for the terminal. PowerShell takes a line that begins with a quotation mark for a text, unless & stands first."""
+    """A line for the terminal. To PowerShell what begins with a quotation mark is a text, unless & comes first."""
     quoted = [f'"{word}"' if " " in str(word) else str(word) for word in words]
     if os.name == "nt" and quoted[0].startswith('"'):
         return f"& {' '.join(quoted)}   (in a command prompt without the &)"

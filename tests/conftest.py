@@ -85,15 +85,8 @@ def client_command(request: pytest.FixtureRequest) -> Callable[..., list[str]]:
             return [str(PYTHON), str(ROOT / "python" / key / "client.py"), "--endpoint", endpoint, *options]
         # Asked for only now, so that the Python clients are tested where there is no .NET SDK.
         console: list[str] = request.getfixturevalue("console")
-        if kind == "csharp":
-            return [*console, key, "--endpoint", endpoint, *options]
         # The MonoBehaviour's serialized fields have the names of the options.
-        fields = [f"{name[2:]}={value}" for name, value in zip(options[::2], options[1::2], strict=True)]
-        return [
-            *console,
-            key,
-            "--unity",
-            *(word for field in [f"endpoint={endpoint}", *fields] for word in ("--set", field)),
-        ]
+        unity = ["--unity"] if kind == "unity" else []
+        return [*console, key, *unity, "--endpoint", endpoint, *options]
 
     return command

@@ -93,7 +93,7 @@ def test_jpeg(kind, serve, start, client_command):
     pytest.importorskip("PIL", reason="JPEG needs Pillow: pip install pillow")
     _, endpoint = serve(KEY)
     command = client_command(kind, KEY, endpoint, "--count", "3")
-    client = start(*command, *(["--jpeg"] if kind == "python" else ["--set", "jpeg=true"]))
+    client = start(*command, *(["--jpeg"]))
     assert client.wait() == 0, client.output
     for i, printed in enumerate(client.lines[1:4], 1):
         size = int(re.search(r"(\d+) bytes", printed)[1])

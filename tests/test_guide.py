@@ -121,9 +121,9 @@ def run_kit(words, start, engine):
 def run_client(kind, key, options, serve, start, client_command):
     _, endpoint = serve(key)
     if options[:1] == ["--unity"]:
-        # --set NAME=VALUE, again and again; the endpoint is the test's own.
-        kind, fields = "unity", [field.split("=") for field in options[2::2]]
-        options = [word for name, value in fields if name != "endpoint" for word in (f"--{name}", value)]
+        # The endpoint is the test's own.
+        kind, pairs = "unity", zip(options[1::2], options[2::2], strict=True)
+        options = [word for name, value in pairs if name != "--endpoint" for word in (name, value)]
     program = start(*client_command(kind, key, endpoint, *options))
     assert program.wait(120) in (0, 1), program.output
     assert "Traceback" not in program.output

@@ -316,7 +316,7 @@ def test_destroyed_objects_are_not_waited_for(runtime: str, mode: str, editor: C
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_a_recompile_while_playing(runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]) -> None:
-    """Unity disables everything, loads the new assembly and enables everything: the old run leaves nothing to the new."""
+    """Unity disables everything, loads the new assembly and enables everything: the old run leaves it nothing."""
     endpoint = serve("01_request_reply", "--delay", "0.002")[1]
     unity = editor(runtime, "keep", "1", endpoint, 3, "3 clients, recompiled while playing")
     for _ in range(5):

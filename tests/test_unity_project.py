@@ -73,7 +73,7 @@ def test_each_lesson_has_a_scene_with_its_scripts(lesson: Path) -> None:
     by_guid = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
     found = re.findall(r"m_Script: \{fileID: 11500000, guid: ([0-9a-f]{32}), type: 3\}", text)
     assert all(one in by_guid for one in found), "the scene names a script that is not there"
-    # The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold the same, and what shows it.
+    # The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold them, and what shows it.
     assert {by_guid[one] for one in found} == {*behaviours(lesson), PACKAGE / "Shared" / "LastLine.cs"}
 
 
