@@ -56,7 +56,8 @@ namespace NetMQExample
                 using var requester = new HelloRequester(endpoint);
                 for (var i = 1; i <= count; i++)
                 {
-                    var reply = requester.Request("Hello", TimeSpan.FromSeconds(patience), cancelled);
+                    var reply = NetMQLifetime.Printable(
+                        requester.Request("Hello", TimeSpan.FromSeconds(patience), cancelled));
                     Log($"{i}: sent Hello, received {reply}");
                 }
                 Log($"done: {count} replies");

@@ -15,8 +15,8 @@ namespace NetMQExample
         [SerializeField] private string endpoint = "tcp://127.0.0.1:5552";
         [SerializeField] private int count = 10;
         [SerializeField, Tooltip("add 1, or balance")] private string text = "add 1";
-        [SerializeField, Tooltip("Seconds to wait for each reply")] private float patience = 0.5f;
-        [SerializeField, Tooltip("How often to send a request before giving up")] private int tries = 20;
+        [SerializeField, Tooltip("Seconds to wait, for the first try")] private float patience = 0.5f;
+        [SerializeField, Tooltip("How often to send a request before giving up")] private int tries = 5;
         [SerializeField, Tooltip("Keep the socket for the next try")] private bool relaxed = false;
 
         private readonly ConcurrentQueue<Action> forUpdate = new ConcurrentQueue<Action>();
@@ -57,7 +57,11 @@ namespace NetMQExample
             {
                 Log($"asking {endpoint}");
                 using var pirate = new LazyPirateRequester(endpoint, TimeSpan.FromSeconds(patience), tries, Log, relaxed);
-                for (var i = 1; i <= count; i++) Log($"{i}: sent {text}, received {pirate.Request(text, cancelled)}");
+                for (var i = 1; i <= count; i++)
+                {
+                    var reply = NetMQLifetime.Printable(pirate.Request(text, cancelled));
+                    Log($"{i}: sent {text}, received {reply}");
+                }
                 Log($"done: {count} replies");
             }
             catch (OperationCanceledException) { /* Stop was pressed. */ }
