@@ -95,8 +95,10 @@ class ProtocolBreaker(Listener):
                 if flags < 2:
                     frames.append(body)
                     more = flags == 1
-            reply = self.answer(frames[1:])
-            parts = [zmtp_frame(part, more=i < len(reply)) for i, part in enumerate([b"", *reply])]
-            # A REP server puts an empty frame before each reply. REQ disconnects a peer that does not.
-            peer.sendall(b"".join(parts) + zmtp_frame(b"and no more"))
+            # The way back: an empty frame, and before it the request's number if the client correlates.
+            body = frames.index(b"") + 1
+            *first, last = [*frames[:body], *self.answer(frames[body:])]
+            reply = b"".join(zmtp_frame(part, more=True) for part in first) + zmtp_frame(last)
+            # REQ disconnects a peer that sends something without that empty frame.
+            peer.sendall(reply + zmtp_frame(b"and no more"))
             stream.read()

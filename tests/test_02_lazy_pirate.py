@@ -223,7 +223,7 @@ def test_wrong_replies_do_not_use_up_all_tries_at_once(kind, serve, start, clien
     client.wait_for("try 2 of 5")
     began = time.monotonic()
     assert client.wait() == 1, client.output
-    assert sum("try" in line for line in client.lines) == 5
+    assert sum(" try " in line for line in client.lines) == 4
     assert time.monotonic() - began > 0.5
 
 
@@ -257,7 +257,7 @@ def test_a_far_server_is_reached_with_the_defaults(kind, way, pirate_server, sta
 @ways
 def test_a_client_survives_a_peer_that_breaks_the_protocol(kind, way, start, client_command):
     """There may be no connection left to send the next request on, nor to get one again: only a new socket helps."""
-    with ProtocolBreaker(lambda frames: [frames[-2], b"1"] if len(frames) > 1 else frames) as peer:
+    with ProtocolBreaker(lambda frames: [frames[0], b"1"]) as peer:
         client = start(*client_command(kind, KEY, peer.endpoint, "--count", "5", *way))
         assert client.wait() == 0, client.output
     assert replies(client) == [f"{i}: sent add 1, received 1" for i in range(1, 6)]
@@ -442,8 +442,7 @@ def test_a_taken_port_is_named_with_its_cure(pirate_server, start, tmp_path):
     second = start(PYTHON, SERVER, "--endpoint", endpoint, "--journal", tmp_path / "other.sqlite3")
     assert second.wait() == 1
     assert second.lines == [
-        f"cannot listen on {endpoint}: the port is taken; "
-        "try --endpoint tcp://127.0.0.1:0, which takes a free one"
+        f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
     ]
 
 
@@ -465,7 +464,11 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(endpoint, code, start, jo
     assert "Traceback" not in server.output
 
 
-@pytest.mark.parametrize("options", [["--delay", "-1"], ["--delay", "nan"], ["--crash-on", "x"], ["--journal", ""], ["--journal", ":memory:"]], ids="=".join)
+@pytest.mark.parametrize(
+    "options",
+    [["--delay", "-1"], ["--delay", "nan"], ["--crash-on", "x"], ["--journal", ""], ["--journal", ":memory:"]],
+    ids="=".join,
+)
 def test_wrong_usage_of_the_server(options, start, journal):
     server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", journal, *options)
     assert server.wait() == 2

@@ -35,43 +35,46 @@ def serve(socket: zmq.Socket[bytes], delay: float, quiet: bool) -> None:
     """Answer for ever. REP alternates strictly: receive, send, receive, send."""
     # A wait with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
     socket.rcvtimeo = 200
-    complaints = Complaints()
+    lines = Lines()
     while True:
         try:
             frames = socket.recv_multipart()
         except zmq.Again:
             continue
-        try:
-            reply = answer(frames).encode()
-        except Exception as error:
-            # A mistake in `answer` is told to both sides, and ends neither.
-            traceback.print_exc()
-            reply = printable(f"error: {type(error).__name__}: {error}").encode()
+        reply = answer_or_error(frames)
         if delay:
             time.sleep(delay)
         # This never waits: REP drops the reply to a client that has gone, or does not read.
         socket.send(reply)
         if not quiet:
-            line = f"sent {printable(reply.decode())}"
-            if reply.startswith(b"error:"):
-                complaints.add(line)
-            else:
-                print(line, flush=True)
+            lines.show(f"sent {printable(reply.decode())}", bad=reply.startswith(b"error:"))
 
 
-class Complaints:
-    """Prints at most one line of bad input a second: a flood of it makes no flood of lines."""
+def answer_or_error(frames: list[bytes]) -> bytes:
+    """A mistake in `answer` is told to both sides, and ends neither."""
+    try:
+        return answer(frames).encode()
+    except Exception as error:
+        traceback.print_exc()
+        return printable(f"error: {type(error).__name__}: {error}").encode()
+
+
+class Lines:
+    """Prints what happens, and of what is bad at most one line a second: a flood of it makes no flood of lines."""
 
     next, left_out = 0.0, 0
 
-    def add(self, line: str) -> None:
-        if time.monotonic() < self.next:
+    def show(self, line: str, bad: bool) -> None:
+        now = time.monotonic()
+        if bad and now < self.next:
             self.left_out += 1
             return
-        if self.left_out:
+        if self.left_out and now >= self.next:
             print(f"… {self.left_out:,} more in the last second", flush=True)
+            self.left_out = 0
+        if bad:
+            self.next = now + 1
         print(line, flush=True)
-        self.next, self.left_out = time.monotonic() + 1, 0
 
 
 def printable(text: str) -> str:

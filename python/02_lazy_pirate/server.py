@@ -62,7 +62,7 @@ def answer(db: sqlite3.Connection, request_id: bytes, text: bytes) -> tuple[str,
 def serve(socket: zmq.Socket[bytes], db: sqlite3.Connection, trouble: argparse.Namespace) -> None:
     """Answer for ever. A REP socket must reply before it may receive again; a ROUTER may also stay silent."""
     fates = {trouble.crash_on: ", crash", trouble.drop: ", dropped", trouble.slow_on: f", {trouble.delay:g} s late"}
-    number, reply, complaints, opened = 0, [b""], Complaints(), files(trouble.journal)
+    number, reply, lines, opened = 0, [b""], Lines(), files(trouble.journal)
     while True:
         # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
         if not socket.poll(200):
@@ -82,18 +82,15 @@ def serve(socket: zmq.Socket[bytes], db: sqlite3.Connection, trouble: argparse.N
             balance, source = answer(db, request_id, text)
         except sqlite3.Error as error:
             # Nothing was done. The client asks again, and is answered as soon as this is over.
-            complaints.add(f"{asked}: no reply, cannot use the journal {trouble.journal}: {error}")
+            lines.show(f"{asked}: no reply, cannot use the journal {trouble.journal}: {error}", bad=True)
             continue
         except Exception as error:
             # A mistake in `answer` is told to both sides, and ends neither.
             traceback.print_exc()
             balance, source = printable(f"error: {type(error).__name__}: {error}"), ""
         reply = [*frames[:body], request_id, balance.encode()]
-        line = f"{asked}: {printable(balance)}{source}{fates.get(number, '')}"
-        if balance.startswith("error:"):
-            complaints.add(line)
-        else:
-            print(line, flush=True)
+        fate = f"{source}{fates.get(number, '')}"
+        lines.show(f"{asked}: {printable(balance)}{fate}", bad=balance.startswith("error:"))
         if number == trouble.crash_on:
             os._exit(1)
         time.sleep(trouble.delay if number == trouble.slow_on else 0)
@@ -110,19 +107,22 @@ def files(journal: str) -> list[int]:
         return []
 
 
-class Complaints:
-    """Prints at most one line of bad input a second: a flood of it makes no flood of lines."""
+class Lines:
+    """Prints what happens, and of what is bad at most one line a second: a flood of it makes no flood of lines."""
 
     next, left_out = 0.0, 0
 
-    def add(self, line: str) -> None:
-        if time.monotonic() < self.next:
+    def show(self, line: str, bad: bool) -> None:
+        now = time.monotonic()
+        if bad and now < self.next:
             self.left_out += 1
             return
-        if self.left_out:
+        if self.left_out and now >= self.next:
             print(f"… {self.left_out:,} more in the last second", flush=True)
+            self.left_out = 0
+        if bad:
+            self.next = now + 1
         print(line, flush=True)
-        self.next, self.left_out = time.monotonic() + 1, 0
 
 
 def printable(text: str) -> str:
