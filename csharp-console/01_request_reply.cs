@@ -18,26 +18,30 @@ namespace NetMQExample.Terminal
             var sendTwice = arguments.Flag("send-twice");
             arguments.RefuseTheRest();
 
-            Console.WriteLine($"asking {endpoint}");
             using var requester = new HelloRequester(endpoint);
+            Console.WriteLine($"asking {endpoint}");
             if (sendTwice) ShowRefusal(requester, text, patience);
             for (var i = 1; i <= count; i++)
-                Console.WriteLine($"{i}: sent {text}, received {requester.Request(text, patience)}");
+            {
+                var reply = requester.Request(text, patience);
+                Console.WriteLine($"{i}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+            }
             Console.WriteLine($"done: {count} replies");
         }
 
         private static void ShowRefusal(HelloRequester requester, string text, TimeSpan patience)
         {
-            requester.Send(text);
+            requester.Send(text, patience);
             try
             {
-                requester.Send(text);
+                requester.Send(text, patience);
             }
             catch (FiniteStateMachineException e)
             {
                 Console.WriteLine($"refused: {e.GetType().Name}: {e.Message}");
             }
-            Console.WriteLine($"received {requester.Receive(patience)}: now REQ may send again");
+            var reply = NetMQLifetime.Printable(requester.Receive(patience));
+            Console.WriteLine($"received {reply}: now REQ may send again");
         }
     }
 }

@@ -15,14 +15,17 @@ namespace NetMQExample.Terminal
             var count = arguments.Whole("count", 10);
             var text = arguments.Text("text", "add 1");
             var patience = arguments.Seconds("patience", 0.5);
-            var tries = arguments.Whole("tries", 20);
+            var tries = arguments.Whole("tries", 5);
             var relaxed = arguments.Flag("relaxed");
             arguments.RefuseTheRest();
 
-            Console.WriteLine($"asking {endpoint}");
             using var pirate = new LazyPirateRequester(endpoint, patience, tries, Console.WriteLine, relaxed);
+            Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
-                Console.WriteLine($"{i}: sent {text}, received {pirate.Request(text)}");
+            {
+                var reply = NetMQLifetime.Printable(pirate.Request(text));
+                Console.WriteLine($"{i}: sent {text}, received {reply}");
+            }
             Console.WriteLine($"done: {count} replies");
         }
     }

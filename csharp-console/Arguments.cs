@@ -50,7 +50,7 @@ namespace NetMQExample.Terminal
             var text = Text(name, standard.ToString(CultureInfo.InvariantCulture));
             return int.TryParse(text, NumberStyles.None, CultureInfo.InvariantCulture, out var value)
                 ? value
-                : throw new UsageException($"--{name} takes a whole number, not '{text}'");
+                : throw new UsageException($"--{name} takes a whole number from 0, not '{text}'");
         }
 
         public TimeSpan Seconds(string name, double standard)

@@ -69,8 +69,8 @@ def start() -> Iterator[Callable[..., Program]]:
 def serve(start: Callable[..., Program]) -> Callable[..., tuple[Program, str]]:
     """serve("01_request_reply", "--delay", "1") starts a lesson's server on a free port: (program, endpoint)."""
 
-    def serve(key: str, *options: str, endpoint: str = "tcp://127.0.0.1:*") -> tuple[Program, str]:
-        program = start(PYTHON, ROOT / "python" / key / "server.py", "--endpoint", endpoint, *options)
+    def serve(key: str, *options: str, endpoint: str = "tcp://127.0.0.1:*", **environment: str) -> tuple[Program, str]:
+        program = start(PYTHON, ROOT / "python" / key / "server.py", "--endpoint", endpoint, *options, **environment)
         return program, program.wait_for(r"^listening on (\S+)")[1]
 
     return serve

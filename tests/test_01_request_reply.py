@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
 import signal
 import socket
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 import zmq
 
+from kitlib import dotnet
+from tests.bad_peers import ProtocolBreaker, zmtp_frame
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, free_port
+from tests.programs import LIMIT, ROOT, free_port
 
 KEY = "01_request_reply"
+SERVER = ROOT / "python" / KEY / "server.py"
 TEN = [*(f"{i}: sent Hello, received World" for i in range(1, 11)), "done: 10 replies"]
 
 
@@ -91,16 +98,55 @@ def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, cl
     client = start(*client_command(kind, KEY, endpoint))
     assert client.wait() == 2, client.output
     assert f"bad endpoint '{endpoint}'" in client.lines[-1]
-    assert "tcp://127.0.0.1:5551" in client.lines[-1], "the cure"
+    assert "tcp://127.0.0.1:" in client.lines[-1], "the cure"
+    assert not [line for line in client.lines if line.startswith("asking")], "it asks nobody"
     assert "Traceback" not in client.output
     assert "Unhandled" not in client.output
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_client_names_an_unknown_host(kind, start, client_command):
-    client = start(*client_command(kind, KEY, "tcp://no-such-host.invalid:5551", "--patience", "1"))
+@pytest.mark.parametrize("host", ["no-such-host.invalid", "a" * 100], ids=["unknown", "too long for a name"])
+def test_a_client_names_an_unknown_host(kind, host, start, client_command):
+    client = start(*client_command(kind, KEY, f"tcp://{host}:5551", "--patience", "1"))
     assert client.wait() == 2, client.output
-    assert "unknown host 'no-such-host.invalid'" in client.lines[-1]
+    assert f"unknown host '{host}'" in client.lines[-1]
+    assert "Traceback" not in client.output
+
+
+SLOW = {"RES_OPTIONS": "timeout:30 attempts:5"}
+SILENCE = """
+import os, re, socket, subprocess, sys
+subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+named = re.findall(r"^nameserver\\s+(\\d[\\d.]+)", open("/etc/resolv.conf").read(), re.MULTILINE)
+for server in named or ["127.0.0.1"]:
+    subprocess.run(["ip", "address", "add", server + "/32", "dev", "lo"])
+    ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    ear.bind((server, 53))
+    os.set_inheritable(ear.fileno(), True)
+os.execvp(sys.argv[1], sys.argv[1:])
+"""
+
+
+def silent_name_server():
+    """Words before a command: a network of its own, in which the system's name servers hear and say nothing."""
+    if not shutil.which("unshare") or not shutil.which("ip"):
+        pytest.skip("there is no unshare and ip here, for a network with a silent name server")
+    before = ["unshare", "-rn", str(PYTHON), "-c", SILENCE]
+    look_up = "import socket; socket.getaddrinfo('no-such-host.example', 1)"
+    try:
+        subprocess.run(
+            [*before, str(PYTHON), "-c", look_up], timeout=7, capture_output=True, env={**os.environ, **SLOW}
+        )
+    except subprocess.TimeoutExpired:
+        return before
+    pytest.skip("a name server cannot be silenced here")
+
+
+def test_a_silent_name_server_is_not_waited_for_long(start, client_command):
+    before = silent_name_server()
+    client = start(*before, *client_command("csharp", KEY, "tcp://no-such-host.example:5551"), **SLOW)
+    assert client.wait() == 1, client.output
+    assert "gave up: no address for host 'no-such-host.example' within 5 s" in client.output
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
@@ -111,6 +157,8 @@ def test_wrong_usage_is_one_line_and_2(kind, options, start, client_command):
     client = start(*client_command(kind, KEY, "tcp://127.0.0.1:5551", *options))
     assert client.wait() == 2, client.output
     assert options[0] in client.lines[-1]
+    if options == ["--count", "-1"]:
+        assert "a whole number from 0" in client.lines[-1]
 
 
 def test_numbers_and_text_are_the_same_under_a_german_locale(serve, start, client_command):
@@ -126,7 +174,7 @@ def test_numbers_and_text_are_the_same_under_a_german_locale(serve, start, clien
 
 GARBAGE = {
     "an empty frame": [b""],
-    "ten megabytes": [b"x" * 10_000_000],
+    "sixty thousand bytes": [b"x" * 60_000],
     "invalid UTF-8": [b"\xff\xfe\x80"],
     "two frames": [b"Hello", b"Hello"],
     "an empty frame and more": [b"", b"", b""],
@@ -183,10 +231,6 @@ def test_clients_of_older_tutorials_are_answered(hello, serve, context):
     assert ask(context, endpoint, hello) == [b"World"]
 
 
-def zmtp_frame(body, more=False):
-    return bytes([1 if more else 0, len(body)]) + body
-
-
 def test_a_zmtp_client_that_shares_no_library_with_the_server(serve):
     """The ZMTP 3.0 protocol (rfc.zeromq.org/spec/23) by hand, as a client of any other make would speak it."""
     _, endpoint = serve(KEY)
@@ -237,9 +281,23 @@ def test_a_server_ends_at_once_and_leaves_its_port(how, busy, serve, context):
 
 def test_a_taken_port_is_named_with_its_cure(serve, start):
     _, endpoint = serve(KEY)
-    second = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", endpoint)
+    second = start(PYTHON, SERVER, "--endpoint", endpoint)
     assert second.wait() == 1
-    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+    assert second.lines == [
+        f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
+    ]
+
+
+@pytest.mark.parametrize("key", [KEY, "02_lazy_pirate"])
+def test_a_port_that_the_system_keeps_for_itself_is_not_called_taken(key, start, tmp_path):
+    code = (
+        f"import errno, sys, zmq; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
+        "def bind(*_): raise zmq.ZMQError(errno.EACCES)\n"
+        "zmq.Socket.bind = bind; server.main()"
+    )
+    server = start(PYTHON, "-c", code)
+    assert server.wait() == 1
+    assert "the system reserves this port; try --endpoint tcp://127.0.0.1:0" in server.lines[-1]
 
 
 @pytest.mark.parametrize(
@@ -258,6 +316,143 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(endpoint, code, start):
     assert endpoint in server.lines[-1]
     assert "tcp://127.0.0.1:" in server.lines[-1], "the cure"
     assert "Traceback" not in server.output
+
+
+def shown(text):
+    """What the clients make of a reply; Python's own isprintable() is the judge."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_what_a_server_sends_is_printed_without_harm(kind, start, client_command, context):
+    replies = [
+        "\x1b[2J\x1b]0;title\x07 clear the screen",
+        "one\r\n2: sent Hello, received World\x00",
+        "to the left \u202e, a line \u2028 and a paragraph \u2029, \xa0 \u3000 \ufeff \xad \x85",
+        "private \ue000 \U000f0000, no character \uffff \U0010ffff, an emoji \U0001f600 \u0378",
+        "\U0001f600" * 201,
+        "x" * 60_000,
+        "y" * 200,
+    ]
+    with context.socket(zmq.REP) as rep:
+        rep.linger = 0
+        port = rep.bind_to_random_port("tcp://127.0.0.1")
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", str(len(replies))))
+        for reply in replies:
+            assert rep.poll(20_000)
+            rep.recv()
+            rep.send(reply.encode())
+        assert client.wait() == 0, client.output
+    assert client.lines[1:-1] == [f"{i}: sent Hello, received {shown(text)}" for i, text in enumerate(replies, 1)]
+
+
+def test_no_print_ends_a_program(serve, start, client_command, context):
+    """As where output goes into a pipe on Windows: an encoding that has few characters."""
+    poor = {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    with context.socket(zmq.REP) as rep:
+        rep.linger = 0
+        port = rep.bind_to_random_port("tcp://127.0.0.1")
+        client = start(*client_command("python", KEY, f"tcp://127.0.0.1:{port}", "--count", "1"), **poor)
+        assert rep.poll(20_000)
+        rep.recv()
+        rep.send("✓ Grüße".encode())
+        assert client.wait() == 0, client.output
+    assert client.lines[1] == "1: sent Hello, received ✓ Grüße"
+
+
+def test_a_request_that_is_too_large_is_not_read(serve, context):
+    server, endpoint = serve(KEY)
+    with context.socket(zmq.REQ) as rude:
+        rude.linger = 0
+        # It is disconnected when the server has met what it announces.
+        monitor = rude.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        rude.connect(endpoint)
+        rude.send(b"Hello" + b" " * 10_000_000)
+        assert monitor.poll(20_000), "it is still connected"
+        assert ask(context, endpoint, b"Hello") == [b"World"]
+        assert not rude.poll(0)
+        rude.disable_monitor()
+    assert server.stop() == 0
+    assert server.lines == [f"listening on {endpoint}", "sent World"]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_reply_that_is_too_large_is_not_read(kind, start, client_command, context):
+    with context.socket(zmq.REP) as rep:
+        rep.linger = 0
+        port = rep.bind_to_random_port("tcp://127.0.0.1")
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--patience", "2"))
+        assert rep.poll(20_000)
+        rep.recv()
+        rep.send(b"x" * 10_000_000)
+        assert client.wait() == 1, client.output[:1000]
+    assert client.lines[-1].startswith("gave up: no reply from ")
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_client_does_not_wait_for_ever_to_send(kind, start, client_command):
+    """After a peer that broke the protocol there may be no connection any more to send the next request on."""
+    with ProtocolBreaker(lambda frames: [b"World"]) as peer:
+        client = start(*client_command(kind, KEY, peer.endpoint, "--count", "1000", "--patience", "1"))
+        assert client.wait() == 1, client.output
+    assert client.lines[1] == "1: sent Hello, received World"
+    assert client.lines[-1] == f"gave up: no reply from {peer.endpoint} within 1 s; is the server running?"
+
+
+@pytest.mark.parametrize(
+    ("body", "reply"),
+    [
+        ("raise ValueError('no\\nsuch world')", b"error: ValueError: no?such world"),
+        ("return None", b"error: AttributeError: "),
+        ("return chr(0xd800)", b"error: UnicodeEncodeError: "),
+    ],
+    ids=["an exception", "nothing", "half a character"],
+)
+def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(body, reply, start, context):
+    code = (
+        f"import sys; sys.path.insert(0, {str(SERVER.parent)!r}); import server\n"
+        "first = [True]\n"
+        "def answer(frames):\n"
+        "    if first:\n"
+        "        first.clear()\n"
+        f"        {body}\n"
+        "    return 'World'\n"
+        "server.answer = answer; server.main()"
+    )
+    server = start(PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:0")
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    assert ask(context, endpoint, b"Hello")[0].startswith(reply)
+    server.wait_for("^Traceback")
+    assert ask(context, endpoint, b"Hello") == [b"World"]
+
+
+def test_a_flood_of_bad_requests_is_no_flood_of_lines(serve, context):
+    server, endpoint = serve(KEY)
+    rude = 0
+    with context.socket(zmq.REQ) as asker:
+        asker.linger = 0
+        asker.connect(endpoint)
+        deadline = time.monotonic() + LIMIT
+        while "more in the last second" not in server.output:
+            assert time.monotonic() < deadline, server.output[-1000:]
+            asker.send(b"\x1b[2J")
+            assert asker.poll(20_000)
+            asker.recv()
+            rude += 1
+    assert ask(context, endpoint, b"Hello") == [b"World"]
+    server.wait_for("^sent World$")
+    assert server.stop() == 0
+    assert rude > 10
+    assert len(server.lines) <= 2 + 2 * LIMIT, "two lines a second at most"
+    left_out = sum(int(m[1].replace(",", "")) for m in re.finditer(r"^… ([\d,]+) more", server.output, re.MULTILINE))
+    assert 0 < left_out + server.output.count("sent error") <= rude
+
+
+def test_a_client_that_gets_no_socket_leaves_netmq(engine):
+    """Else NetMQ is never cleaned up again in this process: in the editor, until it is started again."""
+    dll = dotnet.build(PYTHON, engine, ROOT / "tests" / "background_client")
+    done = subprocess.run(["dotnet", dll, "no-socket", "tcp://127.0.0.1:1"], capture_output=True, text=True, timeout=60)
+    assert done.stdout.splitlines()[-1:] == ["ok"], done.stdout + done.stderr
 
 
 def test_port_0_is_a_free_port_too(serve, context):

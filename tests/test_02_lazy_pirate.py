@@ -15,6 +15,12 @@ import time
 import pytest
 import zmq
 
+try:
+    import resource
+except ImportError:
+    resource = None  # Windows has none.
+
+from tests.bad_peers import ProtocolBreaker, SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, steady_port
 
@@ -36,7 +42,9 @@ def received(numbers):
     return [f"{i}: sent add 1, received {i}" for i in numbers]
 
 
-def retry(i, attempt, way=(), tries=20, patience="0.5"):
+def retry(i, attempt, way=(), tries=5, patience=0.5):
+    """What a client says before this try: each has waited twice as long as the one before, at most 8 times."""
+    patience = f"{patience * 2 ** min(attempt - 2, 3):g}"
     return f"{i}: no reply within {patience} s; try {attempt} of {tries}, on {'the same' if way else 'a new'} socket"
 
 
@@ -49,7 +57,7 @@ def fate(server, word):
 
     The server's own count goes by tries, of which there are more on a busy machine.
     """
-    return int(server.wait_for(rf"-(\d+): \d+(?:, from the journal)?, {word}")[1])
+    return int(server.wait_for(rf"…-(\d+): \d+(?:, from the journal)?, {word}")[1])
 
 
 @pytest.fixture
@@ -96,7 +104,7 @@ def test_ten_additions(kind, way, pirate_server, start, client_command):
     assert server.stop() == 0
     assert re.fullmatch(r"journal \S*journal\.sqlite3, balance 0", server.lines[0])
     assert server.lines[1] == f"listening on {endpoint}"
-    matches = [re.fullmatch(r"request (\d+), ([0-9a-f]{32})-(\d+): (\d+)", line) for line in server.lines[2:]]
+    matches = [re.fullmatch(r"request (\d+), ([0-9a-f]{8})…-(\d+): (\d+)", line) for line in server.lines[2:]]
     assert [(m[1], m[3], m[4]) for m in matches] == [(str(i),) * 3 for i in range(1, 11)]
     assert len({m[2] for m in matches}) == 1
 
@@ -114,10 +122,10 @@ def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, way, pi
 
 @ways
 def test_a_slow_reply_comes_with_a_later_try(kind, way, pirate_server, start, client_command):
-    server, endpoint = pirate_server("--slow-on", "2", "--delay", "1.2")
+    server, endpoint = pirate_server("--slow-on", "2", "--delay", "2.2")
     client = start(*client_command(kind, KEY, endpoint, "--count", "3", *way))
     assert client.wait() == 0, client.output
-    i = fate(server, "1.2 s late")
+    i = fate(server, "2.2 s late")
     assert {retry(i, 2, way), retry(i, 3, way)} < set(client.lines)
     assert replies(client) == received([1, 2, 3])
     # Every try reached the server, those of thrown away sockets too.
@@ -131,7 +139,7 @@ def test_a_late_reply_to_an_earlier_request_is_dropped(kind, pirate_server, star
     assert client.wait() == 0, client.output
     dropped = client.lines.pop(3)
     assert re.fullmatch(
-        r"3: dropped a reply to another request \([0-9a-f]{32}-2 2\); try 2 of 20, on a new socket", dropped
+        r"3: dropped a reply to another request \([0-9a-f]{8}…-2 2\); try 2 of 5, on a new socket", dropped
     )
     assert client.lines[1:] == [*received([1, 2, 3, 4]), "done: 4 replies"]
 
@@ -166,9 +174,9 @@ def test_without_a_server_it_gives_up(kind, start, client_command):
     client = start(*client_command(kind, KEY, endpoint, "--patience", "0.25", "--tries", "3"))
     assert client.wait() == 1, client.output
     assert client.lines[1:] == [
-        retry(1, 2, tries=3, patience="0.25"),
-        retry(1, 3, tries=3, patience="0.25"),
-        f"gave up: no reply from {endpoint} in 3 tries of 0.25 s; is the server running? "
+        retry(1, 2, tries=3, patience=0.25),
+        retry(1, 3, tries=3, patience=0.25),
+        f"gave up: 3 tries to ask {endpoint}, the last: no reply within 1 s; is the server running, or the line slow? "
         "'add 1' may have been done or not",
     ]
 
@@ -177,7 +185,7 @@ def test_without_a_server_it_gives_up(kind, start, client_command):
 def test_a_client_that_starts_before_its_server(kind, pirate_server, start, client_command):
     endpoint = f"tcp://127.0.0.1:{steady_port()}"
     client = start(*client_command(kind, KEY, endpoint, "--count", "2"))
-    client.wait_for("try 3 of 20")
+    client.wait_for("try 2 of 5")
     pirate_server(endpoint=endpoint)
     assert client.wait() == 0, client.output
     assert replies(client) == received([1, 2])
@@ -186,10 +194,10 @@ def test_a_client_that_starts_before_its_server(kind, pirate_server, start, clie
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_more_retries_than_a_queue_holds_on_a_relaxed_socket(kind, start, client_command):
     """A thousand requests fill the queue of a connection that nobody answers; the next send would wait for ever."""
-    options = ["--patience", "0.001", "--tries", "1200", "--relaxed"]
+    options = ["--patience", "0.0002", "--tries", "1200", "--relaxed"]
     client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{steady_port()}", *options))
     assert client.wait() == 1, client.output
-    assert "in 1200 tries" in client.lines[-1]
+    assert "gave up: 1200 tries" in client.lines[-1]
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
@@ -201,7 +209,58 @@ def test_a_server_that_speaks_otherwise(kind, serve, start, client_command):
     assert client.lines[1].startswith(
         "1: dropped a reply to another request (error: expected one frame, got 2); try 2 of 2"
     )
-    assert client.lines[-1].startswith("gave up: ")
+    assert client.lines[-1] == (
+        f"gave up: 2 tries to ask {endpoint}, the last: dropped a reply to another request "
+        "(error: expected one frame, got 2); is it the right server? 'add 1' may have been done or not"
+    )
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_wrong_replies_do_not_use_up_all_tries_at_once(kind, serve, start, client_command):
+    """The server that is not the right one may be a late reply, or be replaced in a moment."""
+    _, endpoint = serve("01_request_reply")
+    client = start(*client_command(kind, KEY, endpoint))
+    client.wait_for("try 2 of 5")
+    began = time.monotonic()
+    assert client.wait() == 1, client.output
+    assert sum(" try " in line for line in client.lines) == 4
+    assert time.monotonic() - began > 0.5
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_relaxed_client_does_not_wait_for_ever_for_what_it_dropped(kind, start, client_command, context):
+    """A late reply to an older try makes its socket readable, and is dropped while it is read."""
+    with context.socket(zmq.ROUTER) as router:
+        router.linger = 0
+        port = router.bind_to_random_port("tcp://127.0.0.1")
+        options = ["--relaxed", "--patience", "0.3", "--tries", "4"]
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", *options))
+        assert router.poll(20_000)
+        first = router.recv_multipart()
+        assert router.poll(20_000)
+        router.recv_multipart()
+        router.send_multipart(first)
+        assert client.wait() == 1, client.output
+    assert client.lines[-1].startswith("gave up: 4 tries to ask ")
+
+
+@ways
+def test_a_far_server_is_reached_with_the_defaults(kind, way, pirate_server, start, client_command):
+    """A round trip of 400 ms. A new connection takes several of them, so that a try of 0.5 s never succeeds."""
+    _, endpoint = pirate_server()
+    with SlowLine(endpoint, 0.2) as line:
+        client = start(*client_command(kind, KEY, line.endpoint, "--count", "2", *way))
+        assert client.wait() == 0, client.output
+    assert replies(client) == received([1, 2])
+
+
+@ways
+def test_a_client_survives_a_peer_that_breaks_the_protocol(kind, way, start, client_command):
+    """There may be no connection left to send the next request on, nor to get one again: only a new socket helps."""
+    with ProtocolBreaker(lambda frames: [frames[0], b"1"]) as peer:
+        client = start(*client_command(kind, KEY, peer.endpoint, "--count", "5", *way))
+        assert client.wait() == 0, client.output
+    assert replies(client) == [f"{i}: sent add 1, received 1" for i in range(1, 6)]
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
@@ -242,16 +301,19 @@ def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, cl
     client = start(*client_command(kind, KEY, endpoint))
     assert client.wait() == 2, client.output
     assert f"bad endpoint '{endpoint}'" in client.lines[-1]
-    assert "tcp://127.0.0.1:555" in client.lines[-1], "the cure"
+    assert "tcp://127.0.0.1:" in client.lines[-1], "the cure"
+    assert "5551" not in client.output, "that is lesson 01's"
+    assert not [line for line in client.lines if line.startswith("asking")], "it asks nobody"
     assert "Traceback" not in client.output
     assert "Unhandled" not in client.output
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_client_names_an_unknown_host(kind, start, client_command):
-    client = start(*client_command(kind, KEY, "tcp://no-such-host.invalid:5552", "--tries", "1"))
+@pytest.mark.parametrize("host", ["no-such-host.invalid", "a" * 100], ids=["unknown", "too long for a name"])
+def test_a_client_names_an_unknown_host(kind, host, start, client_command):
+    client = start(*client_command(kind, KEY, f"tcp://{host}:5552", "--tries", "1"))
     assert client.wait() == 2, client.output
-    assert "unknown host 'no-such-host.invalid'" in client.lines[-1]
+    assert f"unknown host '{host}'" in client.lines[-1]
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
@@ -279,7 +341,8 @@ GARBAGE = {
     "two empty frames": [b"", b""],
     "no id": [b"", b"add 1"],
     "an endless id": [b"i" * 101, b"add 1"],
-    "ten megabytes": [b"1", b"x" * 10_000_000],
+    "sixty thousand bytes": [b"1", b"x" * 60_000],
+    "an id of sixty thousand bytes": [b"i" * 60_000, b"add 1"],
     "invalid UTF-8": [b"\xff\xfe", b"\xff\xfe"],
     "nothing to add": [b"1", b"add "],
     "less": [b"1", b"add -1"],
@@ -378,7 +441,9 @@ def test_a_taken_port_is_named_with_its_cure(pirate_server, start, tmp_path):
     _, endpoint = pirate_server()
     second = start(PYTHON, SERVER, "--endpoint", endpoint, "--journal", tmp_path / "other.sqlite3")
     assert second.wait() == 1
-    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+    assert second.lines == [
+        f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -399,7 +464,11 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(endpoint, code, start, jo
     assert "Traceback" not in server.output
 
 
-@pytest.mark.parametrize("options", [["--delay", "-1"], ["--delay", "nan"], ["--crash-on", "x"]], ids="=".join)
+@pytest.mark.parametrize(
+    "options",
+    [["--delay", "-1"], ["--delay", "nan"], ["--crash-on", "x"], ["--journal", ""], ["--journal", ":memory:"]],
+    ids="=".join,
+)
 def test_wrong_usage_of_the_server(options, start, journal):
     server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", journal, *options)
     assert server.wait() == 2
@@ -415,18 +484,128 @@ def test_a_journal_that_is_none_is_named_with_its_cure(start, tmp_path):
     db.close()
     for path in (text, alien, tmp_path, tmp_path / "nowhere" / "journal.sqlite3"):
         server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", path)
-        if path == alien:
-            # What is wrong with it shows with the first request.
-            with zmq.Context() as context, context.socket(zmq.REQ) as asker:
-                asker.linger = 0
-                asker.connect(server.wait_for(r"^listening on (\S+)")[1])
-                asker.send_multipart([b"1", b"add 1"])
-                assert server.wait() == 1
         assert server.wait() == 1
         assert server.lines[-1].startswith(f"cannot use the journal {path}: ")
         assert server.lines[-1].endswith("; try --journal another.sqlite3")
         assert "Traceback" not in server.output
     assert text.read_text().startswith("not a database")
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_locked_journal_is_waited_for(kind, pirate_server, journal, start, client_command):
+    server, endpoint = pirate_server()
+    other = sqlite3.connect(journal, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--tries", "20"))
+    server.wait_for(rf"^request 1, [0-9a-f]{{8}}…-1: no reply, cannot use the journal {journal}: database is locked$")
+    other.execute("ROLLBACK")
+    other.close()
+    assert client.wait() == 0, client.output
+    assert replies(client) == received([1, 2, 3])
+    assert server.stop() == 0
+    assert "Traceback" not in server.output
+
+
+@pytest.mark.skipif(not hasattr(resource, "prlimit"), reason="only Linux takes a running program's disk away")
+def test_a_full_disk_is_waited_for(pirate_server, journal, start, client_command, context):
+    server, endpoint = pirate_server()
+    assert ask(context, endpoint, b"first", b"add 1") == [b"first", b"1"]
+    # No file may grow: to SQLite a disk on which nothing can be written any more.
+    _, hard = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (1, resource.RLIM_INFINITY))
+    client = start(*client_command("python", KEY, endpoint, "--count", "3", "--tries", "20"))
+    server.wait_for(rf"^request \d+, [0-9a-f]{{8}}…-1: no reply, cannot use the journal {journal}: disk I/O error$")
+    resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (hard, hard))
+    assert client.wait() == 0, client.output
+    assert replies(client) == [f"{i}: sent add 1, received {i + 1}" for i in (1, 2, 3)]
+    assert server.stop() == 0
+    assert "Traceback" not in server.output
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows keeps a file that is open from being deleted")
+@pytest.mark.parametrize("end", ["", "-wal"], ids=["the journal", "its newest part"])
+def test_a_deleted_journal_is_noticed(end, pirate_server, journal, tmp_path, start, client_command, context):
+    server, endpoint = pirate_server()
+    assert ask(context, endpoint, b"first", b"add 1") == [b"first", b"1"]
+    gone = journal.with_name(journal.name + end)
+    gone.rename(tmp_path / "elsewhere")
+    client = start(*client_command("python", KEY, endpoint, "--count", "1", "--tries", "20"))
+    said = server.wait_for(r"^request 2, [0-9a-f]{8}…-1: no reply, cannot use the journal (.*)$")[1]
+    assert said == f"{journal}: it was deleted or replaced; put it back, or start the server again"
+    # Another file in its place is not it.
+    gone.write_bytes((tmp_path / "elsewhere").read_bytes())
+    client.wait_for("try 3 of 20")
+    (tmp_path / "elsewhere").rename(gone)
+    assert client.wait() == 0, client.output
+    assert replies(client) == ["1: sent add 1, received 2"]
+    server.kill()
+    again, endpoint = pirate_server()
+    assert again.lines[0].endswith("balance 2"), "nothing is lost"
+
+
+def test_what_a_client_sends_is_printed_without_harm(serve, journal, context):
+    poor = {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    server, endpoint = serve(KEY, "--journal", str(journal), **poor)
+    for request_id in (b"\xff", b"\x1b[2J\r\nfake\x07", "grün ✓".encode(), b"x" * 100):
+        assert ask(context, endpoint, request_id, b"add 1")[0] == request_id
+    assert ask(context, endpoint, b"z" * 60_000, b"add 1")[1].startswith(b"error: ")
+    assert server.stop() == 0
+    assert server.lines[2:] == [
+        "request 1, \ufffd: 1",
+        "request 2, ?[2J??fake?: 2",
+        "request 3, grün ✓: 3",
+        f"request 4, {'x' * 100}: 4",
+        f"request 5, {'z' * 200}…: error: expected two frames, an id of 1 to 100 bytes and 'add 1' or 'balance'",
+    ]
+
+
+def test_a_request_that_is_too_large_is_not_read(pirate_server, context):
+    server, endpoint = pirate_server()
+    with context.socket(zmq.REQ) as rude:
+        rude.linger = 0
+        # It is disconnected when the server has met what it announces.
+        monitor = rude.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        rude.connect(endpoint)
+        rude.send_multipart([b"i" * 10_000_000, b"add 1"])
+        assert monitor.poll(20_000), "it is still connected"
+        assert ask(context, endpoint, b"1", b"add 1") == [b"1", b"1"]
+        rude.disable_monitor()
+    assert server.stop() == 0
+    assert len(server.lines) == 3
+
+
+def test_a_flood_of_bad_requests_is_no_flood_of_lines(pirate_server, context):
+    server, endpoint = pirate_server()
+    rude = 0
+    with context.socket(zmq.REQ) as asker:
+        asker.linger = 0
+        asker.connect(endpoint)
+        deadline = time.monotonic() + LIMIT
+        while "more in the last second" not in server.output:
+            assert time.monotonic() < deadline, server.output[-1000:]
+            asker.send(b"rude")
+            assert asker.poll(20_000)
+            asker.recv_multipart()
+            rude += 1
+    assert server.stop() == 0
+    assert rude > 10
+    assert len(server.lines) <= 2 + 2 * LIMIT, "two lines a second at most"
+
+
+def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(start, journal, context):
+    code = (
+        f"import sys; sys.path.insert(0, {str(SERVER.parent)!r}); import server\n"
+        "right = server.answer\n"
+        "def answer(db, request_id, text):\n"
+        "    if request_id == b'bad':\n"
+        "        raise KeyError('no such\\nkey')\n"
+        "    return right(db, request_id, text)\n"
+        "server.answer = answer; server.main()"
+    )
+    server = start(PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:0", "--journal", journal)
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    assert ask(context, endpoint, b"bad", b"add 1") == [b"bad", b"error: KeyError: 'no such\\nkey'"]
+    server.wait_for("^Traceback")
+    assert ask(context, endpoint, b"good", b"add 1") == [b"good", b"1"]
 
 
 class Storm:
@@ -440,7 +619,7 @@ class Storm:
         self.delays = []
         self.servers = [self.begin()]
         self.ready()
-        self.clients = [start(*command(self.endpoint, "--count", str(adds))) for _ in range(clients)]
+        self.clients = [start(*command(self.endpoint, "--count", str(adds), "--tries", "20")) for _ in range(clients)]
 
     def begin(self):
         return self.start(PYTHON, SERVER, "--endpoint", self.endpoint, "--journal", self.journal)
@@ -522,7 +701,10 @@ def weather(storm, adds, context):
         assert len(balances) == adds
         assert balances == sorted(set(balances)), "each addition is answered with the balance after it"
     assert balance(context, storm.endpoint) == adds * len(storm.clients)
-    assert max(storm.delays) < 1
+    # A request that the killed server had is sent again when its try is over: the first lasts half a second, and the
+    # longest, of a client that was unlucky again and again, four.
+    assert sorted(storm.delays)[len(storm.delays) // 2] < 1
+    assert max(storm.delays) < 8
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])

@@ -19,7 +19,7 @@ namespace NetMQExample.Lab
             text = "Hello".PadRight(size);
         }
 
-        public override void Send() => requester.Send(text);
+        public override void Send() => requester.Send(text, Patience);
 
         public override void Receive() => Check(requester.Receive(Patience) == "World");
 

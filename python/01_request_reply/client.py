@@ -11,34 +11,59 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+import time
+from collections.abc import Callable
 from socket import getaddrinfo
+from typing import TypeVar
 
 import zmq
 
+T = TypeVar("T")
+
 
 def request(socket: zmq.Socket[bytes], text: str, patience: float) -> str:
-    """Send a request and wait for its reply, at most `patience` seconds: TimeoutError after that."""
-    socket.send_string(text)
+    """Send a request and wait for its reply, at most `patience` seconds each: TimeoutError after that."""
+    send(socket, text, patience)
     return receive(socket, patience)
 
 
+def send(socket: zmq.Socket[bytes], text: str, patience: float) -> None:
+    """The first half. It waits when there is no connection to send on, as after a peer that is not ZeroMQ."""
+    within(patience, socket, zmq.POLLOUT, lambda: socket.send(text.encode(errors="replace"), zmq.NOBLOCK))
+
+
 def receive(socket: zmq.Socket[bytes], patience: float) -> str:
-    """The second half of a request: wait for the reply, at most `patience` seconds."""
-    if not socket.poll(int(patience * 1000)):
-        raise TimeoutError(
-            f"no reply from {socket.getsockopt_string(zmq.LAST_ENDPOINT)} within {patience:g} s; is the server running?"
-        )
-    return socket.recv_multipart()[0].decode(errors="replace")
+    """The second half: wait for the reply."""
+    return within(patience, socket, zmq.POLLIN, lambda: socket.recv_multipart(zmq.NOBLOCK)[0].decode(errors="replace"))
+
+
+def within(patience: float, socket: zmq.Socket[bytes], event: int, act: Callable[[], T]) -> T:
+    """Do what raises Again while it would have to wait, in slices: on Windows Ctrl-C interrupts no longer wait."""
+    limit = time.monotonic() + patience
+    while True:
+        try:
+            return act()
+        except zmq.Again:
+            left = limit - time.monotonic()
+            if left <= 0:
+                where = socket.getsockopt_string(zmq.LAST_ENDPOINT)
+                raise TimeoutError(f"no reply from {where} within {patience:g} s; is the server running?") from None
+            socket.poll(min(200, int(left * 1000) + 1), event)
 
 
 def show_refusal(socket: zmq.Socket[bytes], text: str, patience: float) -> None:
     """REQ takes no second request before it has given the reply to the first."""
-    socket.send_string(text)
+    send(socket, text, patience)
     try:
-        socket.send_string(text)
+        send(socket, text, patience)
     except zmq.ZMQError as error:
         print(f"refused: {type(error).__name__}: {error}")
-    print(f"received {receive(socket, patience)}: now REQ may send again")
+    print(f"received {printable(receive(socket, patience))}: now REQ may send again")
+
+
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
 
 
 def endpoint(text: str) -> str:
@@ -48,7 +73,7 @@ def endpoint(text: str) -> str:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 1 to 65535")
     try:
         getaddrinfo(parts[1], None)
-    except OSError:
+    except (OSError, UnicodeError):
         raise argparse.ArgumentTypeError(
             f"bad endpoint '{text}': unknown host '{parts[1]}'; check its spelling"
         ) from None
@@ -56,6 +81,8 @@ def endpoint(text: str) -> str:
 
 
 def main() -> None:
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Says Hello and waits for World.")
     parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5551", help="the server")
     parser.add_argument("--count", type=int, default=10, help="how many times to ask")
@@ -64,16 +91,19 @@ def main() -> None:
     parser.add_argument("--send-twice", action="store_true", help="send a second request before the reply")
     options = parser.parse_args()
     if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number, --patience seconds, and neither is negative")
+        parser.error("--count takes a whole number from 0, --patience seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
         socket.linger = 0
+        # A peer that announces more is disconnected before it is in memory.
+        socket.maxmsgsize = 65536
         socket.connect(options.endpoint)
         if options.send_twice:
             show_refusal(socket, options.text, options.patience)
         for i in range(1, options.count + 1):
-            print(f"{i}: sent {options.text}, received {request(socket, options.text, options.patience)}", flush=True)
+            reply = request(socket, options.text, options.patience)
+            print(f"{i}: sent {options.text}, received {printable(reply)}", flush=True)
         print(f"done: {options.count} replies")
 
 

@@ -11,10 +11,12 @@ Trouble on command: `--delay 5` answers later than the client waits. Take home: 
 from __future__ import annotations
 
 import argparse
+import errno
 import re
 import signal
 import sys
 import time
+import traceback
 
 import zmq
 
@@ -33,31 +35,66 @@ def serve(socket: zmq.Socket[bytes], delay: float, quiet: bool) -> None:
     """Answer for ever. REP alternates strictly: receive, send, receive, send."""
     # A wait with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
     socket.rcvtimeo = 200
+    lines = Lines()
     while True:
         try:
-            reply = answer(socket.recv_multipart())
+            frames = socket.recv_multipart()
         except zmq.Again:
             continue
+        reply = answer_or_error(frames)
         if delay:
             time.sleep(delay)
-        socket.send_string(reply)
+        # This never waits: REP drops the reply to a client that has gone, or does not read.
+        socket.send(reply)
         if not quiet:
-            print(f"sent {reply}", flush=True)
+            lines.show(f"sent {printable(reply.decode())}", bad=reply.startswith(b"error:"))
+
+
+def answer_or_error(frames: list[bytes]) -> bytes:
+    """A mistake in `answer` is told to both sides, and ends neither."""
+    try:
+        return answer(frames).encode()
+    except Exception as error:
+        traceback.print_exc()
+        return printable(f"error: {type(error).__name__}: {error}").encode()
+
+
+class Lines:
+    """Prints what happens, and of what is bad at most one line a second: a flood of it makes no flood of lines."""
+
+    next, left_out = 0.0, 0
+
+    def show(self, line: str, bad: bool) -> None:
+        now = time.monotonic()
+        if bad and now < self.next:
+            self.left_out += 1
+            return
+        if self.left_out and now >= self.next:
+            print(f"… {self.left_out:,} more in the last second", flush=True)
+            self.left_out = 0
+        if bad:
+            self.next = now + 1
+        print(line, flush=True)
+
+
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
 
 
 def endpoint(text: str) -> str:
     """What --endpoint takes. libzmq itself would listen on port 99999 - 65536 without a word."""
     port = re.fullmatch(r"tcp://[^\s:]+:(\*|\d{1,5})", text)
     if not port or (port[1] != "*" and int(port[1]) > 65535):
-        raise argparse.ArgumentTypeError(
-            f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 0 to 65535 or *"
-        )
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 0 to 65535")
     return text
 
 
 def main() -> None:
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Answers Hello with World.")
-    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5551", help="port * takes a free one")
+    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5551", help="port 0 takes a free one")
     parser.add_argument("--delay", type=float, default=0.0, help="seconds to wait before each reply")
     parser.add_argument("--quiet", action="store_true", help="no line per reply: it takes longer than the reply")
     options = parser.parse_args()
@@ -68,11 +105,15 @@ def main() -> None:
     with zmq.Context() as context, context.socket(zmq.REP) as socket:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
         socket.linger = 0
+        # Who announces more is disconnected before it is in memory.
+        socket.maxmsgsize = 65536
         try:
             socket.bind(options.endpoint)
         except zmq.ZMQError as error:
-            cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "no such address, or no right to it"
-            sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
+            causes = {zmq.EADDRINUSE: "the port is taken", errno.EACCES: "the system reserves this port"}
+            cause = causes.get(error.errno or 0, "this machine has no such address")
+            where = options.endpoint
+            sys.exit(f"cannot listen on {where}: {cause}; try --endpoint tcp://127.0.0.1:0, which takes a free one")
         print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         serve(socket, options.delay, options.quiet)
 

@@ -41,6 +41,7 @@ namespace NetMQExample.Tests
                     ["asleep"] = Asleep,
                     ["never-polled"] = NeverPolled,
                     ["random"] = Randomly,
+                    ["no-socket"] = NoSocket,
                 };
                 checks[words[0]](words[1]);
                 Console.WriteLine("ok");
@@ -50,6 +51,29 @@ namespace NetMQExample.Tests
             {
                 Console.WriteLine($"failed: {e}");
                 return 1;
+            }
+        }
+
+        /// <summary>A client that gets no socket leaves NetMQ, as one that was disposed does.</summary>
+        private static void NoSocket(string endpoint)
+        {
+            var users = typeof(NetMQLifetime).GetField("users", BindingFlags.NonPublic | BindingFlags.Static);
+            NetMQConfig.MaxSockets = 1;
+            using var lifetime = new NetMQLifetime();
+            using var only = new RequestSocket();
+            foreach (var make in new Action[]
+            {
+                () => new HelloRequester(endpoint),
+                () => new LazyPirateRequester(endpoint, Limit, 1, Console.WriteLine),
+            })
+            {
+                try
+                {
+                    make();
+                    Check(false, "there was a second socket");
+                }
+                catch (NetMQException) { /* As it should be. */ }
+                Check((int)users.GetValue(null) == 1, $"{users.GetValue(null)} users");
             }
         }
 

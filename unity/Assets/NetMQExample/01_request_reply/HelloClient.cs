@@ -21,7 +21,7 @@ namespace NetMQExample
             using var requester = new HelloRequester(endpoint);
             for (var i = 1; i <= count; i++)
             {
-                var reply = requester.Request("Hello", Seconds(patience), stop);
+                var reply = NetMQLifetime.Printable(requester.Request("Hello", Seconds(patience), stop));
                 Log($"{i}: sent Hello, received {reply}");
             }
             Log($"done: {count} replies");

@@ -22,7 +22,7 @@ namespace NetMQExample
         private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
 
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private readonly RequestSocket socket = new RequestSocket();
+        private readonly RequestSocket socket;
         private readonly string endpoint;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
@@ -31,10 +31,14 @@ namespace NetMQExample
         public HelloRequester(string endpoint)
         {
             this.endpoint = endpoint;
-            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
-            socket.Options.Linger = TimeSpan.Zero;
             try
             {
+                // In here and not in a field: if NetMQ has no socket to give, NetMQ must be left all the same.
+                socket = new RequestSocket();
+                // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
+                socket.Options.Linger = TimeSpan.Zero;
+                // A peer that announces more is disconnected before it is in memory.
+                socket.Options.MaxMsgSize = 65536;
                 NetMQLifetime.Connect(socket, endpoint);
             }
             catch
@@ -50,7 +54,7 @@ namespace NetMQExample
 
         /// <summary>Sends a request and waits for its reply.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
-        /// <param name="patience">How long to wait for the reply.</param>
+        /// <param name="patience">How long to wait: until it is sent, and then for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
@@ -59,14 +63,21 @@ namespace NetMQExample
         {
             // Here too: while every reply comes in time, Receive never gets to look.
             stop.ThrowIfCancellationRequested();
-            Send(text);
+            Send(text, patience, stop);
             return Receive(patience, stop);
         }
 
-        /// <summary>The first half of a request.</summary>
+        /// <summary>The first half of a request. It waits when there is no connection to send on, as after a peer that is
+        /// not ZeroMQ.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
+        /// <param name="patience">How long to wait for a connection.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="FiniteStateMachineException">The reply to the last request was not received yet.</exception>
-        public void Send(string text) => socket.SendFrame(text);
+        public void Send(string text, TimeSpan patience, CancellationToken stop = default)
+        {
+            var waited = Stopwatch.StartNew();
+            while (!socket.TrySendFrame(Slice, text)) ThrowIfOver(waited, patience, stop);
+        }
 
         /// <summary>The second half: waits for the reply, as <see cref="Request"/> does.</summary>
         /// <param name="patience">How long to wait for the reply.</param>
@@ -79,22 +90,28 @@ namespace NetMQExample
             bool more;
             while (!socket.TryReceiveFrameString(waited.Elapsed < Spin ? TimeSpan.Zero : Slice, out reply, out more))
             {
-                stop.ThrowIfCancellationRequested();
                 // NetMQ's own thread may wait for this core.
                 Thread.Yield();
-                if (waited.Elapsed >= patience)
-                    throw new TimeoutException(FormattableString.Invariant(
-                        $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+                ThrowIfOver(waited, patience, stop);
             }
             // A reply of several frames is one message: its rest must not be taken for the next reply.
             while (more) socket.SkipFrame(out more);
             return reply;
         }
 
+        /// <summary>Between two slices: is it time to end?</summary>
+        private void ThrowIfOver(Stopwatch waited, TimeSpan patience, CancellationToken stop)
+        {
+            stop.ThrowIfCancellationRequested();
+            if (waited.Elapsed >= patience)
+                throw new TimeoutException(FormattableString.Invariant(
+                    $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+        }
+
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
-            socket.Dispose();
+            socket?.Dispose();
             lifetime.Dispose();
         }
     }

@@ -5,9 +5,11 @@
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
 // counted, and the last one to leave cleans up.
 using System;
+using System.Globalization;
 using System.IO;
 using System.Net;
 using System.Net.Sockets;
+using System.Text;
 using System.Threading;
 using AsyncIO;
 using NetMQ;
@@ -82,29 +84,63 @@ namespace NetMQExample
                 ? e.Message
                 : e.ToString();
 
+        /// <summary>What a peer sent, fit for one line of a log: no control characters, cut to a readable length.</summary>
+        /// <param name="text">Whatever came.</param>
+        /// <returns>At most 200 characters and an ellipsis; a question mark for each one that cannot be shown.</returns>
+        public static string Printable(string text)
+        {
+            var line = new StringBuilder();
+            var at = 0;
+            for (var length = 0; text != null && at < text.Length; length++)
+            {
+                if (length == 200) return line.Append('…').ToString();
+                // What lies beyond the first 65,536 characters, such as an emoji, takes two chars.
+                var width = char.IsSurrogatePair(text, at) ? 2 : 1;
+                var kind = CharUnicodeInfo.GetUnicodeCategory(text, at);
+                // Spaces, separators, controls, formats, halves of a pair and private use stand together in the enum.
+                var hidden = kind >= UnicodeCategory.SpaceSeparator && kind <= UnicodeCategory.PrivateUse
+                    || kind == UnicodeCategory.OtherNotAssigned;
+                if (hidden && text[at] != ' ') line.Append('?');
+                else line.Append(text, at, width);
+                at += width;
+            }
+            return line.ToString();
+        }
+
         /// <summary>Connects, after a look at what NetMQ itself reports in riddles.</summary>
         /// <param name="socket">A socket of the calling thread.</param>
         /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="TimeoutException">The host's address could not be found out within 5 s.</exception>
         public static void Connect(NetMQSocket socket, string endpoint)
         {
-            const string cure = "write it like tcp://127.0.0.1:5551";
+            const string cure = "write it like tcp://127.0.0.1:PORT, PORT from 1 to 65535";
             // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
             if (endpoint == null || !endpoint.StartsWith("tcp://", StringComparison.Ordinal))
                 throw new ArgumentException($"bad endpoint '{endpoint}': it does not begin with tcp://; {cure}");
             var colon = endpoint.LastIndexOf(':');
             if (!ushort.TryParse(endpoint.Substring(colon + 1), out var port) || port == 0)
-                throw new ArgumentException($"bad endpoint '{endpoint}': the port must be 1 to 65535; {cure}");
+                throw new ArgumentException($"bad endpoint '{endpoint}': it has no port; {cure}");
             var host = colon > 6 ? endpoint.Substring(6, colon - 6) : "";
             try
             {
-                if (!host.StartsWith("[", StringComparison.Ordinal)) Dns.GetHostAddresses(host.Length == 0 ? "?" : host);
+                // Such as [::1], which is an address already.
+                if (!host.StartsWith("[", StringComparison.Ordinal)) LookUp(host.Length == 0 ? "?" : host);
                 socket.Connect(endpoint);
             }
             catch (Exception e) when (e is SocketException || e is NetMQException || e is ArgumentException)
             {
                 throw new ArgumentException($"bad endpoint '{endpoint}': unknown host '{host}'; check its spelling, or {cure}");
             }
+        }
+
+        // The system may ask a name server that is silent for half a minute, and cannot be told to stop.
+        private static void LookUp(string host)
+        {
+            var lookUp = Dns.BeginGetHostAddresses(host, null, null);
+            if (!lookUp.AsyncWaitHandle.WaitOne(TimeSpan.FromSeconds(5)))
+                throw new TimeoutException($"no address for host '{host}' within 5 s; is the network there? Or write its number");
+            Dns.EndGetHostAddresses(lookUp);
         }
     }
 }

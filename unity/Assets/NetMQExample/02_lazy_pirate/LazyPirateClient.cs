@@ -13,8 +13,8 @@ namespace NetMQExample
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5552";
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
         [SerializeField, Tooltip("add 1, or balance")] private string text = "add 1";
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 0.5f;
-        [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 20;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float patience = 0.5f;
+        [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 5;
         [SerializeField, Tooltip("Keep the socket for the next try")] private bool relaxed = false;
 
         /// <inheritdoc/>
@@ -22,7 +22,11 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}");
             using var pirate = new LazyPirateRequester(endpoint, Seconds(patience), tries, Log, relaxed);
-            for (var i = 1; i <= count; i++) Log($"{i}: sent {text}, received {pirate.Request(text, stop)}");
+            for (var i = 1; i <= count; i++)
+            {
+                var reply = NetMQLifetime.Printable(pirate.Request(text, stop));
+                Log($"{i}: sent {text}, received {reply}");
+            }
             Log($"done: {count} replies");
         }
     }

@@ -1,0 +1,104 @@
+"""Peers and lines as they should not be: a slow line, and a server that breaks ZeroMQ's protocol."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import socket
+import threading
+import time
+
+
+def zmtp_frame(body, more=False):
+    return bytes([1 if more else 0, len(body)]) + body
+
+
+class Listener:
+    """Accepts connections on a free port of its own, each served by a thread; a context manager."""
+
+    def __enter__(self):
+        self.socket = socket.create_server(("127.0.0.1", 0))
+        self.endpoint = f"tcp://127.0.0.1:{self.socket.getsockname()[1]}"
+        self.open = [self.socket]
+        threading.Thread(target=self.accept, daemon=True).start()
+        return self
+
+    def accept(self):
+        with contextlib.suppress(OSError):
+            while True:
+                peer, _ = self.socket.accept()
+                self.open.append(peer)
+                threading.Thread(target=self.served, args=(peer,), daemon=True).start()
+
+    def served(self, peer):
+        with contextlib.suppress(OSError, AssertionError):
+            self.serve(peer)
+
+    def __exit__(self, *_):
+        for each in self.open:
+            with contextlib.suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+            each.close()
+
+
+class SlowLine(Listener):
+    """Hands everything on to a server and back, each byte `delay` seconds late."""
+
+    def __init__(self, endpoint, delay):
+        self.port, self.delay = int(endpoint.rpartition(":")[2]), delay
+
+    def serve(self, peer):
+        server = socket.create_connection(("127.0.0.1", self.port))
+        self.open.append(server)
+        threading.Thread(target=self.copy, args=(server, peer), daemon=True).start()
+        self.copy(peer, server)
+
+    def copy(self, source, target):
+        on_the_way = queue.SimpleQueue()
+        threading.Thread(target=self.deliver, args=(on_the_way, target), daemon=True).start()
+        data = b"?"
+        while data:
+            with contextlib.suppress(OSError):
+                data = source.recv(65536)
+                on_the_way.put((time.monotonic() + self.delay, data))
+                continue
+            on_the_way.put((0, b""))
+            return
+
+    def deliver(self, on_the_way, target):
+        while True:
+            due, data = on_the_way.get()
+            time.sleep(max(0.0, due - time.monotonic()))
+            with contextlib.suppress(OSError):
+                if not data:
+                    target.shutdown(socket.SHUT_WR)
+                    return
+                target.sendall(data)
+
+
+class ProtocolBreaker(Listener):
+    """A REP server by hand that answers one request of each connection, and with the reply comes a frame too many."""
+
+    def __init__(self, answer):
+        self.answer = answer
+
+    def serve(self, peer):
+        with peer.makefile("rb") as stream:
+            peer.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + b"\0" + bytes(31))
+            ready = b"\x05READY" + b"\x0bSocket-Type" + (3).to_bytes(4, "big") + b"REP"
+            peer.sendall(bytes([4, len(ready)]) + ready)
+            stream.read(64)
+            frames, more = [], True
+            while more:
+                flags, size = stream.read(2)
+                body = stream.read(size)
+                if flags < 2:
+                    frames.append(body)
+                    more = flags == 1
+            # The way back: an empty frame, and before it the request's number if the client correlates.
+            body = frames.index(b"") + 1
+            *first, last = [*frames[:body], *self.answer(frames[body:])]
+            reply = b"".join(zmtp_frame(part, more=True) for part in first) + zmtp_frame(last)
+            # REQ disconnects a peer that sends something without that empty frame.
+            peer.sendall(reply + zmtp_frame(b"and no more"))
+            stream.read()
