@@ -30,7 +30,10 @@ def received(numbers):
 
 
 def silence(endpoint, attempt, tries=3, patience="1"):
-    return f"no reply from {endpoint} within {patience} s; is the server running? (try {attempt} of {tries})"
+    """The second try waits twice as long as the first, all others four times."""
+    within = f"{float(patience) * (1, 2, 4)[min(attempt, 3) - 1]:g} s"
+    cause = "is the server running, or the line slow?"
+    return f"no reply from {endpoint} within {within}; {cause} (try {attempt} of {tries})"
 
 
 def garbage(endpoint, attempt, tries=3):
@@ -456,7 +459,11 @@ REQUESTS = {
     "hello": ([b"1", b"hello"], [b"1", b"world"]),
     "echo": ([b"1", "echo grün ✓".encode()], [b"1", "grün ✓".encode()]),
     "an empty echo": ([b"1", b"echo "], [b"1", b""]),
-    "ten megabytes": ([b"1", b"echo " + b"x" * 10_000_000], [b"1", b"x" * 10_000_000]),
+    "sixty kilobytes": ([b"1", b"echo " + b"x" * 60_000], [b"1", b"x" * 60_000]),
+    "more than is sent in one frame": (
+        [b"1", b"echo " + b"\xff" * 30_000],
+        [b"1", b"error: ValueError: the answer has 90000 bytes, more than 65536"],
+    ),
     "another text": ([b"1", b"Hello"], [b"1", b"error: expected hello or echo TEXT, got b'Hello'"]),
     "an empty text": ([b"1", b""], [b"1", b"error: expected hello or echo TEXT, got b''"]),
     "bytes that are no UTF-8": ([b"1", b"echo \xff\xfe"], [b"1", "\ufffd\ufffd".encode()]),
@@ -521,7 +528,8 @@ def test_a_taken_port_is_named_with_its_cure(serve, start):
     _, endpoint = serve(KEY)
     second = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", endpoint)
     assert second.wait() == 1
-    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+    cure = "try --endpoint tcp://127.0.0.1:0, which takes a free one"
+    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; {cure}"]
 
 
 @pytest.mark.parametrize(

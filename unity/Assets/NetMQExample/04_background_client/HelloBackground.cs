@@ -78,8 +78,8 @@ namespace NetMQExample
 
         private void ShowTrouble()
         {
-            if (Client.LastError != shown && Client.State != ClientState.Lost)
-                Debug.Log($"trouble: {shown = Client.LastError}");
+            var (state, error) = Client.Status;
+            if (error != shown && state != ClientState.Lost) Debug.Log($"trouble: {shown = error}");
         }
 
         private void Finish(string why = null)
