@@ -18,7 +18,7 @@ import zmq
 
 # Plain digits, as C# reads them: int() also takes 1_0 and the digits of every script, and fails at five thousand.
 WHOLE, REAL = r"([0-9]{1,18})", r"(-?[0-9]{1,20}(?:\.[0-9]{1,20})?(?:[eE][-+]?[0-9]{1,2})?)"
-POSE = re.compile(rf"pose/ (\S+) {WHOLE}" + f" {REAL}" * 7)
+POSE = re.compile(rf"pose/ ([^ ]+) {WHOLE}" + f" {REAL}" * 7)
 SNAPSHOT = re.compile(rf"{WHOLE} (pose/ .*)")
 
 

@@ -41,7 +41,7 @@ def answer(text: bytes) -> bytes:
 def remembered(name: bytes, text: bytes) -> bytes:
     """The last thousand answers, 200 MB at the most: a retry has the same id, and gets the same answer."""
     if len(reply := answer(text)) > MAX_BYTES:
-        raise ValueError(f"the answer has {len(reply)} bytes, more than {MAX_BYTES}")
+        return b"error: the answer has %d bytes, more than %d" % (len(reply), MAX_BYTES)
     return reply
 
 

@@ -41,6 +41,10 @@ namespace NetMQExample.Tests
                     ["asleep"] = Asleep,
                     ["never-polled"] = NeverPolled,
                     ["random"] = Randomly,
+                    ["pairs"] = Pairs,
+                    ["too-long"] = TooLong,
+                    ["no-socket"] = NoSocket,
+                    ["listener-stops"] = ListenerStops,
                 };
                 checks[words[0]](words[1]);
                 Console.WriteLine("ok");
@@ -396,6 +400,101 @@ namespace NetMQExample.Tests
             Equal(4, client.Replies);
             client.Dispose();
             foreach (var line in seen) Console.WriteLine(line);
+        }
+
+        // Whoever reads State and LastError together gets those of one moment. Both speak of the same try here.
+        private static void Pairs(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint, TimeSpan.FromMilliseconds(1), tries: 2);
+            var (done, wrong, reads) = (false, "", 0);
+            var reader = new Thread(() =>
+            {
+                for (; !Volatile.Read(ref done); reads++)
+                {
+                    var (state, error) = client.Status;
+                    var expected = state == ClientState.Retrying ? "(try 1 of 2)" : state == ClientState.Lost ? "(try 2 of 2)" : "";
+                    if (!error.EndsWith(expected, StringComparison.Ordinal)) wrong = $"{state} {error}";
+                }
+            });
+            reader.Start();
+            var ends = 0;
+            for (var i = 0; i < 60; i++)
+            {
+                client.Request("hello", null, _ => ends++);
+                Until(() => ends > i, client);
+            }
+            Volatile.Write(ref done, true);
+            Check(reader.Join(Limit), "the reader does not end");
+            Equal("", wrong);
+            Console.WriteLine($"{reads} times");
+        }
+
+        // More than a server takes in one frame: said, and not sent.
+        private static void TooLong(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint);
+            string got = null;
+            client.Request(new string('ü', 40000), text => got = text, why => got = why);
+            Until(() => got != null, client);
+            Equal("a text has at most 65536 bytes", got);
+            got = null;
+            client.Request("echo " + new string('ü', 20000), text => got = text, why => got = why);
+            Until(() => got != null, client);
+            Equal(new string('ü', 20000), got);
+        }
+
+        // There are too many sockets to make another: who fails so is no user of NetMQ, and does not keep it from its end.
+        private static void NoSocket(string endpoint)
+        {
+            NetMQConfig.MaxSockets = 1;
+            using (new NetMQLifetime())
+            using (new RequestSocket())
+            {
+                foreach (var make in new Func<IDisposable>[]
+                {
+                    () => new TopicListener(endpoint, ""), () => new PoseSubscriber(endpoint, null, _ => { }),
+                })
+                {
+                    try
+                    {
+                        make().Dispose();
+                        Check(false, "made in spite of the limit");
+                    }
+                    catch (NetMQException e)
+                    {
+                        Console.WriteLine(e.Message);
+                    }
+                }
+            }
+            // The last user has ended NetMQ, so that a new limit holds.
+            NetMQConfig.MaxSockets = 2;
+            using var lifetime = new NetMQLifetime();
+            using var first = new RequestSocket();
+            using var second = new RequestSocket();
+        }
+
+        // Nothing comes, and the wait ends when it is told to.
+        private static void ListenerStops(string endpoint)
+        {
+            using var listener = new TopicListener(endpoint, "");
+            using var stop = new CancellationTokenSource();
+            var cancelled = new Stopwatch();
+            new Thread(() =>
+            {
+                Thread.Sleep(200);
+                cancelled.Start();
+                stop.Cancel();
+            }).Start();
+            try
+            {
+                listener.Receive(TimeSpan.FromSeconds(20), stop.Token);
+                Check(false, "received something");
+            }
+            catch (OperationCanceledException)
+            {
+                Console.WriteLine($"stopped in {cancelled.ElapsedMilliseconds} ms");
+                Check(cancelled.ElapsedMilliseconds < 1000, "too late");
+            }
         }
 
         // Neither an idle client nor one that waits for a reply may use the processor.

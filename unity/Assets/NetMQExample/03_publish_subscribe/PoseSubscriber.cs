@@ -129,7 +129,7 @@ namespace NetMQExample
             {
                 // The lost pose may have been the last one. So a second of silence calls for a snapshot as well.
                 var heard = Take(stream, Second, stop, out var frame);
-                var pose = heard ? PoseMessage.Parse(Encoding.UTF8.GetString(frame)) : null;
+                var pose = PoseMessage.Parse(Encoding.UTF8.GetString(frame));
                 if (pose == null || Pose == null || pose.Run != Pose.Run || pose.Number > Pose.Number + 1)
                 {
                     var news = CatchUp(patience, stop);
@@ -269,6 +269,7 @@ namespace NetMQExample
                 return true;
             }
             while (waited.Elapsed < wait);
+            frame = Array.Empty<byte>();
             return false;
         }
     }

@@ -68,7 +68,7 @@ namespace NetMQExample
             replies++;
             if (cost != null) return;
             ShowTrouble();
-            Debug.Log($"{replies}: sent {text}, received {reply}");
+            Debug.Log($"{replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
         }
 
         private void OnError(string why)
