@@ -42,7 +42,7 @@ namespace NetMQExample.Terminal
         {
             using var listener = new TopicListener(endpoint, prefix);
             Console.WriteLine($"listening to '{prefix}' from {endpoint}");
-            for (var i = 0; i < count; i++) Console.WriteLine($"received {listener.Receive(patience)}");
+            for (var i = 0; i < count; i++) Console.WriteLine($"received {NetMQLifetime.Printable(listener.Receive(patience))}");
             Console.WriteLine($"done: received {count}");
         }
     }

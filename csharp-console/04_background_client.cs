@@ -33,13 +33,13 @@ namespace NetMQExample.Terminal
             var (asked, replies, frames, longest, shown, why) = (0, 0, 0, 0L, "", (string?)null);
             void ShowTrouble()
             {
-                if (client.LastError != shown && client.State != ClientState.Lost)
-                    Console.WriteLine($"trouble: {shown = client.LastError}");
+                var (state, error) = client.Status;
+                if (error != shown && state != ClientState.Lost) Console.WriteLine($"trouble: {shown = error}");
             }
             void OnReply(string reply)
             {
                 ShowTrouble();
-                Console.WriteLine($"{++replies}: sent {text}, received {reply}");
+                Console.WriteLine($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
             }
             for (var frame = Stopwatch.StartNew(); replies < count && why == null; frames++, frame.Restart())
             {

@@ -448,13 +448,6 @@ def test_a_flood_of_bad_requests_is_no_flood_of_lines(serve, context):
     assert 0 < left_out + server.output.count("sent error") <= rude
 
 
-def test_a_client_that_gets_no_socket_leaves_netmq(engine):
-    """Else NetMQ is never cleaned up again in this process: in the editor, until it is started again."""
-    dll = dotnet.build(PYTHON, engine, ROOT / "tests" / "background_client")
-    done = subprocess.run(["dotnet", dll, "no-socket", "tcp://127.0.0.1:1"], capture_output=True, text=True, timeout=60)
-    assert done.stdout.splitlines()[-1:] == ["ok"], done.stdout + done.stderr
-
-
 def test_port_0_is_a_free_port_too(serve, context):
     _, endpoint = serve(KEY, endpoint="tcp://127.0.0.1:0")
     assert re.fullmatch(r"tcp://127\.0\.0\.1:[1-9]\d+", endpoint)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import signal
 import socket
 import sys
+import time
 from pathlib import Path
 
 import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, free_port
+from tests.programs import LIMIT, ROOT, free_port, steady_port
+from tests.slow_line import slow_line
 
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -171,7 +174,9 @@ def test_a_client_without_a_server_gives_up(kind, start, client_command):
     assert client.wait() == 1, client.output
     higher = f"tcp://127.0.0.1:{int(endpoint.rpartition(':')[2]) + 100}"
     assert client.lines[0] == f"following {endpoint}, snapshots from {higher}"
-    assert client.lines[-1] == f"gave up: no snapshot from {higher} within 0.5 s; is the server running?"
+    assert (
+        client.lines[-1] == f"gave up: no snapshot from {higher} within 0.5 s; is the server running, or the line slow?"
+    )
 
 
 @pytest.mark.parametrize("kind", TERMINAL)
@@ -179,7 +184,7 @@ def test_a_client_without_a_server_gives_up(kind, start, client_command):
 def test_the_other_modes_without_a_server_give_up_too(kind, mode, start, client_command):
     client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{free_port()}", "--patience", "0.5", *mode))
     assert client.wait() == 1, client.output
-    assert re.match(r"gave up: no.* within 0\.5 s; is the server running\?", client.lines[-1])
+    assert re.match(r"gave up: no.* within 0\.5 s; is the server running, or the line slow\?", client.lines[-1])
 
 
 # With a publisher of the test's own, which decides on every message
@@ -356,7 +361,19 @@ def test_a_stream_that_never_comes_is_said(kind, fake, follow):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 @pytest.mark.parametrize(
-    "answer", [b"error: expected Hello", b"", b"\xff\xfe", b"-1 " + pose("one", 1), pose("one", 1)]
+    "answer",
+    [
+        b"error: expected Hello",
+        b"",
+        b"\xff\xfe",
+        b"-1 " + pose("one", 1),
+        pose("one", 1),
+        b"1" * 5000 + b" " + pose("one", 1),
+        b"4294967296 " + pose("one", 1),
+        "٣ ".encode() + pose("one", 1),
+        b"\x1b[2J\r\n\a" + b"x" * 60_000,
+    ],
+    ids=lambda answer: repr(answer)[:20],
 )
 def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, follow):
     client = follow(kind, fake.endpoint, fake.snapshots)
@@ -364,6 +381,152 @@ def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, f
     assert client.wait() == 1, client.output
     assert client.lines[-1].startswith(f"gave up: what answers at {fake.snapshots} gives no snapshots: ")
     assert len(client.lines) == 2
+    # Fit for a terminal: of a readable length, and without what would clear the screen.
+    assert len(client.lines[-1]) < 400
+    assert client.lines[-1].isprintable()
+
+
+def wrong_poses(number):
+    """They are no poses in any language, though some library of some language takes them."""
+    good, digits = pose("one", number).decode(), str(number)
+    for odd in (f"1_{digits[1:]}", f"-{digits}", f"+{digits}", "١٢", "9" * 5000, "1e1", ""):
+        yield good.replace(f" {digits} ", f" {odd} ", 1)
+    for odd in ("nan", "inf", "-Infinity", "1e39", "1_0.5", "٣", "0x1", "\t1", "1,5"):
+        yield good.replace("1234.0625", odd)
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_only_plain_numbers_are_numbers(kind, fake, follow):
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "1")
+    fake.subscribed()
+    fake.stream.send(pose("one", 11))
+    fake.asked_for_a_snapshot(b"7 " + pose("one", 11))
+    for noise in wrong_poses(12):
+        fake.stream.send(noise.encode())
+        fake.asked_for_a_snapshot(b"7 " + pose("one", 11))
+    fake.stream.send(pose("one", 12))
+    assert client.wait() == 0, client.output
+    assert client.lines[1:] == [
+        "joined run one at 11, checksum 7",
+        place(11),
+        place(12),
+        f"done: received 1, missed 0; run one at 12, checksum {add(7, pose('one', 12))}",
+    ]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_what_is_printed_is_fit_for_a_terminal(kind, fake, follow):
+    run = "\x1b[2J\u2028" + "r" * 5000
+    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2")
+    fake.subscribed()
+    fake.asked_for_a_snapshot(b"1 " + pose(run, 2))
+    assert client.wait() == 0, client.output
+    assert client.lines[1] == f"joined run ?[2J?{'r' * 195}… at 2, checksum 1"
+    assert len(client.lines) == 4
+    assert all(line.isprintable() and len(line) < 400 for line in client.lines)
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+def test_a_listener_prints_what_is_fit_and_takes_nothing_endless(kind, fake, start, client_command):
+    client = start(*client_command(kind, KEY, fake.endpoint, "--listen", "", "--count", "2", "--patience", "25"))
+    fake.subscribed()
+    fake.stream.send(b"x" * 100_000)
+    # ZeroMQ closes the connection for it. The listener makes another.
+    deadline = time.monotonic() + LIMIT
+    while client.process.poll() is None and time.monotonic() < deadline:
+        fake.stream.send("\x1b[2Jgrün ✓\n\xad\x85".encode() + b"\xff" + b"y" * 1000)
+        time.sleep(0.01)
+    assert client.wait() == 0, client.output
+    line = f"received ?[2Jgrün ✓???\ufffd{'y' * 186}…"
+    assert client.lines[1:] == [line, line, "done: received 2"]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+@pytest.mark.parametrize("number", [5, 4], ids=["the same", "a lower one"])
+def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow):
+    """Such as a frozen robot that sends its last pose again and again."""
+    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "1.5", "--count", "9")
+    fake.subscribed()
+    deadline = time.monotonic() + LIMIT
+    while client.process.poll() is None and time.monotonic() < deadline:
+        fake.stream.send(pose("one", number))
+        if fake.router.poll(5):
+            fake.asked_for_a_snapshot(b"7 " + pose("one", 5))
+    assert client.wait(1) == 0, client.output
+    assert client.lines[-1] == "done: received 0, missed 0; run one at 5, checksum 7"
+
+
+@pytest.mark.parametrize(("kind", "how"), [("python", "--newest"), ("csharp", "--newest")])
+def test_a_repeated_pose_is_not_missed(kind, how, fake, follow):
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "3", "--every", "1", how)
+    fake.subscribed()
+    for said, number in enumerate((5, 5, 3), start=1):
+        fake.stream.send(pose("one", number))
+        client.wait_for("^done" if said == 3 else place(number).replace(".", r"\."), start=said)
+    assert client.wait() == 0
+    assert client.lines[-1] == "done: received 3, missed 0; run one at 3, checksum 0"
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_broken_reply_is_waited_for_no_longer_than_another(kind, fake, follow):
+    """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
+    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "1")
+    fake.subscribed()
+    who, _ = fake.request()
+    fake.router.send_multipart([who, b"no empty frame"])
+    assert client.wait() == 1, client.output
+    assert client.lines[-1].startswith(f"gave up: no snapshot from {fake.snapshots} within 1 s")
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_the_wrong_server_first_and_then_the_right_one(kind, publish, serve, follow):
+    """After a peer that is no publisher, libzmq never connects again by itself."""
+    endpoint, snapshots = (f"tcp://127.0.0.1:{steady_port()}" for _ in range(2))
+    wrong = [serve("01_request_reply", endpoint=where)[0] for where in (endpoint, snapshots)]
+    client = follow(kind, endpoint, snapshots, "--count", "50", "--until", "0", "--patience", "25", "--every", "0")
+    client.wait_for("^following")
+    # Lesson 01's server answers whoever asks it for a snapshot, and the client says so and ends. So it gets no answer.
+    for server in wrong[1:]:
+        server.kill()
+    time.sleep(0.5)
+    wrong[0].kill()
+    publish("--rate", "200", "--snapshots", snapshots, endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert client.wait_for(DONE)[1] == "50"
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+@pytest.mark.parametrize("mode", [["--newest"], ["--listen", "news/"]], ids=["newest", "listen"])
+def test_the_wrong_server_first_in_the_other_modes(kind, mode, publish, serve, start, client_command):
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    wrong, _ = serve("01_request_reply", endpoint=endpoint)
+    client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--patience", "25", *mode))
+    client.wait_for("^(following|listening)")
+    # Not a wait for something: that long the wrong server has the port.
+    time.sleep(0.5)
+    wrong.kill()
+    publish("--rate", "600", "--snapshots", "tcp://127.0.0.1:0", endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert client.lines[-1].startswith("done: received 3")
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_far_publisher_is_followed(kind, publish, follow):
+    """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
+    _, endpoint, snapshots = publish()
+    with slow_line(endpoint, 0.4) as far, slow_line(snapshots, 0.4) as far_snapshots:
+        client = follow(kind, far, far_snapshots, "--count", "30")
+        assert client.wait() == 0, client.output
+    assert client.wait_for(DONE)[1] == "30"
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+@pytest.mark.parametrize("mode", [["--newest"], ["--listen", "pose/"]], ids=["newest", "listen"])
+def test_a_far_publisher_in_the_other_modes(kind, mode, publish, start, client_command):
+    _, endpoint, _ = publish()
+    with slow_line(endpoint, 0.4) as far:
+        client = start(*client_command(kind, KEY, far, "--count", "5", *mode))
+        assert client.wait() == 0, client.output
 
 
 @pytest.mark.parametrize(
@@ -443,14 +606,57 @@ def test_facing_forward(context, publish):
     assert (x + forward[0] / 30, z + forward[1] / 30) == pytest.approx((next_x, next_z), abs=0.001)
 
 
-@pytest.mark.parametrize(
-    "frames", [[b""], [b"pose"], [b"pose/", b"pose/"], [b"\xff\xfe"], [b"x" * 10_000_000], [b"", b""]]
-)
+@pytest.mark.parametrize("frames", [[b""], [b"pose"], [b"pose/", b"pose/"], [b"\xff\xfe"], [b"x" * 900], [b"", b""]])
 def test_a_bad_request_gets_an_error_and_the_next_one_a_snapshot(frames, publish, context):
     server, _, snapshots = publish()
     assert request(context, snapshots, *frames).startswith(b"error: expected pose/")
     assert re.match(rb"\d+ pose/ \w+ \d+ ", request(context, snapshots, b"pose/"))
     assert server.stop() == 0
+
+
+def test_a_broken_request_does_not_hold_the_stream(publish, context):
+    """REP drops a request without the empty frame in front: there is something to receive, and then there is not."""
+    server, endpoint, snapshots = publish("--rate", "600")
+    with context.socket(zmq.SUB) as stream, context.socket(zmq.DEALER) as rude:
+        stream.linger = rude.linger = 0
+        stream.subscribe("pose/")
+        stream.connect(endpoint)
+        assert stream.poll(20_000)
+        rude.connect(snapshots)
+        for _ in range(3):
+            rude.send(b"no empty frame in front")
+        # Those that wait here were sent before; a second of poses was not.
+        for _ in range(1200):
+            assert stream.poll(10_000), "the publisher is held"
+            stream.recv()
+    assert server.stop() == 0
+
+
+def memory(program):
+    """What a process occupies, in MB."""
+    status = Path(f"/proc/{program.process.pid}/status")
+    if not status.exists():
+        pytest.skip("only Linux says how much memory another process occupies")
+    return int(re.search(r"VmRSS:\s+(\d+) kB", status.read_text(encoding="utf-8"))[1]) / 1000
+
+
+def test_an_endless_subscription_costs_nothing(publish, follow):
+    server, *places = publish("--rate", "600")
+    before = memory(server)
+    with socket.create_connection(("127.0.0.1", int(places[0].rpartition(":")[2]))) as rude:
+        # By hand, because a SUB socket with such a subscription would fall first.
+        rude.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
+        ready = b"\x05READY" + b"\x0bSocket-Type" + (3).to_bytes(4, "big") + b"SUB"
+        rude.sendall(bytes([4, len(ready)]) + ready)
+        size = 4_000_000
+        with contextlib.suppress(OSError):
+            rude.sendall(b"\x02" + size.to_bytes(8, "big") + b"\x01" + b"x" * (size - 1))
+        deadline = time.monotonic() + 3
+        while time.monotonic() < deadline and memory(server) < before + 100:
+            time.sleep(0.05)
+        assert memory(server) < before + 100
+    client = follow("python", *places, "--count", "60")
+    assert client.wait() == 0, client.output
 
 
 def test_raw_bytes_on_both_ports(publish, follow):
@@ -484,7 +690,8 @@ def test_a_taken_port_is_named_with_its_cure(publish, start):
     ):
         other = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", first, "--snapshots", second)
         assert other.wait() == 1
-        assert other.lines == [f"cannot listen on {taken}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+        cure = "try --endpoint tcp://127.0.0.1:0, which takes a free one"
+        assert other.lines == [f"cannot listen on {taken}: the port is taken; {cure}"]
 
 
 @pytest.mark.parametrize(
@@ -520,7 +727,17 @@ def test_wrong_usage_is_one_line_and_2(kind, options, start, client_command):
 
 
 @pytest.mark.parametrize("kind", TERMINAL)
-@pytest.mark.parametrize("endpoint", ["127.0.0.1:5553", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", "tcp://:5553", ""])
+@pytest.mark.parametrize(
+    "endpoint",
+    [
+        "127.0.0.1:5553",
+        "tcp://127.0.0.1",
+        "tcp://127.0.0.1:99999",
+        "tcp://:5553",
+        "",
+        "tcp://no-such-host.invalid:5553",
+    ],
+)
 def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, client_command):
     client = start(*client_command(kind, KEY, endpoint))
     assert client.wait() == 2, client.output

@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 
 import pytest
 import zmq
@@ -19,6 +20,7 @@ import zmq
 from kitlib import dotnet
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, steady_port
+from tests.slow_line import slow_line
 
 KEY = "04_background_client"
 FRAMES = r"frames: (\d+), the longest took (\d+) ms"
@@ -30,7 +32,10 @@ def received(numbers):
 
 
 def silence(endpoint, attempt, tries=3, patience="1"):
-    return f"no reply from {endpoint} within {patience} s; is the server running? (try {attempt} of {tries})"
+    """The second try waits twice as long as the first, all others four times."""
+    within = f"{float(patience) * (1, 2, 4)[min(attempt, 3) - 1]:g} s"
+    cause = "is the server running, or the line slow?"
+    return f"no reply from {endpoint} within {within}; {cause} (try {attempt} of {tries})"
 
 
 def garbage(endpoint, attempt, tries=3):
@@ -81,15 +86,30 @@ def silent(peer, rest):
     rest.wait()
 
 
-def zmtp(peer, rest, then):
-    """ZMTP 3.0 (rfc.zeromq.org/spec/23) up to the request, then the id as first frame of the reply, and then `then`."""
+def handshake(peer):
+    """ZMTP 3.0 (rfc.zeromq.org/spec/23) up to the first request."""
     stream = peer.makefile("rb")
     peer.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
     stream.read(64)
     ready = b"\x05READY" + b"\x0bSocket-Type" + (6).to_bytes(4, "big") + b"ROUTER"
     peer.sendall(bytes([4, len(ready)]) + ready)
-    its_ready, delimiter, name, text = (stream.read(stream.read(2)[1]) for _ in range(4))
-    assert (its_ready[:6], delimiter, text) == (b"\x05READY", b"", b"hello")
+    assert stream.read(stream.read(2)[1])[:6] == b"\x05READY"
+    return stream
+
+
+def answer_and_break(peer, rest):
+    """One good reply, and with it a frame as no ZeroMQ program sends it: after that the client has no connection."""
+    stream = handshake(peer)
+    _, name, _ = (stream.read(stream.read(2)[1]) for _ in range(3))
+    peer.sendall(b"\x01\x00\x01" + bytes([len(name)]) + name + b"\x00\x05world" + b"\xff" * 9)
+    rest.wait()
+
+
+def zmtp(peer, rest, then):
+    """Up to the request, then the id as first frame of the reply, and then `then`."""
+    stream = handshake(peer)
+    delimiter, name, text = (stream.read(stream.read(2)[1]) for _ in range(3))
+    assert (delimiter, text) == (b"", b"hello")
     peer.sendall(b"\x01\x00\x01" + bytes([len(name)]) + name + then)
     print("came as far as half a reply")
     if then:
@@ -304,6 +324,100 @@ def test_another_lessons_server(kind, serve, start, client_command):
     gives_up(kind, endpoint, start, client_command, why=garbage)
 
 
+@clients
+def test_a_server_that_breaks_the_protocol_after_each_reply(kind, start, client_command):
+    """The next send finds no connection: it is a try in vain, and no more than that."""
+    with stranger(answer_and_break) as endpoint:
+        client = start(*client_command(kind, KEY, endpoint, "--count", "5"))
+        assert client.wait() == 0, client.output
+    assert replies(client) == received(range(1, 6))
+
+
+@clients
+def test_broken_replies_count_as_none(kind, start, client_command, context):
+    """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
+    with context.socket(zmq.ROUTER) as router:
+        router.linger = 0
+        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5", "--tries", "3", "--count", "1"))
+        for _ in range(3):
+            assert router.poll(20_000)
+            router.send_multipart([router.recv_multipart()[0], b"no empty frame"])
+        assert client.wait() == 1, client.output
+    assert f"gave up: {silence(endpoint, 3, patience='0.5')}" in client.lines
+
+
+@clients
+def test_what_is_printed_is_fit_for_a_terminal(kind, start, client_command, context):
+    with context.socket(zmq.REP) as rep:
+        rep.linger = 0
+        endpoint = f"tcp://127.0.0.1:{rep.bind_to_random_port('tcp://127.0.0.1')}"
+        client = start(*client_command(kind, KEY, endpoint, "--count", "1", "--patience", "20"))
+        assert rep.poll(20_000)
+        name, _ = rep.recv_multipart()
+        rep.send_multipart([name, "grün\x1b[2J\r\n".encode() + b"\xff" + b"x" * 5000])
+        assert client.wait() == 0, client.output
+    assert replies(client) == [f"1: sent hello, received grün?[2J??\ufffd{'x' * 189}…"]
+
+
+@clients
+def test_a_far_server_answers(kind, serve, start, client_command):
+    """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
+    _, endpoint = serve(KEY)
+    with slow_line(endpoint, 0.4) as far:
+        client = start(*client_command(kind, KEY, far, "--count", "3"))
+        assert client.wait() == 0, client.output
+    assert replies(client) == received(range(1, 4))
+
+
+# Runs inside the lesson's folder, where `from client import BackgroundClient` finds the class to take home.
+IN_PYTHON = """
+import sys, time
+from client import BackgroundClient
+ends = []
+def until(number):
+    limit = time.monotonic() + 30
+    while len(ends) < number and time.monotonic() < limit:
+        client.poll()
+        time.sleep(0.01)
+client = BackgroundClient(sys.argv[1], patience=20)
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "printed"),
+    [
+        (
+            # What is under way when the client is closed.
+            "for i in range(64): assert client.request('hello', ends.append, ends.append)\nclient.close()",
+            ["64", "the client was disposed"],
+        ),
+        (
+            # A text that is none, and one that is too long: the thread goes on.
+            "client.request('\\ud800', ends.append, ends.append)\nuntil(1)\n"
+            "client.request('x' * 70000, ends.append, ends.append)\nuntil(2)\nclient.close()",
+            ["2", "ValueError('a text has at most 65536 bytes')"],
+        ),
+        (
+            # A callback that raises keeps no other from running.
+            "def bad(why):\n    ends.append(why)\n    raise LookupError(why)\n"
+            "for i in range(5): client.request('hello', bad, bad)\n"
+            "try: client.close()\nexcept LookupError: pass",
+            ["5", "the client was disposed"],
+        ),
+    ],
+    ids=["closed with 64 under way", "texts that cannot be sent", "callbacks that raise"],
+)
+def test_each_request_to_the_python_client_ends_once(code, printed, start):
+    with stranger(silent) as endpoint:
+        folder = str(ROOT / "python" / KEY)
+        program = start(
+            PYTHON, "-c", f"{IN_PYTHON}{code}\nprint(len(ends))\nprint(ends[-1])", endpoint, PYTHONPATH=folder
+        )
+        assert program.wait() == 0, program.output
+        assert program.lines == printed
+
+
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_more_requests_than_have_room(kind, start, client_command):
     client = start(
@@ -341,6 +455,8 @@ def test_the_naive_way_stops_the_frames(kind, serve, start, client_command):
         "throwing",
         "nested",
         "cleanup",
+        "too-long",
+        "no-socket",
         "never-polled",
     ],
 )
@@ -351,7 +467,7 @@ def test_in_code(name, serve, check):
     assert program.lines[-1] == "ok"
 
 
-@pytest.mark.parametrize("name", ["refusal", "stop", "asleep"])
+@pytest.mark.parametrize("name", ["refusal", "stop", "asleep", "pairs", "listener-stops"])
 def test_in_code_with_nobody_who_answers(name, check):
     with stranger(silent) as endpoint:
         program = check(name, endpoint)
@@ -450,11 +566,74 @@ def test_the_memory_is_bounded(serve, context):
     server.wait_for("^3002: sent b'world'$")
 
 
+def memory(program):
+    """What a process occupies, in MB."""
+    status = Path(f"/proc/{program.process.pid}/status")
+    if not status.exists():
+        pytest.skip("only Linux says how much memory another process occupies")
+    return int(re.search(r"VmRSS:\s+(\d+) kB", status.read_text(encoding="utf-8"))[1]) / 1000
+
+
+def test_large_messages_are_refused_and_not_kept(serve, context):
+    server, endpoint = serve(KEY)
+    before = memory(server)
+    for i in range(40):
+        with context.socket(zmq.DEALER) as dealer:
+            # What is refused is sent no more when the connection is made again.
+            dealer.linger = 0
+            dealer.connect(endpoint)
+            dealer.send_multipart([b"", b"id-%d" % i, b"echo " + b"x" * 5_000_000])
+            dealer.poll(50)
+    assert ask(context, endpoint, b"1", b"hello") == [b"1", b"world"]
+    assert memory(server) < before + 150
+    assert [line for line in server.lines if "sent" in line] == ["1: sent b'world'"]
+
+
+def test_a_flood_of_bad_messages_is_no_flood_of_lines(serve, context):
+    server, endpoint = serve(KEY)
+    with context.socket(zmq.DEALER) as dealer:
+        dealer.linger = 0
+        dealer.connect(endpoint)
+        sent, deadline = 0, time.monotonic() + LIMIT
+        while "more in the last second" not in server.output:
+            assert time.monotonic() < deadline
+            for _ in range(100):
+                dealer.send_multipart([b"", b"only one"])
+                sent += 1
+            for _ in range(100):
+                assert dealer.poll(20_000)
+                dealer.recv_multipart()
+    assert sent > 200
+    assert len(server.lines) < 10
+    assert server.stop() == 0
+
+
+def test_an_exception_in_ones_own_answer_is_a_reply(start, context, tmp_path):
+    """And a traceback in the server's terminal; the next request is answered as before."""
+    code = (ROOT / "python" / KEY / "server.py").read_text(encoding="utf-8")
+    copy = tmp_path / "server.py"
+    own = '    if text == b"boom":\n        raise LookupError("no\\nplan")\n    if text == b"hello":'
+    copy.write_text(code.replace('    if text == b"hello":', own), encoding="utf-8")
+    server = start(PYTHON, copy, "--endpoint", "tcp://127.0.0.1:0")
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    for _ in range(2):
+        assert ask(context, endpoint, b"1", b"boom") == [b"1", b"error: LookupError: no plan"]
+    assert ask(context, endpoint, b"2", b"hello") == [b"2", b"world"]
+    server.wait_for("^Traceback")
+    # It was not done, so its retry is no repetition.
+    server.wait_for("^2: sent b'error: LookupError: no plan'$")
+    assert server.stop() == 0
+
+
 REQUESTS = {
     "hello": ([b"1", b"hello"], [b"1", b"world"]),
     "echo": ([b"1", "echo grün ✓".encode()], [b"1", "grün ✓".encode()]),
     "an empty echo": ([b"1", b"echo "], [b"1", b""]),
-    "ten megabytes": ([b"1", b"echo " + b"x" * 10_000_000], [b"1", b"x" * 10_000_000]),
+    "sixty kilobytes": ([b"1", b"echo " + b"x" * 60_000], [b"1", b"x" * 60_000]),
+    "more than is sent in one frame": (
+        [b"1", b"echo " + b"\xff" * 30_000],
+        [b"1", b"error: the answer has 90000 bytes, more than 65536"],
+    ),
     "another text": ([b"1", b"Hello"], [b"1", b"error: expected hello or echo TEXT, got b'Hello'"]),
     "an empty text": ([b"1", b""], [b"1", b"error: expected hello or echo TEXT, got b''"]),
     "bytes that are no UTF-8": ([b"1", b"echo \xff\xfe"], [b"1", "\ufffd\ufffd".encode()]),
@@ -519,7 +698,8 @@ def test_a_taken_port_is_named_with_its_cure(serve, start):
     _, endpoint = serve(KEY)
     second = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", endpoint)
     assert second.wait() == 1
-    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+    cure = "try --endpoint tcp://127.0.0.1:0, which takes a free one"
+    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; {cure}"]
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,10 @@ import argparse
 import re
 import sys
 import time
+from socket import getaddrinfo
 
 import zmq
-from pose_subscriber import PoseSubscriber
+from pose_subscriber import PoseSubscriber, printable, reconnect, take, waits
 
 
 def follow(subscriber: PoseSubscriber, options: argparse.Namespace) -> None:
@@ -37,22 +38,35 @@ def listen(stream: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     print(f"listening to '{options.listen}' from {options.endpoint}", flush=True)
     stream.subscribe(options.listen)
     stream.connect(options.endpoint)
-    for _ in range(options.count):
-        if not stream.poll(int(options.patience * 1000)):
-            raise TimeoutError(f"nothing from {options.endpoint} within {options.patience:g} s; is the server running?")
-        print(f"received {stream.recv_multipart()[0].decode(errors='replace')}", flush=True)
+    for number in range(options.count):
+        for limit in waits(options.patience):
+            if frames := take(stream, limit):
+                break
+            if not number:
+                reconnect(stream, options.endpoint)
+        else:
+            waited = f"within {options.patience:g} s"
+            raise TimeoutError(f"nothing from {options.endpoint} {waited}; is the server running, or the line slow?")
+        print(f"received {printable(frames[0].decode(errors='replace'))}", flush=True)
     print(f"done: received {options.count}")
 
 
 def endpoint(text: str) -> str:
-    """What --endpoint takes. libzmq itself would connect to port 99999 - 65536 without a word."""
-    port = re.fullmatch(r"tcp://[^\s:]+:(\d{1,5})", text)
-    if not port or not 0 < int(port[1]) < 65536:
+    """What --endpoint takes. libzmq itself takes port 99999 and an unknown host without a word, and waits."""
+    parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", text)
+    if not parts or not 0 < int(parts[2]) < 65536:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5553, port 1 to 65535")
+    try:
+        getaddrinfo(parts[1], None)
+    except (OSError, UnicodeError):
+        unknown = f"bad endpoint '{text}': unknown host '{parts[1]}'; check its spelling"
+        raise argparse.ArgumentTypeError(unknown) from None
     return text
 
 
 def main() -> None:
+    # In a pipe Windows would use another encoding, which has no sign for much of what a peer may send.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Follows a pose, and knows of each one it missed.")
     parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5553", help="the publisher")
     parser.add_argument("--snapshots", type=endpoint, help="where it gives them; if left out, the port 100 higher")
@@ -76,6 +90,8 @@ def main() -> None:
         # Both hold for what is connected after they are set. CONFLATE is a queue of one frame: it delivers nothing of
         # messages that have several. NetMQ has no such option.
         stream.rcvhwm, stream.conflate, stream.linger = options.hwm, options.conflate, 0
+        # What is longer is none of this lesson's.
+        stream.maxmsgsize = 65536
         if options.listen is not None:
             listen(stream, options)
         else:

@@ -15,6 +15,8 @@ while a client listens, and start it again. Take home: this file.
 from __future__ import annotations
 
 import argparse
+import contextlib
+import errno
 import math
 import re
 import secrets
@@ -75,7 +77,9 @@ def serve(publisher: Publisher, snapshots: zmq.Socket[bytes], rate: int, count: 
         # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
         wait = min(0.2, max(0.0, due - time.monotonic())) if ahead else 0.2
         if snapshots.poll(math.ceil(wait * 1000)):
-            snapshots.send(publisher.snapshot(snapshots.recv_multipart()))
+            # What poll saw may be a broken request, which the socket drops: recv alone would then wait for the next.
+            with contextlib.suppress(zmq.Again):
+                snapshots.send(publisher.snapshot(snapshots.recv_multipart(zmq.NOBLOCK)), zmq.NOBLOCK)
 
 
 def endpoint(text: str) -> str:
@@ -87,8 +91,10 @@ def endpoint(text: str) -> str:
 
 
 def main() -> None:
+    # In a pipe Windows would use another encoding.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Publishes a moving pose, and news of it.")
-    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5553", help="port * takes a free one")
+    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5553", help="port 0 takes a free one")
     parser.add_argument("--snapshots", type=endpoint, help="where to ask for one; if left out, the port 100 higher")
     parser.add_argument("--rate", type=int, default=60, help="poses a second; 0: as fast as this machine can")
     parser.add_argument("--count", type=int, default=0, help="poses to publish, after that only snapshots; 0: no end")
@@ -107,12 +113,14 @@ def main() -> None:
         stream.sndhwm = options.hwm
         for socket, where in ((stream, options.endpoint), (snapshots, options.snapshots)):
             # What nobody fetched is dropped at the end; waiting for its delivery could take for ever.
-            socket.linger = 0
+            # What listeners send, subscriptions and requests, is short.
+            socket.linger, socket.maxmsgsize = 0, 1000
             try:
                 socket.bind(where)
             except zmq.ZMQError as error:
-                cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "no such address, or no right to it"
-                sys.exit(f"cannot listen on {where}: {cause}; try --endpoint tcp://127.0.0.1:*")
+                causes = {zmq.EADDRINUSE: "the port is taken", errno.EACCES: "the system reserves this port"}
+                cause = causes.get(error.errno or 0, "this machine has no such address")
+                sys.exit(f"cannot listen on {where}: {cause}; try --endpoint tcp://127.0.0.1:0, which takes a free one")
         print("snapshots on", snapshots.getsockopt_string(zmq.LAST_ENDPOINT))
         print("listening on", stream.getsockopt_string(zmq.LAST_ENDPOINT), flush=True)
         serve(Publisher(stream), snapshots, options.rate, options.count)

@@ -14,19 +14,22 @@ Take home: this file. Its memory ends with the process; lesson 02 keeps it on di
 from __future__ import annotations
 
 import argparse
+import errno
 import functools
 import itertools
 import re
 import signal
 import sys
 import time
+import traceback
 
 import zmq
 
+MAX_BYTES = 65536
 
-@functools.lru_cache(maxsize=1000)
-def answer(name: bytes, text: bytes) -> bytes:
-    """The work. The cache is the memory of the last thousand: a retry has the same id, and gets the same answer."""
+
+def answer(text: bytes) -> bytes:
+    """The work: put your own here."""
     if text == b"hello":
         return b"world"
     if text.startswith(b"echo "):
@@ -34,22 +37,35 @@ def answer(name: bytes, text: bytes) -> bytes:
     return f"error: expected hello or echo TEXT, got {text[:40]!r}".encode()
 
 
+@functools.lru_cache(maxsize=1000)
+def remembered(name: bytes, text: bytes) -> bytes:
+    """The last thousand answers, 200 MB at the most: a retry has the same id, and gets the same answer."""
+    if len(reply := answer(text)) > MAX_BYTES:
+        return b"error: the answer has %d bytes, more than %d" % (len(reply), MAX_BYTES)
+    return reply
+
+
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """Answer for ever. A REP socket has to reply to everything; a ROUTER may leave a request without a reply."""
+    left_out, quiet_until = 0, 0.0
     for number in itertools.count(1):
         # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
         while not socket.poll(200):
             pass
-        frames = socket.recv_multipart()
+        frames = socket.recv_multipart(zmq.NOBLOCK)
         # REQ puts an empty frame before the request; all up to it is the way back to that client.
         end = frames.index(b"", 1) + 1 if b"" in frames[1:] else 1
         way_back, request = frames[:end], frames[end:]
-        answered_before = answer.cache_info().hits
+        hits = remembered.cache_info().hits
+        reply = [b"", b"error: expected two frames, [id][text], got %d" % len(request)]
         if len(request) == 2:
-            reply = [request[0], answer(*request)]
-        else:
-            reply = [b"", b"error: expected two frames, [id][text], got %d" % len(request)]
-        again = " again" * (answer.cache_info().hits - answered_before)
+            try:
+                reply = [request[0], remembered(*request)]
+            except Exception as error:
+                # One request in trouble is not the end of the server. What is wrong with it stands in this terminal.
+                traceback.print_exc()
+                reply = [request[0], f"error: {type(error).__name__}: {' '.join(str(error).split())[:200]}".encode()]
+        again = " again" * (remembered.cache_info().hits - hits)
         if number == options.crash_on:
             sys.exit(f"{number}: left without a reply")
         if number == options.slow_on:
@@ -57,7 +73,15 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
         garbage = {options.drop: [], options.garbage_on: [b"\xff\x00?", b"\x80\x81"], options.half_on: reply[:1]}
         reply = garbage.get(number, reply)
         if reply:
-            socket.send_multipart(way_back + reply)
+            socket.send_multipart(way_back + reply, zmq.NOBLOCK)
+        if len(request) != 2:
+            # A flood of bad messages makes no flood of lines.
+            if time.monotonic() < quiet_until:
+                left_out += 1
+                continue
+            if left_out:
+                print(f"… {left_out:,} more in the last second")
+            left_out, quiet_until = 0, time.monotonic() + 1
         print(f"{number}: sent {b' '.join(reply[1:])[:40]!r}{again}", flush=True)
 
 
@@ -70,8 +94,10 @@ def endpoint(text: str) -> str:
 
 
 def main() -> None:
+    # In a pipe Windows would use another encoding.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Answers hello with world, each request once.")
-    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5554", help="port * takes a free one")
+    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5554", help="port 0 takes a free one")
     for name in ("crash-on", "drop", "slow-on", "garbage-on", "half-on"):
         parser.add_argument(f"--{name}", type=int, default=0, metavar="N", help="trouble at the Nth message")
     parser.add_argument("--delay", type=float, default=1.5, metavar="S", help="how late --slow-on is, in seconds")
@@ -80,12 +106,14 @@ def main() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
-        socket.linger = 0
+        socket.linger, socket.maxmsgsize = 0, MAX_BYTES
         try:
             socket.bind(options.endpoint)
         except zmq.ZMQError as error:
-            cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "no such address, or no right to it"
-            sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
+            causes = {zmq.EADDRINUSE: "the port is taken", errno.EACCES: "the system reserves this port"}
+            cause = causes.get(error.errno or 0, "this machine has no such address")
+            cure = "try --endpoint tcp://127.0.0.1:0, which takes a free one"
+            sys.exit(f"cannot listen on {options.endpoint}: {cause}; {cure}")
         print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         serve(socket, options)
 

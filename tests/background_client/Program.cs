@@ -41,7 +41,10 @@ namespace NetMQExample.Tests
                     ["asleep"] = Asleep,
                     ["never-polled"] = NeverPolled,
                     ["random"] = Randomly,
+                    ["pairs"] = Pairs,
+                    ["too-long"] = TooLong,
                     ["no-socket"] = NoSocket,
+                    ["listener-stops"] = ListenerStops,
                 };
                 checks[words[0]](words[1]);
                 Console.WriteLine("ok");
@@ -51,29 +54,6 @@ namespace NetMQExample.Tests
             {
                 Console.WriteLine($"failed: {e}");
                 return 1;
-            }
-        }
-
-        /// <summary>A client that gets no socket leaves NetMQ, as one that was disposed does.</summary>
-        private static void NoSocket(string endpoint)
-        {
-            var users = typeof(NetMQLifetime).GetField("users", BindingFlags.NonPublic | BindingFlags.Static);
-            NetMQConfig.MaxSockets = 1;
-            using var lifetime = new NetMQLifetime();
-            using var only = new RequestSocket();
-            foreach (var make in new Action[]
-            {
-                () => new HelloRequester(endpoint),
-                () => new LazyPirateRequester(endpoint, Limit, 1, Console.WriteLine),
-            })
-            {
-                try
-                {
-                    make();
-                    Check(false, "there was a second socket");
-                }
-                catch (NetMQException) { /* As it should be. */ }
-                Check((int)users.GetValue(null) == 1, $"{users.GetValue(null)} users");
             }
         }
 
@@ -156,13 +136,10 @@ namespace NetMQExample.Tests
             var client = new BackgroundClient(endpoint);
             client.Request("hello", reply => got = reply, why => got = why);
             Until(() => client.Replies == 1);
-            // Replies counts a moment before the reply is there to be polled.
-            Thread.Sleep(50);
             StopInTime(client);
             Equal("world", got);
         }
 
-        // A name that is looked up in vain: the reason reaches the caller, and the thread goes on.
         private static void OneAfterAnother(string endpoint)
         {
             // A game that changes its server now and then: each of the waits has its own time.
@@ -191,6 +168,7 @@ namespace NetMQExample.Tests
             Check(unforeseen.Contains("NotSupportedException") && unforeseen.Contains("not in this build"), unforeseen);
         }
 
+        // A name that is looked up in vain: the reason reaches the caller, and the thread goes on.
         private static void LookUp(string endpoint)
         {
             using var client = new BackgroundClient(endpoint);
@@ -414,13 +392,112 @@ namespace NetMQExample.Tests
             Until(() =>
             {
                 if (asked == ended && ended < 4 && client.Request("hello", See, why => Check(ended >= 4, why))) asked++;
-                var now = $"{client.State} {client.LastError}";
+                var (state, error) = client.Status;
+                var now = $"{state} {error}";
                 if (seen.LastOrDefault() != now) seen.Add(now);
                 return ended == 4;
             }, client);
             Equal(4, client.Replies);
             client.Dispose();
             foreach (var line in seen) Console.WriteLine(line);
+        }
+
+        // Whoever reads State and LastError together gets those of one moment. Both speak of the same try here.
+        private static void Pairs(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint, TimeSpan.FromMilliseconds(1), tries: 2);
+            var (done, wrong, reads) = (false, "", 0);
+            var reader = new Thread(() =>
+            {
+                for (; !Volatile.Read(ref done); reads++)
+                {
+                    var (state, error) = client.Status;
+                    var expected = state == ClientState.Retrying ? "(try 1 of 2)" : state == ClientState.Lost ? "(try 2 of 2)" : "";
+                    if (!error.EndsWith(expected, StringComparison.Ordinal)) wrong = $"{state} {error}";
+                }
+            });
+            reader.Start();
+            var ends = 0;
+            for (var i = 0; i < 60; i++)
+            {
+                client.Request("hello", null, _ => ends++);
+                Until(() => ends > i, client);
+            }
+            Volatile.Write(ref done, true);
+            Check(reader.Join(Limit), "the reader does not end");
+            Equal("", wrong);
+            Console.WriteLine($"{reads} times");
+        }
+
+        // More than a server takes in one frame: said, and not sent.
+        private static void TooLong(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint);
+            string got = null;
+            client.Request(new string('ü', 40000), text => got = text, why => got = why);
+            Until(() => got != null, client);
+            Equal("a text has at most 65536 bytes", got);
+            got = null;
+            client.Request("echo " + new string('ü', 20000), text => got = text, why => got = why);
+            Until(() => got != null, client);
+            Equal(new string('ü', 20000), got);
+        }
+
+        // There are too many sockets to make another: who fails so is no user of NetMQ, and does not keep it from its end.
+        private static void NoSocket(string endpoint)
+        {
+            NetMQConfig.MaxSockets = 1;
+            using (new NetMQLifetime())
+            using (new RequestSocket())
+            {
+                foreach (var make in new Func<IDisposable>[]
+                {
+                    () => new HelloRequester(endpoint),
+                    () => new LazyPirateRequester(endpoint, Limit, 1, Console.WriteLine),
+                    () => new TopicListener(endpoint, ""),
+                    () => new PoseSubscriber(endpoint, null, _ => { }),
+                })
+                {
+                    try
+                    {
+                        make().Dispose();
+                        Check(false, "made in spite of the limit");
+                    }
+                    catch (NetMQException e)
+                    {
+                        Console.WriteLine(e.Message);
+                    }
+                }
+            }
+            // The last user has ended NetMQ, so that a new limit holds.
+            NetMQConfig.MaxSockets = 2;
+            using var lifetime = new NetMQLifetime();
+            using var first = new RequestSocket();
+            using var second = new RequestSocket();
+        }
+
+        // Nothing comes, and the wait ends when it is told to.
+        private static void ListenerStops(string endpoint)
+        {
+            using var listener = new TopicListener(endpoint, "");
+            using var stop = new CancellationTokenSource();
+            var cancelled = new Stopwatch();
+            new Thread(() =>
+            {
+                Thread.Sleep(200);
+                cancelled.Start();
+                stop.Cancel();
+            }).Start();
+            try
+            {
+                listener.Receive(TimeSpan.FromSeconds(20), stop.Token);
+                Check(false, "received something");
+            }
+            catch (OperationCanceledException)
+            {
+                Console.WriteLine($"stopped in {cancelled.ElapsedMilliseconds} ms");
+                Check(cancelled.ElapsedMilliseconds < 1000, "too late");
+            }
         }
 
         // Neither an idle client nor one that waits for a reply may use the processor.
@@ -448,7 +525,6 @@ namespace NetMQExample.Tests
             for (; client.Request("hello", _ => replies++); accepted++) { }
             Equal(64, accepted);
             Until(() => client.Replies == 64);
-            Thread.Sleep(50);
             Check(!client.Request("hello", null), "replies that nobody polled do not count");
             client.Poll();
             Equal(64, replies);

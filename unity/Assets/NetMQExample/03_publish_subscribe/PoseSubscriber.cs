@@ -5,6 +5,7 @@
 // One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
 // Trouble: start the server with --rate 20000 --hwm 100 and this side with --work 0.001, or restart the server.
 using System;
+using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
 using System.Numerics;
@@ -41,15 +42,17 @@ namespace NetMQExample
         /// <summary>Reads a message; null if it is no pose, since anybody can publish on a port.</summary>
         public static PoseMessage Parse(string message)
         {
+            const NumberStyles plain = NumberStyles.AllowLeadingSign | NumberStyles.AllowDecimalPoint | NumberStyles.AllowExponent;
             // Without the culture, a German machine reads 0.5 as 5.
             var culture = CultureInfo.InvariantCulture;
             var words = message.Split(' ');
-            if (words.Length != 10 || words[0] != "pose/") return null;
+            if (words.Length != 10 || words[0] != "pose/" || words[1].Length == 0) return null;
             if (!long.TryParse(words[2], NumberStyles.None, culture, out var number)) return null;
             var n = new float[7];
             for (var i = 0; i < n.Length; i++)
-                if (!float.TryParse(words[i + 3], NumberStyles.Float, culture, out n[i])) return null;
-            return new PoseMessage(words[1], number, n);
+                // A number that no Transform takes is none.
+                if (!float.TryParse(words[i + 3], plain, culture, out n[i]) || float.IsNaN(n[i]) || float.IsInfinity(n[i])) return null;
+            return new PoseMessage(NetMQLifetime.Printable(words[1]), number, n);
         }
 
         /// <summary>The line that the lesson's programs print.</summary>
@@ -62,12 +65,12 @@ namespace NetMQExample
     /// </summary>
     public sealed class PoseSubscriber : IDisposable
     {
-        // Short enough that Stop in the editor is felt at once, long enough to cost nothing.
-        private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
+        // In milliseconds: short enough that Stop in the editor is felt at once, long enough to cost nothing.
+        private const int Slice = 50;
         private static readonly TimeSpan Second = TimeSpan.FromSeconds(1);
 
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private readonly SubscriberSocket stream = new SubscriberSocket();
+        private readonly SubscriberSocket stream;
         private readonly string endpoint;
         private readonly string snapshots;
         private readonly Action<string> report;
@@ -84,8 +87,9 @@ namespace NetMQExample
             this.report = report;
             try
             {
-                // It holds for what is connected after it is set.
-                stream.Options.ReceiveHighWatermark = hwm;
+                stream = new SubscriberSocket();
+                // Both hold for what is connected after they are set. What is longer is none of this lesson's.
+                (stream.Options.ReceiveHighWatermark, stream.Options.MaxMsgSize) = (hwm, 65536);
                 stream.Subscribe("pose/");
                 NetMQLifetime.Connect(stream, endpoint);
             }
@@ -120,12 +124,19 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public bool Receive(TimeSpan patience, CancellationToken stop = default)
         {
-            while (true)
+            var waited = Stopwatch.StartNew();
+            do
             {
                 // The lost pose may have been the last one. So a second of silence calls for a snapshot as well.
-                var pose = Take(stream, Second, stop, out var frame) ? PoseMessage.Parse(Encoding.UTF8.GetString(frame)) : null;
+                var heard = Take(stream, Second, stop, out var frame);
+                var pose = PoseMessage.Parse(Encoding.UTF8.GetString(frame));
                 if (pose == null || Pose == null || pose.Run != Pose.Run || pose.Number > Pose.Number + 1)
-                    return CatchUp(patience, stop);
+                {
+                    var news = CatchUp(patience, stop);
+                    // The publisher went on, and nothing of it came.
+                    if (news && !heard && !stream.HasIn) Reconnect();
+                    return news;
+                }
                 // A lower number was sent before the snapshot was made, and is contained in it.
                 if (pose.Number != Pose.Number + 1) continue;
                 Pose = pose;
@@ -134,6 +145,9 @@ namespace NetMQExample
                 Received++;
                 return true;
             }
+            // A publisher that repeats itself must not hold the caller for ever.
+            while (waited.Elapsed < Second);
+            return false;
         }
 
         /// <summary>
@@ -146,16 +160,20 @@ namespace NetMQExample
         /// <exception cref="TimeoutException">None came.</exception>
         public bool ReceiveNewest(TimeSpan patience, CancellationToken stop = default)
         {
-            var newest = Array.Empty<byte>();
-            // The limit is for a publisher that sends faster than this loop takes.
-            for (var i = 0; i < 10_000 && Take(stream, i == 0 ? patience : TimeSpan.Zero, stop, out var frame); i++) newest = frame;
-            var old = Pose;
-            Pose = PoseMessage.Parse(Encoding.UTF8.GetString(newest))
-                ?? throw new TimeoutException(FormattableString.Invariant(
-                    $"no pose within {patience.TotalSeconds} s; is the server running?"));
-            Received++;
-            if (old?.Run == Pose.Run) Missed += Pose.Number - old.Number - 1;
-            return true;
+            foreach (var limit in Waits(patience))
+            {
+                if (!Take(stream, limit, stop, out var newest) && Pose == null) Reconnect();
+                // The limit is for a publisher that sends faster than this loop takes.
+                for (var i = 0; i < 10_000 && Take(stream, TimeSpan.Zero, stop, out var frame); i++) newest = frame;
+                var (old, pose) = (Pose, PoseMessage.Parse(Encoding.UTF8.GetString(newest)));
+                if (pose == null) continue;
+                Pose = pose;
+                Received++;
+                if (old?.Run == pose.Run) Missed += Math.Max(0, pose.Number - old.Number - 1);
+                return true;
+            }
+            throw new TimeoutException(FormattableString.Invariant(
+                $"no pose within {patience.TotalSeconds} s; is the server running, or the line slow?"));
         }
 
         /// <summary>The last line that the lesson's programs print.</summary>
@@ -170,7 +188,7 @@ namespace NetMQExample
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
-            stream.Dispose();
+            stream?.Dispose();
             lifetime.Dispose();
         }
 
@@ -198,23 +216,42 @@ namespace NetMQExample
         /// <summary>A snapshot from the publisher: checksum and pose.</summary>
         private (uint, PoseMessage) Ask(TimeSpan patience, CancellationToken stop)
         {
-            var waited = Stopwatch.StartNew();
-            for (var left = patience; left > TimeSpan.Zero; left = patience - waited.Elapsed)
+            foreach (var limit in Waits(patience))
             {
                 // Each try has a new socket, as in lesson 02: a restarted publisher does not know of the request before.
-                using var socket = new RequestSocket();
-                socket.Options.Linger = TimeSpan.Zero;
+                using var socket = new RequestSocket { Options = { Linger = TimeSpan.Zero, MaxMsgSize = 65536 } };
                 NetMQLifetime.Connect(socket, snapshots);
-                socket.SendFrame("pose/");
-                if (!Take(socket, left < Second ? left : Second, stop, out var frame)) continue;
-                var words = Encoding.UTF8.GetString(frame).Split(' ', 2);
+                if (!socket.TrySendFrame("pose/") || !Take(socket, limit, stop, out var frame)) continue;
+                var text = Encoding.UTF8.GetString(frame);
+                var words = text.Split(' ', 2);
                 var pose = PoseMessage.Parse(words[words.Length - 1]);
                 if (pose != null && uint.TryParse(words[0], NumberStyles.None, CultureInfo.InvariantCulture, out var sum))
                     return (sum, pose);
-                throw new TimeoutException($"what answers at {snapshots} gives no snapshots: {string.Join(" ", words)}");
+                throw new TimeoutException($"what answers at {snapshots} gives no snapshots: {NetMQLifetime.Printable(text)}");
             }
             throw new TimeoutException(FormattableString.Invariant(
-                $"no snapshot from {snapshots} within {patience.TotalSeconds} s; is the server running?"));
+                $"no snapshot from {snapshots} within {patience.TotalSeconds} s; is the server running, or the line slow?"));
+        }
+
+        /// <summary>For a stream that is silent: where the port had been another program's, libzmq connects no more.</summary>
+        private void Reconnect()
+        {
+            stream.Disconnect(endpoint);
+            stream.Connect(endpoint);
+        }
+
+        /// <summary>How long to wait for each try: 1, 2, 4, 8, 8 … seconds. A new connection takes four round trips.</summary>
+        private static IEnumerable<TimeSpan> Waits(TimeSpan patience)
+        {
+            var waited = Stopwatch.StartNew();
+            var limit = Second;
+            do
+            {
+                var left = patience - waited.Elapsed;
+                yield return left > 2 * limit ? limit : left > TimeSpan.Zero ? left : TimeSpan.Zero;
+                if (limit < 8 * Second) limit *= 2;
+            }
+            while (waited.Elapsed < patience);
         }
 
         /// <summary>Waits for a message. One of several frames is none of this lesson's: it counts as an empty one.</summary>
@@ -224,12 +261,15 @@ namespace NetMQExample
             do
             {
                 stop.ThrowIfCancellationRequested();
-                if (!socket.TryReceiveFrameBytes(wait < Slice ? wait : Slice, out frame, out var more)) continue;
+                // Whole ones: NetMQ waits for ever when it is asked to wait for less than a millisecond.
+                var left = TimeSpan.FromMilliseconds((int)Math.Clamp((wait - waited.Elapsed).TotalMilliseconds, 0, Slice));
+                if (!socket.TryReceiveFrameBytes(left, out frame, out var more)) continue;
                 if (more) frame = Array.Empty<byte>();
                 while (more) socket.SkipFrame(out more);
                 return true;
             }
             while (waited.Elapsed < wait);
+            frame = Array.Empty<byte>();
             return false;
         }
     }

@@ -5,7 +5,9 @@
 // Bytes: UTF-8 text, one frame, as python/03_publish_subscribe/server.py sends it.
 // Trouble: a topic is a prefix. `news` brings newsflash/ as well; the delimiter at its end, `news/`, cures that.
 using System;
+using System.Diagnostics;
 using System.Text;
+using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
 
@@ -15,8 +17,9 @@ namespace NetMQExample
     public sealed class TopicListener : IDisposable
     {
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private readonly SubscriberSocket stream = new SubscriberSocket();
+        private readonly SubscriberSocket stream;
         private readonly string endpoint;
+        private bool heard;
 
         /// <summary>Subscribes and connects, which succeeds even while no publisher is there.</summary>
         /// <param name="endpoint">The publisher, such as <c>tcp://127.0.0.1:5553</c>.</param>
@@ -27,6 +30,8 @@ namespace NetMQExample
             this.endpoint = endpoint;
             try
             {
+                // What is longer is none of this lesson's.
+                stream = new SubscriberSocket { Options = { MaxMsgSize = 65536 } };
                 // Without the encoding, NetMQ makes a question mark of every letter that is not ASCII.
                 stream.Subscribe(prefix, Encoding.UTF8);
                 NetMQLifetime.Connect(stream, endpoint);
@@ -40,21 +45,40 @@ namespace NetMQExample
 
         /// <summary>Waits for the next message, and so not for Unity's main thread.</summary>
         /// <param name="patience">How long to wait; zero takes only what is there.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="TimeoutException">None came.</exception>
-        public string Receive(TimeSpan patience)
+        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        public string Receive(TimeSpan patience, CancellationToken stop = default)
         {
-            if (!stream.TryReceiveFrameString(patience, out var text, out var more))
-                throw new TimeoutException(FormattableString.Invariant(
-                    $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+            var waited = Stopwatch.StartNew();
+            var renew = TimeSpan.FromSeconds(2);
+            string text;
+            bool more;
+            // Short enough that Stop in the editor is felt at once, long enough to cost nothing. Whole milliseconds:
+            // NetMQ waits for ever when it is asked to wait for less.
+            var slice = TimeSpan.FromMilliseconds((int)Math.Min(50, patience.TotalMilliseconds));
+            while (!stream.TryReceiveFrameString(slice, out text, out more))
+            {
+                stop.ThrowIfCancellationRequested();
+                if (waited.Elapsed >= patience)
+                    throw new TimeoutException(FormattableString.Invariant(
+                        $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running, or the line slow?"));
+                if (heard || waited.Elapsed < renew) continue;
+                // Where the port had been another program's, libzmq connects no more. On a far line it takes its time.
+                stream.Disconnect(endpoint);
+                stream.Connect(endpoint);
+                renew *= 3;
+            }
             // Several frames are one message: its rest must not be taken for the next one.
             while (more) stream.SkipFrame(out more);
+            heard = true;
             return text;
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
-            stream.Dispose();
+            stream?.Dispose();
             lifetime.Dispose();
         }
     }

@@ -16,6 +16,7 @@ using System;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.IO;
+using System.Text;
 using System.Threading;
 using System.Threading.Tasks;
 using NetMQ;
@@ -42,6 +43,7 @@ namespace NetMQExample
     public sealed class BackgroundClient : IDisposable
     {
         private const string Ended = "the client was disposed";
+        private const int MaxBytes = 65536;
         // How long a wait for the network lasts before it looks whether to stop. Ten clients stop one after the other.
         private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(10);
 
@@ -53,7 +55,7 @@ namespace NetMQExample
         private readonly AutoResetEvent wake = new AutoResetEvent(false);
         private volatile bool stopped;
 
-        private readonly string endpoint, full, garbage, silence, name = Guid.NewGuid().ToString("N");
+        private readonly string endpoint, name = Guid.NewGuid().ToString("N");
         private readonly TimeSpan patience;
         private readonly int tries, capacity;
         private readonly Thread thread;
@@ -61,12 +63,12 @@ namespace NetMQExample
         private RequestSocket socket;
         private long asked, roundTrip;
         private volatile int replies;
-        private volatile string lastError = "";
-        private volatile ClientState state;
+        private (ClientState state, string lastError) status = (ClientState.Connecting, "");
 
         /// <summary>Starts the network thread, and succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5554</c>.</param>
-        /// <param name="patience">How long each try waits for its reply; 1 s when left out.</param>
+        /// <param name="patience">How long the first try waits for its reply, 1 s when left out. The second waits twice as
+        /// long, all others four times: on a far line the connection alone takes four round trips.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="capacity">How many requests may be under way; one more is refused.</param>
         public BackgroundClient(string endpoint, TimeSpan? patience = null, int tries = 3, int capacity = 64)
@@ -76,25 +78,27 @@ namespace NetMQExample
             this.patience = patience ?? TimeSpan.FromSeconds(1);
             waiting = new Queue<(string, Action<string>, Action<string>)>(capacity);
             done = new Queue<(Action<string>, string)>(capacity);
-            full = $"refused: {capacity} requests are under way already";
-            garbage = $"garbage from {endpoint}: not [id][text] in two frames; is it the right server?";
-            silence = FormattableString.Invariant(
-                $"no reply from {endpoint} within {this.patience.TotalSeconds} s; is the server running?");
             thread = new Thread(Talk) { IsBackground = true, Name = nameof(BackgroundClient) };
             thread.Start();
         }
 
-        /// <summary>What is known about the server. This and the next three can be read at any time.</summary>
-        public ClientState State => stopped ? ClientState.Disposed : state;
+        /// <summary>State and LastError of one moment. This and what follows can be read at any time.</summary>
+        public (ClientState State, string LastError) Status
+        {
+            get { lock (gate) return (stopped ? ClientState.Disposed : status.state, status.lastError); }
+        }
+
+        /// <summary>What is known about the server.</summary>
+        public ClientState State => Status.State;
+
+        /// <summary>What went wrong last, or an empty text.</summary>
+        public string LastError => Status.LastError;
 
         /// <summary>How long the last reply took to come, or zero.</summary>
         public TimeSpan RoundTripTime => TimeSpan.FromTicks(Interlocked.Read(ref roundTrip));
 
         /// <summary>How many requests were answered.</summary>
         public int Replies => replies;
-
-        /// <summary>What went wrong last, or an empty text.</summary>
-        public string LastError => lastError;
 
         /// <summary>Sends a request, and has one of the two callbacks run once in a later <see cref="Poll"/>.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
@@ -109,8 +113,8 @@ namespace NetMQExample
                 if (stopped || waiting.Count + done.Count >= capacity)
                 {
                     // While the server is silent, that silence is the cause, and stays.
-                    if (stopped) lastError = Ended;
-                    else if (state != ClientState.Retrying) lastError = full;
+                    if (stopped || status.state != ClientState.Retrying)
+                        status.lastError = stopped ? Ended : $"refused: {capacity} requests are under way already";
                     return false;
                 }
                 waiting.Enqueue((text, reply, error));
@@ -127,7 +131,7 @@ namespace NetMQExample
             // Not RunContinuationsAsynchronously: that would go on in a thread of the pool.
             var answer = new TaskCompletionSource<string>();
             Action<string> error = why => answer.SetException(new IOException(why));
-            if (!Request(text, answer.SetResult, error)) error(lastError);
+            if (!Request(text, answer.SetResult, error)) error(LastError);
             return answer.Task;
         }
 
@@ -158,23 +162,20 @@ namespace NetMQExample
             {
                 while (waiting.TryDequeue(out var call)) done.Enqueue((call.error, Ended));
             }
-            try
-            {
-                Poll();
-            }
-            finally
-            {
-                // A callback threw: the others run all the same.
-                if (done.Count > 0) Dispose();
-            }
+            try { Poll(); }
+            // A callback threw: the others run all the same.
+            finally { if (done.Count > 0) Dispose(); }
         }
 
-        private void Finish(Action<string> callback, string text)
+        private void Finish(ClientState state, Action<string> callback, string text)
         {
             lock (gate)
             {
                 // If it is not there any more, Dispose has ended it.
-                if (waiting.TryDequeue(out _)) done.Enqueue((callback, text));
+                if (!waiting.TryDequeue(out _)) return;
+                done.Enqueue((callback, text));
+                if (state == ClientState.Connected) replies++;
+                status = (state, state == ClientState.Lost ? text : status.lastError);
             }
         }
 
@@ -196,15 +197,13 @@ namespace NetMQExample
                 }
                 try
                 {
-                    Finish(call.reply, Ask(call.text));
+                    Finish(ClientState.Connected, call.reply, Ask(call.text));
                 }
                 catch (Exception e)
                 {
                     // Whatever it is, this thread goes on, and the caller gets to know.
                     Close();
-                    var why = NetMQLifetime.Why(e);
-                    (state, lastError) = (ClientState.Lost, why);
-                    Finish(call.error, why);
+                    Finish(ClientState.Lost, call.error, NetMQLifetime.Why(e));
                 }
             }
             Close();
@@ -213,34 +212,37 @@ namespace NetMQExample
 
         private string Ask(string text)
         {
+            if (Encoding.UTF8.GetByteCount(text) > MaxBytes) throw new ArgumentException($"a text has at most {MaxBytes} bytes");
             var id = $"{name}-{++asked}";
             for (var attempt = 1; ; attempt++)
             {
                 if (socket == null) Open();
-                var (reply, failure) = Try(id, text);
+                var (reply, failure) = Try(id, text, patience * (attempt < 3 ? attempt : 4));
                 if (failure == null) return reply;
                 // A REQ socket that waits for a reply takes no other request. A new one also never gets a late reply.
                 Close();
                 failure = $"{failure} (try {attempt} of {tries})";
                 if (attempt == tries) throw new TimeoutException(failure);
-                (state, lastError) = (ClientState.Retrying, failure);
+                lock (gate) status = (ClientState.Retrying, failure);
             }
         }
 
-        private (string reply, string failure) Try(string id, string text)
+        private (string reply, string failure) Try(string id, string text, TimeSpan limit)
         {
             List<string> frames = null;
             var waited = Stopwatch.StartNew();
-            if (!socket.TrySendFrame(Slice, id, more: true) || !socket.TrySendFrame(Slice, text)) return (null, silence);
-            while (!socket.TryReceiveMultipartStrings(Slice, ref frames))
+            // After an error of the peer's, a socket has no connection left, and sends nothing: the next one will.
+            var sent = socket.TrySendFrame(Slice, id, more: true) && socket.TrySendFrame(Slice, text);
+            while (!sent || !socket.TryReceiveMultipartStrings(Slice, ref frames))
             {
                 if (stopped) throw new OperationCanceledException(Ended);
-                if (waited.Elapsed >= patience) return (null, silence);
+                if (!sent || waited.Elapsed >= limit)
+                    return (null, FormattableString.Invariant(
+                        $"no reply from {endpoint} within {limit.TotalSeconds} s; is the server running, or the line slow?"));
             }
-            if (frames.Count != 2 || frames[0] != id) return (null, garbage);
+            if (frames.Count != 2 || frames[0] != id)
+                return (null, $"garbage from {endpoint}: not [id][text] in two frames; is it the right server?");
             Interlocked.Exchange(ref roundTrip, waited.Elapsed.Ticks);
-            state = ClientState.Connected;
-            replies++;
             return (frames[1], null);
         }
 
@@ -249,20 +251,14 @@ namespace NetMQExample
             // Here and not in Talk: if NetMQ cannot be had, that too is the error of a request.
             lifetime ??= new NetMQLifetime();
             // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
-            socket = new RequestSocket { Options = { Linger = TimeSpan.Zero } };
+            socket = new RequestSocket { Options = { Linger = TimeSpan.Zero, MaxMsgSize = MaxBytes } };
             NetMQLifetime.Connect(socket, endpoint);
         }
 
         private void Close()
         {
-            try
-            {
-                socket?.Dispose();
-            }
-            catch (Exception)
-            {
-                // Somebody called NetMQConfig.Cleanup, which ends NetMQ for the whole process: the socket went with it.
-            }
+            try { socket?.Dispose(); }
+            catch (Exception) { /* Somebody called NetMQConfig.Cleanup, and the socket went with it. */ }
             socket = null;
         }
     }

@@ -98,7 +98,7 @@ namespace NetMQExample
             replies++;
             if (cost != null) return;
             ShowTrouble();
-            Debug.Log($"{replies}: sent {text}, received {reply}");
+            Debug.Log($"{replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
         }
 
         private void OnError(string why)
@@ -109,8 +109,8 @@ namespace NetMQExample
 
         private void ShowTrouble()
         {
-            if (Client.LastError != shown && Client.State != ClientState.Lost)
-                Debug.Log($"trouble: {shown = Client.LastError}");
+            var (state, error) = Client.Status;
+            if (error != shown && state != ClientState.Lost) Debug.Log($"trouble: {shown = error}");
         }
 
         private void Finish(string why = null)
