@@ -5,9 +5,11 @@
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
 // counted, and the last one to leave cleans up.
 using System;
+using System.Globalization;
 using System.IO;
 using System.Net;
 using System.Net.Sockets;
+using System.Text;
 using System.Threading;
 using AsyncIO;
 using NetMQ;
@@ -81,6 +83,29 @@ namespace NetMQExample
             e is TimeoutException || e is ArgumentException || e is IOException || e is OperationCanceledException
                 ? e.Message
                 : e.ToString();
+
+        /// <summary>What a peer sent, fit for one line of a log: no control characters, cut to a readable length.</summary>
+        /// <param name="text">Whatever came.</param>
+        /// <returns>At most 200 characters and an ellipsis; a question mark for each one that cannot be shown.</returns>
+        public static string Printable(string text)
+        {
+            var line = new StringBuilder();
+            var at = 0;
+            for (var length = 0; text != null && at < text.Length; length++)
+            {
+                if (length == 200) return line.Append('…').ToString();
+                // What lies beyond the first 65,536 characters, such as an emoji, takes two chars.
+                var width = char.IsSurrogatePair(text, at) ? 2 : 1;
+                var kind = CharUnicodeInfo.GetUnicodeCategory(text, at);
+                // Spaces, separators, controls, formats, halves of a pair and private use stand together in the enum.
+                var hidden = kind >= UnicodeCategory.SpaceSeparator && kind <= UnicodeCategory.PrivateUse
+                    || kind == UnicodeCategory.OtherNotAssigned;
+                if (hidden && text[at] != ' ') line.Append('?');
+                else line.Append(text, at, width);
+                at += width;
+            }
+            return line.ToString();
+        }
 
         /// <summary>Connects, after a look at what NetMQ itself reports in riddles.</summary>
         /// <param name="socket">A socket of the calling thread.</param>
