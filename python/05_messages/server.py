@@ -17,10 +17,12 @@ also pixels.py.
 from __future__ import annotations
 
 import argparse
+import errno
 import re
 import signal
 import sys
 import time
+import traceback
 
 import zmq
 from messages import LIMIT, Message, MessageError, read
@@ -28,7 +30,7 @@ from pixels import as_numpy, brightest, decode, mean
 
 
 def answer(request: Message) -> Message:
-    """The reply to a request; MessageError says why there is none."""
+    """The reply to a request; put your own here. MessageError says why there is none."""
     if request.kind == "echo":
         return Message("ok", request.id, request.values, request.arrays)
     if request.kind not in ("mean", "frame", "jpeg"):
@@ -39,43 +41,72 @@ def answer(request: Message) -> Message:
     values = {"mean": mean(items)}
     if request.kind != "mean":
         # Backwards is a view: it copies nothing.
-        values |= brightest(items[::-1] if request.values.get("bottom_up") is True else items)
+        values |= brightest(items[::-1] if request.values.get("bottom_up") is True and items.ndim else items)
     return Message("ok", request.id, values)
+
+
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+
+
+def refusal(error: Exception, id: int) -> Message:
+    """The reply to a request that could not be answered."""
+    if not isinstance(error, MessageError):
+        # A mistake in `answer`: the place is for whoever writes it, the reason for the client too.
+        traceback.print_exception(error)
+        error = MessageError("error-in-answer", f"{type(error).__name__}: {error}")
+    return Message("error", error.id or id, {"code": error.code, "text": printable(error.text)})
 
 
 def serve(socket: zmq.Socket[bytes], delay: float, quiet: bool) -> None:
     """Answer for ever."""
-    # A wait with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
-    socket.rcvtimeo = 200
+    # Waits with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
+    socket.rcvtimeo = socket.sndtimeo = 200
+    said, more = 0.0, 0
     while True:
-        request = Message("")
         try:
-            request = read([frame.buffer for frame in socket.recv_multipart(copy=False)])
-            reply = answer(request)
+            received = socket.recv_multipart(copy=False)
         except zmq.Again:
             continue
-        except MessageError as error:
-            reply = Message("error", error.id or request.id, {"code": error.code, "text": error.text})
+        request = Message("")
+        try:
+            request = read([frame.buffer for frame in received])
+            reply = answer(request)
+            # What cannot be sent is found out here, before a part of it is on its way.
+            frames = [zmq.Frame(part, copy=False) for part in reply.frames()]
+        except Exception as error:
+            reply = refusal(error, request.id)
+            frames = [zmq.Frame(part) for part in reply.frames()]
         if delay:
             time.sleep(delay)
-        socket.send_multipart(reply.frames(), copy=False)
-        if not quiet:
-            print(f"sent {reply.kind} {reply.values.get('code', '')}".rstrip(), flush=True)
+        socket.send_multipart(frames, copy=False)
+        if quiet:
+            continue
+        if reply.kind != "error":
+            print(f"sent {reply.kind}", flush=True)
+        elif time.monotonic() < said + 1:
+            # One such line a second: a flood of bad messages must not fill a disk.
+            more += 1
+        else:
+            left_out = f" … {more:,} more since the last such line" if more else ""
+            print(f"sent error {reply.values.get('code')}{left_out}", flush=True)
+            said, more = time.monotonic(), 0
 
 
 def endpoint(text: str) -> str:
     """What --endpoint takes. libzmq itself would listen on port 99999 - 65536 without a word."""
     port = re.fullmatch(r"tcp://[^\s:]+:(\*|\d{1,5})", text)
     if not port or (port[1] != "*" and int(port[1]) > 65535):
-        raise argparse.ArgumentTypeError(
-            f"bad endpoint '{text}': write it like tcp://127.0.0.1:5555, port 0 to 65535 or *"
-        )
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5555, port 0 to 65535")
     return text
 
 
 def main() -> None:
+    # In a pipe Windows would use another encoding, which lacks most letters.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Says where the brightest pixel of a picture is.")
-    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5555", help="port * takes a free one")
+    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5555", help="port 0 takes a free one")
     parser.add_argument("--delay", type=float, default=0.0, help="seconds to wait before each reply")
     parser.add_argument("--quiet", action="store_true", help="no line per reply")
     options = parser.parse_args()
@@ -91,8 +122,10 @@ def main() -> None:
         try:
             socket.bind(options.endpoint)
         except zmq.ZMQError as error:
-            cause = "the port is taken" if error.errno == zmq.EADDRINUSE else "no such address, or no right to it"
-            sys.exit(f"cannot listen on {options.endpoint}: {cause}; try --endpoint tcp://127.0.0.1:*")
+            causes = {zmq.EADDRINUSE: "the port is taken", errno.EACCES: "the system reserves this port"}
+            cause = causes.get(error.errno or 0, "this machine has no such address")
+            where = options.endpoint
+            sys.exit(f"cannot listen on {where}: {cause}; try --endpoint tcp://127.0.0.1:0, which takes a free one")
         print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         serve(socket, options.delay, options.quiet)
 
