@@ -65,8 +65,11 @@ def request(socket: zmq.Socket[bytes], frames: list[Bytes], patience: float) -> 
                 raise TimeoutError(f"no reply from {where} within {patience:g} s; is the server running?") from None
     reply = read([frame.buffer for frame in received])
     if reply.kind == "error":
-        code, text = reply.values.get("code", "error"), reply.values.get("text", "the server gave no reason")
-        raise MessageError(printable(str(code)), printable(str(text)))
+        code, text = reply.values.get("code"), reply.values.get("text")
+        raise MessageError(
+            printable(code) if isinstance(code, str) else "error",
+            printable(text) if isinstance(text, str) else "the server gave no reason",
+        )
     return reply
 
 

@@ -65,17 +65,17 @@ def check_jpeg(file: bytes) -> None:
 
 def decode(array: Array) -> Any:
     """The pixels of a JPEG file, top row first."""
+    try:
+        from PIL import Image
+    except ImportError:
+        raise MessageError("no-pillow", "the server needs Pillow for JPEG: pip install pillow") from None
     file = bytes(array.data)
     check_jpeg(file)
     try:
-        from PIL import Image
-
         with Image.open(io.BytesIO(file), formats=["JPEG"]) as image:
             # Its size is known before it is decoded: a small file can claim to be an enormous picture.
             if image.width * image.height * 3 <= LIMIT:
                 return np.asarray(image.convert("RGB"))
-    except ImportError:
-        raise MessageError("no-pillow", "the server needs Pillow for JPEG: pip install pillow") from None
     # Pillow raises whatever its decoders meet.
     except Exception as error:
         raise MessageError("bad-jpeg", f"this is no JPEG picture: {error!s:.60}") from None

@@ -10,8 +10,8 @@ Bytes: a JSON header and one frame for each array, as messages.py beside this fi
                                               with the value `bottom_up` the lowest row comes first, as Unity has it
     jpeg     uint8, the bytes of a JPEG file  the same
 A request that cannot be answered gets a reply of kind `error`, and the server serves on.
-Trouble on command: `--delay 0.1` is slower than a camera. Take home: this file and messages.py; for arrays and pictures
-also pixels.py.
+Trouble on command: `--delay 0.1` is slower than a camera.
+Take home: this file, messages.py and pixels.py.
 """
 
 from __future__ import annotations
@@ -23,10 +23,14 @@ import signal
 import sys
 import time
 import traceback
+from collections.abc import Callable
+from contextlib import suppress
 
 import zmq
 from messages import LIMIT, Message, MessageError, read
 from pixels import as_numpy, brightest, decode, mean
+
+Answer = Callable[[Message], Message]
 
 
 def answer(request: Message) -> Message:
@@ -59,7 +63,7 @@ def refusal(error: Exception, id: int) -> Message:
     return Message("error", error.id or id, {"code": error.code, "text": printable(error.text)})
 
 
-def serve(socket: zmq.Socket[bytes], delay: float, quiet: bool) -> None:
+def serve(socket: zmq.Socket[bytes], answer: Answer, delay: float, quiet: bool) -> None:
     """Answer for ever."""
     # Waits with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
     socket.rcvtimeo = socket.sndtimeo = 200
@@ -102,6 +106,25 @@ def endpoint(text: str) -> str:
     return text
 
 
+def run(where: str, answer: Answer, delay: float = 0.0, quiet: bool = False) -> None:
+    """Listen, and answer until Ctrl-C."""
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with suppress(KeyboardInterrupt), zmq.Context() as context, context.socket(zmq.REP) as socket:
+        # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
+        socket.linger = 0
+        # Above the limit of messages.py a sender is told so. Above this one libzmq takes no more of it and hangs up.
+        socket.maxmsgsize = 4 * LIMIT
+        try:
+            socket.bind(where)
+        except zmq.ZMQError as error:
+            causes = {zmq.EADDRINUSE: "the port is taken", errno.EACCES: "the system reserves this port"}
+            cause = causes.get(error.errno or 0, "this machine has no such address")
+            sys.exit(f"cannot listen on {where}: {cause}; try --endpoint tcp://127.0.0.1:0, which takes a free one")
+        print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        serve(socket, answer, delay, quiet)
+
+
 def main() -> None:
     # In a pipe Windows would use another encoding, which lacks most letters.
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
@@ -112,26 +135,8 @@ def main() -> None:
     options = parser.parse_args()
     if not 0 <= options.delay < 86400:
         parser.error("--delay takes seconds, 0 or more")
-    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with zmq.Context() as context, context.socket(zmq.REP) as socket:
-        # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
-        socket.linger = 0
-        # Above the limit of messages.py a sender is told so. Above this one libzmq takes no more of it and hangs up.
-        socket.maxmsgsize = 4 * LIMIT
-        try:
-            socket.bind(options.endpoint)
-        except zmq.ZMQError as error:
-            causes = {zmq.EADDRINUSE: "the port is taken", errno.EACCES: "the system reserves this port"}
-            cause = causes.get(error.errno or 0, "this machine has no such address")
-            where = options.endpoint
-            sys.exit(f"cannot listen on {where}: {cause}; try --endpoint tcp://127.0.0.1:0, which takes a free one")
-        print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        serve(socket, options.delay, options.quiet)
+    run(options.endpoint, answer, options.delay, options.quiet)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        pass
+    main()
