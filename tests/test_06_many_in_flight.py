@@ -540,15 +540,15 @@ def test_200_clients_and_100_000_requests_while_workers_die(serve, start, client
     "rounds", [pytest.param("1", id="short"), pytest.param("9", marks=pytest.mark.long, id="long")]
 )
 @pytest.mark.timeout(300)
-def test_many_in_flight_are_ten_times_faster(rounds, serve, start, console):
+def test_many_in_flight_are_several_times_faster(rounds, serve, start, console):
     _, alternation = serve("01_request_reply")
     _, endpoint = serve(KEY)
     client = start(*console, KEY, "--measure", "--rounds", rounds, "--endpoint", endpoint, "--alternation", alternation)
     assert client.wait(250) == 0, client.output
     print(client.output)
     times = float(client.wait_for(r"64 in flight: .* a second, ([\d.]+) times lesson 01")[1])
-    # One round shows that it runs and is faster; the promise is for the medians of a long run.
-    assert times >= (10 if rounds == "9" else 2), client.output
+    # One round shows that it runs and is faster; the page's "3 to 9 by hand" is for the medians of a long run.
+    assert times >= (3 if rounds == "9" else 2), client.output
 
 
 BAD = {

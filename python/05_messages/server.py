@@ -54,6 +54,21 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
 
 
+class Complaints:
+    """Prints at most one line of bad input a second: a flood of it makes no flood of lines."""
+
+    next, left_out = 0.0, 0
+
+    def add(self, line: str) -> None:
+        if time.monotonic() < self.next:
+            self.left_out += 1
+            return
+        if self.left_out:
+            print(f"… {self.left_out:,} more in the last second", flush=True)
+        print(line, flush=True)
+        self.next, self.left_out = time.monotonic() + 1, 0
+
+
 def refusal(error: Exception, id: int) -> Message:
     """The reply to a request that could not be answered."""
     if not isinstance(error, MessageError):
@@ -67,7 +82,7 @@ def serve(socket: zmq.Socket[bytes], answer: Answer, delay: float, quiet: bool) 
     """Answer for ever."""
     # Waits with a limit in milliseconds, because on Windows Ctrl-C does not interrupt one without.
     socket.rcvtimeo = socket.sndtimeo = 200
-    said, more = 0.0, 0
+    complaints = Complaints()
     while True:
         try:
             received = socket.recv_multipart(copy=False)
@@ -89,13 +104,8 @@ def serve(socket: zmq.Socket[bytes], answer: Answer, delay: float, quiet: bool) 
             continue
         if reply.kind != "error":
             print(f"sent {reply.kind}", flush=True)
-        elif time.monotonic() < said + 1:
-            # One such line a second: a flood of bad messages must not fill a disk.
-            more += 1
         else:
-            left_out = f" … {more:,} more since the last such line" if more else ""
-            print(f"sent error {reply.values.get('code')}{left_out}", flush=True)
-            said, more = time.monotonic(), 0
+            complaints.add(f"sent error {reply.values.get('code')}")
 
 
 def endpoint(text: str) -> str:
