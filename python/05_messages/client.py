@@ -19,7 +19,7 @@ from socket import getaddrinfo
 
 import zmq
 from camera import HEIGHT, WIDTH, Camera, jpeg, picture
-from messages import LIMIT, MOST_ARRAYS, Array, Bytes, Message, MessageError, read
+from messages import LIMIT, MOST_ARRAYS, Array, Bytes, Message, MessageError, printable, read
 
 # What --wrong changes in the header of a good message.
 SPOIL = {
@@ -29,11 +29,6 @@ SPOIL = {
     "shape": (b"[240,320,3]", b"[240,320,4]"),
     "frames": (b"[{", b'[{"dtype":"uint8","shape":[0]},{'),
 }
-
-
-def printable(text: str) -> str:
-    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
-    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
 
 
 def connect(context: zmq.Context[zmq.Socket[bytes]], endpoint: str) -> zmq.Socket[bytes]:

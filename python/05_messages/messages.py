@@ -59,6 +59,11 @@ class Message:
         return [text.encode(), *(array.data for array in self.arrays)]
 
 
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+
+
 def read(frames: Sequence[Bytes]) -> Message:
     """The message in the frames that were received, whose payloads are not copied; MessageError says what is wrong."""
     if len(frames) > MOST_ARRAYS + 1:
