@@ -35,7 +35,7 @@ namespace NetMQExample.Terminal
             foreach (var answer in requester.RequestMany(Enumerable.Range(0, count).Select(i => texts[i % texts.Length])))
             {
                 if (answer.Failure != null) failures++;
-                var outcome = answer.Failure == null ? $"received {answer.Reply}" : $"gave up: {answer.Failure}";
+                var outcome = answer.Failure == null ? $"received {NetMQLifetime.Printable(answer.Reply)}" : $"gave up: {answer.Failure}";
                 if (answer.Failure != null || !quiet)
                     Console.WriteLine($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
             }

@@ -10,9 +10,11 @@ import math
 import re
 import shutil
 import signal
+import socket
 import struct
 import subprocess
 import sys
+import time
 
 import pytest
 import zmq
@@ -261,6 +263,125 @@ def test_a_client_names_a_reply_that_is_no_message(kind, reply, start, context, 
         assert re.match(r"gave up: (bad-json|missing-field): ", client.lines[-1]), client.output
 
 
+ESC = "\x1b]0;owned\x07\r\nclient | done"
+ODD = {
+    "a mean that is text": (Message("ok", 1, {"x": 1, "y": 2, "mean": "ten"}), 0, "x 1, y 2, mean ten"),
+    "a mean that is true": (Message("ok", 1, {"x": 1, "y": 2, "mean": True}), 0, "x 1, y 2, mean True"),
+    "half a character": (Message("ok", 1, {"\ud800": "\udfff"}), 0, "? ?"),
+    "terminal codes": (Message("ok", 1, {"a": ESC}), 0, "a ?]0;owned???client | done"),
+    "a long text": (Message("ok", 1, {"a": "x" * 5000}), 0, "a " + "x" * 198 + "…"),
+    "no values": (Message("ok", 1), 0, "1: sent frame 1, 230400 bytes"),
+    "an error of no reason": (Message("error", 1), 1, "gave up: error: the server gave no reason"),
+    "an error of odd types": (Message("error", 1, {"code": 5, "text": False}), 1, "gave up: error: the server gave no"),
+    "an error with terminal codes": (
+        Message("error", 1, {"code": ESC, "text": "\ud800" + "y" * 5000}),
+        1,
+        "gave up: ?]0;owned???client | done: ?" + "y" * 199,
+    ),
+    "an unknown dtype": (
+        [b'{"kind":"ok","version":1,"id":1,"values":{},"arrays":[{"dtype":"\\u001b[2J\\ud800","shape":[]}]}', b""],
+        1,
+        r"gave up: bad-dtype: dtype '\x1b[2J\ud800' is none of",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+@pytest.mark.parametrize(("reply", "code", "says"), ODD.values(), ids=ODD.keys())
+def test_an_odd_reply_ends_in_one_line(kind, reply, code, says, start, context, client_command):
+    with context.socket(zmq.REP) as rep:
+        rep.linger = 0
+        port = rep.bind_to_random_port("tcp://127.0.0.1")
+        # As where output in a pipe is no UTF-8.
+        command = client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1")
+        client = start(*command, PYTHONIOENCODING="cp437")
+        assert rep.poll(30_000)
+        rep.recv_multipart()
+        rep.send_multipart(reply.frames() if isinstance(reply, Message) else reply)
+        assert client.wait() == code, client.output
+    line = client.lines[-1] if code else client.lines[1]
+    # How an escaped character is written differs.
+    assert says in line.replace("\\u001b", "\\x1b")
+    assert len(client.lines) == (2 if code else 3), client.output
+    assert not re.search(r"[\x00-\x1f\x7f]|Traceback|Unhandled", client.output.replace("\n", ""))
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_reply_of_very_many_frames_is_refused_early(kind, start, context, client_command):
+    with context.socket(zmq.REP) as rep:
+        rep.linger = 0
+        port = rep.bind_to_random_port("tcp://127.0.0.1")
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--patience", "20"))
+        assert rep.poll(30_000)
+        rep.recv_multipart()
+        rep.send_multipart([b"{}", *[b""] * 200_000])
+        assert client.wait(20) == 1, client.output
+        assert client.lines[-1] == "gave up: bad-frames: more than 1000 frames follow the header"
+
+
+def test_more_arrays_than_a_message_may_have_are_refused_in_both_languages(console):
+    most = Message("ok", 1, {}, [Array("uint8", (0,), b"")] * 1000).frames()
+    more = Message("ok", 1, {}, [Array("uint8", (0,), b"")] * 1001).frames()
+    assert len(messages.read(most).arrays) == 1000
+    with pytest.raises(MessageError, match=r"^bad-frames: more than 1000 frames"):
+        messages.read(more)
+    assert [word for word, _ in csharp(console, [most, more])] == ["ok", "error"]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_a_server_that_breaks_the_connection_does_not_hold_a_client(kind, start, client_command):
+    """After such bytes libzmq connects no more, and a send without a limit would wait for ever."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.settimeout(30)
+        endpoint = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+        once = ["--tries", "1"] if kind == "unity" else []
+        client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--patience", "1", *once))
+        raw, _ = listener.accept()
+        with raw:
+            peer = Peer(raw, b"REP")
+            peer.request()
+            # A good reply, and behind it a frame of 2**63 bytes.
+            header = Message("ok", 1, {"a": 1}).frames()[0]
+            peer.send(b"\x01\x00" + b"\x00" + bytes([len(header)]) + header + b"\x02\xff" + b"\xff" * 7 + b"x" * 64)
+            client.wait_for("^1: sent frame 1")
+            assert client.wait(15) == 1, client.output
+    assert re.match(r"gave up: (no reply from|tcp://127\S+ takes no more)", client.lines[-1]), client.output
+
+
+class Peer:
+    """The least that a ZeroMQ 3.0 peer has to say, over a plain TCP connection."""
+
+    def __init__(self, raw, kind):
+        self.raw = raw
+        raw.settimeout(30)
+        raw.sendall(b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(48))
+        ready = b"\x05READY\x0bSocket-Type" + struct.pack(">I", len(kind)) + kind
+        raw.sendall(bytes([4, len(ready)]) + ready)
+        self.read(64)
+        self.frame()
+
+    def read(self, count):
+        data = b""
+        while len(data) < count:
+            got = self.raw.recv(count - len(data))
+            assert got, "it hung up"
+            data += got
+        return data
+
+    def frame(self):
+        """The flags and the bytes of the next frame."""
+        flags = self.read(1)[0]
+        size = int.from_bytes(self.read(8 if flags & 2 else 1), "big")
+        return flags, self.read(size)
+
+    def request(self):
+        while self.frame()[0] & 1:
+            pass
+
+    def send(self, data):
+        self.raw.sendall(data)
+
+
 def test_every_bad_message_gets_an_error_reply_and_the_server_goes_on(serve, ask):
     server, endpoint = serve(KEY)
     for entry in GOLDEN["bad"]:
@@ -302,6 +423,66 @@ def test_a_message_that_cannot_be_answered(message, code, serve, ask):
     server.wait_for("sent ok", start=2)
     assert server.stop() == 0
     assert server.lines[1:] == [f"sent error {code}", "sent ok"]
+
+
+def test_a_number_that_is_upside_down_does_not_stop_the_server(serve, ask):
+    server, endpoint = serve(KEY)
+    reply = ask(endpoint, image((), data=b"x", bottom_up=True).frames())
+    assert (reply.kind, reply.values["code"]) == ("error", "bad-shape")
+    assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)
+    assert server.stop() == 0
+    assert "Traceback" not in server.output
+
+
+MISTAKES = {
+    "an exception": ("raise ValueError('my own\\nmistake')", "ValueError: my own?mistake"),
+    "no reply": ("return None", "AttributeError: 'NoneType' object has no attribute 'frames'"),
+    "a number of numpy's": ("return Message('ok', 0, {'x': numpy.float32(1)})", "TypeError: Object of type float32"),
+    "a view with steps backwards": (
+        "return Message('ok', 0, {}, [Array('uint8', (9,), numpy.zeros(9)[::step]) for step in (1, -1)])",
+        "contiguous",
+    ),
+}
+
+
+@pytest.mark.parametrize(("body", "says"), MISTAKES.values(), ids=MISTAKES.keys())
+def test_a_mistake_in_a_readers_own_answer_is_a_reply_and_a_traceback(body, says, start, ask, tmp_path):
+    pytest.importorskip("numpy", reason="lesson 05's server needs numpy: pip install numpy")
+    for path in FOLDER.glob("*.py"):
+        shutil.copy(path, tmp_path)
+    text = (tmp_path / "server.py").read_text(encoding="utf-8")
+    own = (
+        "def answer(request: Message) -> Message:\n"
+        "    import numpy\n"
+        "    from messages import Array\n"
+        f"    if request.kind == 'mistake':\n        {body}\n"
+    )
+    text = text.replace("def answer(request: Message) -> Message:\n", own)
+    (tmp_path / "server.py").write_text(text, encoding="utf-8")
+    server = start(PYTHON, tmp_path / "server.py", "--endpoint", "tcp://127.0.0.1:*")
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    reply = ask(endpoint, Message("mistake", 7).frames())
+    assert (reply.kind, reply.id, reply.values["code"]) == ("error", 7, "error-in-answer")
+    assert says in reply.values["text"]
+    assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)
+    server.wait_for(r"\.py\", line \d+, in ")
+
+
+def test_a_flood_of_bad_messages_makes_no_flood_of_lines(serve, ask):
+    server, endpoint = serve(KEY)
+    begin = time.monotonic()
+    for _ in range(1000):
+        ask(endpoint, [b"no message"])
+    seconds = time.monotonic() - begin
+    assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)
+    server.wait_for("^sent ok$")
+    lines = [line for line in server.lines if line.startswith("sent error")]
+    assert lines[0] == "sent error bad-json"
+    assert len(lines) <= seconds + 2
+    # A line a second is the promise: what comes later has one again, and says how many were left out.
+    time.sleep(1.1)
+    ask(endpoint, [b"no message"])
+    server.wait_for(r"^… [\d,]+ more in the last second$")
 
 
 def test_numbers_are_read_little_endian(serve, ask):
@@ -365,9 +546,38 @@ def claiming(width, height):
     return bytes(data)
 
 
+def slow(scans, size=4096):
+    """A progressive JPEG with so many scans that say nothing, each of which costs a pass over the whole picture."""
+    image = pytest.importorskip("PIL.Image", reason="JPEG needs Pillow: pip install pillow")
+    file = io.BytesIO()
+    image.new("RGB", (8, 8)).save(file, "JPEG", progressive=True)
+    data = bytearray(file.getvalue())
+    at = data.index(b"\xff\xc2") + 5
+    data[at : at + 4] = struct.pack(">HH", size, size)
+    # Its only code, a bit 0, says that in 2**14 blocks and as many as the next 14 bits say all is as it was.
+    table = b"\xff\xc4" + struct.pack(">HB16BB", 20, 0x10, 1, *[0] * 15, 0xE0)
+    bits = ("0" + "10" * 7) * (size * size // 64 // 27_306 + 1)
+    bits += "0" * (-len(bits) % 8)
+    nothing = int(bits, 2).to_bytes(len(bits) // 8, "big").replace(b"\xff", b"\xff\0")
+    scan = b"\xff\xda" + struct.pack(">HBBBBBB", 8, 1, 1, 0, 1, 63, 0) + nothing
+    return bytes(data[: data.index(b"\xff\xda")]) + table + scan * scans + b"\xff\xd9"
+
+
+def notes(count):
+    """A small JPEG with so many notes of applications before its pixels; Pillow puts them together one by one."""
+    data = jpeg(8, 8)
+    return data[:2] + b"\xff\xe1\x00\x09Exif\0\0x" * count + data[2:]
+
+
 @pytest.mark.parametrize(
     ("make", "code"),
     [
+        (lambda: slow(60_000), "too-big"),
+        (lambda: notes(3_000_000), "too-big"),
+        (lambda: b"\xff\xd8" + b"\xff" * 60_000_000, "bad-jpeg"),
+        (lambda: b"\xff\xd8" + b"\xff\xd0" * 30_000_000, "bad-jpeg"),
+        (lambda: slow(10), None),
+        (lambda: notes(10), None),
         (lambda: b"\xff\xd8\xff", "bad-jpeg"),
         (lambda: b"x" * 5000, "bad-jpeg"),
         (lambda: jpeg(64, 64)[:-200], "bad-jpeg"),
@@ -378,7 +588,23 @@ def claiming(width, height):
         (lambda: jpeg(8, 8, mode="L"), None),
         (lambda: jpeg(8, 8, mode="CMYK"), None),
     ],
-    ids=["its beginning", "other bytes", "cut off", "a PNG", "a bomb", "a large one", "a good one", "grey", "CMYK"],
+    ids=[
+        "60,000 scans",
+        "3,000,000 notes",
+        "padding",
+        "marks without an end",
+        "ten scans",
+        "ten notes",
+        "its beginning",
+        "other bytes",
+        "cut off",
+        "a PNG",
+        "a bomb",
+        "a large one",
+        "a good one",
+        "grey",
+        "CMYK",
+    ],
 )
 def test_a_jpeg_that_is_none(make, code, serve, ask):
     data = make()
@@ -617,10 +843,10 @@ def test_the_server_of_the_page_answers_with_an_action(kind, tmp_path, start, cl
     text = block.body.replace("tcp://127.0.0.1:5555", endpoint)
     assert text != block.body
     (tmp_path / "my_server.py").write_text(text, encoding="utf-8")
-    for name in ("messages.py", "pixels.py"):
+    for name in ("messages.py", "pixels.py", "serving.py"):
         shutil.copy(ROOT / "python" / KEY / name, tmp_path)
     server = start(PYTHON, tmp_path / "my_server.py")
-    # It prints nothing; a client of ZeroMQ may come first.
+    server.wait_for(f"^listening on {endpoint}$")
     client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--patience", "20"))
     assert client.wait() == 0, client.output
     said = re.search(r"`(1: sent frame 1, 230400 bytes; steer 0\.\d+)…`", page.read_text(encoding="utf-8"))[1]
@@ -635,8 +861,12 @@ def test_the_server_of_the_page_answers_with_an_action(kind, tmp_path, start, cl
             other.send_multipart(request)
             assert other.poll(20_000)
             assert code in other.recv()
-    assert server.stop(signal.SIGINT) != 0
-    assert server.output.endswith("KeyboardInterrupt"), server.output
+        other.send_multipart(Message("frame", 7, {}, [Array("uint8", (), b"x")]).frames())
+        assert other.poll(20_000)
+        assert b"error-in-answer" in other.recv()
+    if sys.platform != "win32":
+        assert server.stop(signal.SIGINT) == 0
+        assert "KeyboardInterrupt" not in server.output
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
@@ -673,7 +903,9 @@ def test_a_taken_port_is_named_with_its_cure(serve, start):
     _, endpoint = serve(KEY)
     second = start(PYTHON, FOLDER / "server.py", "--endpoint", endpoint)
     assert second.wait() == 1
-    assert second.lines == [f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:*"]
+    assert second.lines == [
+        f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
+    ]
 
 
 def measured(serve, start, console):

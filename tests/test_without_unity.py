@@ -58,6 +58,27 @@ def test_the_files_to_take_need_no_others(row):
             assert not [other for other in used - set(names) if (folder / other).exists()], name
 
 
+PYTHON_FILES = [path for lesson in lessons() for path in sorted(lesson.python.glob("*.py"))]
+
+
+@pytest.mark.parametrize(
+    "path",
+    [path for path in PYTHON_FILES if "Take home" in path.read_text(encoding="utf-8")],
+    ids=lambda path: str(path.relative_to(ROOT)),
+)
+def test_what_a_header_says_to_take_home_runs_there(path, tmp_path):
+    """A file with the others that the sentence names, and nothing else, in an empty folder: each of them starts."""
+    text = path.read_text(encoding="utf-8")
+    if "numpy" in text:
+        pytest.importorskip("numpy", reason="lesson 05 needs numpy: pip install numpy")
+    said = re.search(r"Take home: (.*?)\.(\s|$)", ast.get_docstring(ast.parse(text)), re.DOTALL)[1]
+    for name in {path.name, *re.findall(r"\w+\.py", said)}:
+        shutil.copy(path.parent / name, tmp_path)
+    for copied in list(tmp_path.glob("*.py")):
+        done = subprocess.run([PYTHON, copied.name, "--help"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+
+
 def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     """With every C# file of the table beside it, so that all of them are seen to compile without Unity."""
     project = tmp_path / "MyProgram.csproj"

@@ -2,7 +2,7 @@
 
     frame 1     {"kind":"frame","version":1,"id":7,"values":{"bottom_up":true},
                  "arrays":[{"dtype":"uint8","shape":[240,320,3]}]}           JSON, UTF-8, at most 64 KB
-    frame 2...  the arrays' items, row after row, little-endian, all together at most 64 MB
+    frame 2...  the arrays' items, row after row, little-endian; at most 1000 arrays, all together at most 64 MB
 
 `values` are texts, numbers, true and false by name. A reply has the request's id, and its kind is `ok`, or `error` with
 the values `code`, for programs, and `text`, for people. Fields that this version does not know are ignored.
@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 VERSION = 1
-HEADER_LIMIT, LIMIT = 64 * 1024, 64 * 1024 * 1024
+HEADER_LIMIT, LIMIT, MOST_ARRAYS = 64 * 1024, 64 * 1024 * 1024, 1000
 # Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only floats.
 EXACT = 2**53
 # The names are numpy's, and their items' sizes in bytes.
@@ -59,8 +59,15 @@ class Message:
         return [text.encode(), *(array.data for array in self.arrays)]
 
 
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+
+
 def read(frames: Sequence[Bytes]) -> Message:
     """The message in the frames that were received, whose payloads are not copied; MessageError says what is wrong."""
+    if len(frames) > MOST_ARRAYS + 1:
+        raise MessageError("bad-frames", f"more than {MOST_ARRAYS} frames follow the header")
     if len(frames[0]) > HEADER_LIMIT:
         raise MessageError("too-big", f"the header has {len(frames[0])} bytes, the limit is {HEADER_LIMIT}")
     try:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import sys
 from typing import Any
 
@@ -16,6 +17,10 @@ try:
     import numpy as np
 except ImportError:
     sys.exit("this lesson needs numpy: pip install numpy, or let python3 kit.py run 5 do it")
+
+MOST_SCANS, MOST_PARTS = 50, 200
+# What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments.
+PART = re.compile(rb"\xff[\xc0-\xc7\xc9-\xcf\xdb-\xef\xfe](..)", re.DOTALL)
 
 
 def as_numpy(array: Array) -> Any:
@@ -41,17 +46,36 @@ def brightest(picture: Any) -> dict[str, Value]:
     return {"x": x, "y": y}
 
 
+def check_jpeg(file: bytes) -> None:
+    """Refuse a file that would be slow to decode by what it announces: each scan costs a pass over the whole picture.
+
+    A camera's file has one scan, or some ten for a picture that gets sharper while it loads, after some twenty parts.
+    """
+    at, parts = 2, 0
+    while (part := PART.match(file, at)) and parts < MOST_PARTS:
+        at, parts = at + 2 + int.from_bytes(part[1], "big"), parts + 1
+    if part:
+        raise MessageError("too-big", f"a JPEG picture of more than {MOST_PARTS} parts is over the limit")
+    # In the pixels' data 0xff is never followed by 0xda: what looks like a scan is one.
+    if (scans := file.count(b"\xff\xda", at)) > MOST_SCANS:
+        raise MessageError("too-big", f"a JPEG picture of {scans} scans is over the limit of {MOST_SCANS}")
+    if file[at : at + 2] != b"\xff\xda":
+        raise MessageError("bad-jpeg", "this is no JPEG picture: its parts are not in order")
+
+
 def decode(array: Array) -> Any:
     """The pixels of a JPEG file, top row first."""
     try:
         from PIL import Image
-
-        with Image.open(io.BytesIO(array.data), formats=["JPEG"]) as image:
+    except ImportError:
+        raise MessageError("no-pillow", "the server needs Pillow for JPEG: pip install pillow") from None
+    file = bytes(array.data)
+    check_jpeg(file)
+    try:
+        with Image.open(io.BytesIO(file), formats=["JPEG"]) as image:
             # Its size is known before it is decoded: a small file can claim to be an enormous picture.
             if image.width * image.height * 3 <= LIMIT:
                 return np.asarray(image.convert("RGB"))
-    except ImportError:
-        raise MessageError("no-pillow", "the server needs Pillow for JPEG: pip install pillow") from None
     # Pillow raises whatever its decoders meet.
     except Exception as error:
         raise MessageError("bad-jpeg", f"this is no JPEG picture: {error!s:.60}") from None

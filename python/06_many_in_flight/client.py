@@ -14,10 +14,16 @@ import argparse
 import itertools
 import re
 import sys
+from contextlib import closing
 from socket import getaddrinfo
 
 import zmq
 from many_requester import ManyRequester
+
+
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
 
 
 def endpoint(text: str) -> str:
@@ -35,6 +41,8 @@ def endpoint(text: str) -> str:
 
 
 def main() -> None:
+    # In a pipe Windows would use another encoding, which lacks most letters.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Asks without waiting for each answer.")
     parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5556", help="the server")
     parser.add_argument("--count", type=int, default=6, help="how many requests")
@@ -64,12 +72,12 @@ def main() -> None:
             lambda line: print(line, flush=True),
         )
         failures = 0
-        with requester.socket:
+        with closing(requester):
             requests = itertools.islice(itertools.cycle(texts), options.count)
             for number, reply, failure in requester.request_many(requests):
                 failures += bool(failure)
                 if failure or not options.quiet:
-                    outcome = f"gave up: {failure}" if failure else f"received {reply}"
+                    outcome = f"gave up: {failure}" if failure else f"received {printable(reply)}"
                     print(f"{number}: sent {texts[(number - 1) % len(texts)]}, {outcome}", flush=True)
     print(f"done: {options.count - failures} replies", flush=True)
     if failures:

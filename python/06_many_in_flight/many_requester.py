@@ -16,6 +16,10 @@ import zmq
 
 # How often the limits are looked at: short enough to be exact, long enough to cost nothing.
 SLICE = 0.05
+# A socket that met the wrong server does not try again, so after so many seconds without a connection a new one does.
+RENEW = 3
+# No reply has more than two frames. One with more than this many is not read to its end.
+MOST_FRAMES = 1000
 
 
 @dataclass
@@ -40,9 +44,14 @@ class ManyRequester:
         report: Callable[[str], None],
     ) -> None:
         self.window, self.patience, self.tries, self.report = window, patience, tries, report
+        self.context, self.endpoint = context, endpoint
         self.pending: dict[bytes, Pending] = {}
-        self.connected, self.last_id = False, 0
-        self.socket = context.socket(zmq.DEALER)
+        self.last_id = 0
+        self.open()
+
+    def open(self) -> None:
+        self.connected, self.lonely_since = False, time.monotonic()
+        self.socket = self.context.socket(zmq.DEALER)
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
         self.socket.linger = 0
         # Asks a silent server every 0.5 s whether it is there, and takes it for dead when 1 s brings no answer.
@@ -51,7 +60,18 @@ class ManyRequester:
         self.socket.immediate = 1
         # The window is the limit of what is under way. A second limit would look like a server that is gone.
         self.socket.sndhwm = 0
-        self.socket.connect(endpoint)
+        # libzmq hangs up on who sends a larger frame.
+        self.socket.maxmsgsize = 65_536
+        self.socket.connect(self.endpoint)
+
+    def close(self) -> None:
+        self.socket.close()
+
+    def renew(self) -> None:
+        if self.connected:
+            self.report("lost the server")
+        self.close()
+        self.open()
 
     def request_many(self, texts: Iterable[str]) -> Iterator[tuple[int, str, str]]:
         """Each request's number from 1 on, with its reply or the reason why there is none, in order of arrival.
@@ -80,8 +100,14 @@ class ManyRequester:
         """Every reply that is there by now. One for a request that is not pending is late or a second one: dropped."""
         for _ in range(len(self.pending)):
             try:
-                frames = self.socket.recv_multipart(zmq.NOBLOCK)
+                frames = [self.socket.recv(zmq.NOBLOCK)]
+                while self.socket.getsockopt(zmq.RCVMORE) and len(frames) < MOST_FRAMES:
+                    frames.append(self.socket.recv(zmq.NOBLOCK))
             except zmq.Again:
+                return
+            if len(frames) == MOST_FRAMES:
+                # The rest of it goes with the socket.
+                self.renew()
                 return
             entry = self.pending.get(frames[0]) if len(frames) == 2 else None
             if entry and frames[1].startswith(b"error: busy"):
@@ -94,11 +120,13 @@ class ManyRequester:
     def watch_connection(self) -> None:
         connected = bool(self.socket.poll(0, zmq.POLLOUT))
         if connected != self.connected:
-            self.connected = connected
+            self.connected, self.lonely_since = connected, time.monotonic()
             self.report("connected" if connected else "lost the server")
             # What the last connection took along is sent again with its old id, and what had none for the first time.
             for request_id in self.pending if connected else ():
                 self.send(request_id)
+        elif not connected and time.monotonic() > self.lonely_since + RENEW:
+            self.renew()
 
     def overdue(self) -> Iterator[tuple[int, str, str]]:
         now = time.monotonic()

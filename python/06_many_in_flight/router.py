@@ -1,24 +1,33 @@
 """Lesson 06, the router: takes requests of many clients in, lets workers have them in turn, and sends replies out.
 
-Take home: this file and workers.py, with server.py as the example of their use.
+Take home: this file, workers.py and server.py, which shows their use.
 """
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 
 import zmq
-from workers import Workers
+from workers import Work, Workers, attempt
 from zmq.utils.monitor import recv_monitor_message
+
+# The bytes of a text, and of all that wait, whoever sent them: who comes and goes leaves some behind for a while.
+LIMIT, ALL_LIMIT = 65_536, 100_000_000
+# What a request takes in memory beside its own bytes, roughly.
+OVERHEAD = 300
 
 
 class Router:
-    """Answers requests over a ROUTER socket, which it alone uses."""
+    """Answers requests over a ROUTER socket, which it alone uses. What begins with one of `at_once` needs no worker."""
 
-    def __init__(self, socket: zmq.Socket[bytes], workers: Workers, queue: int) -> None:
-        self.socket, self.workers, self.queue = socket, workers, queue
+    def __init__(
+        self, socket: zmq.Socket[bytes], workers: Workers, work: Work, queue: int, at_once: tuple[bytes, ...] = ()
+    ) -> None:
+        self.socket, self.workers, self.work, self.queue, self.at_once = socket, workers, work, queue, at_once
         # client -> id -> text: the clients in the order in which it is their turn, each with its own queue.
         self.waiting: OrderedDict[bytes, OrderedDict[bytes, bytes]] = OrderedDict()
+        self.size = 0
         self.at_work: set[tuple[bytes, bytes]] = set()
         self.monitor = socket.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED)
 
@@ -26,19 +35,32 @@ class Router:
         poller = zmq.Poller()
         for readable in (self.socket, self.workers.bell, self.monitor):
             poller.register(readable, zmq.POLLIN)
-        clients = 0
+        clients, told, said = 0, 0, 0.0
         while True:
             # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
             ready = dict(poller.poll(200))
             if self.monitor in ready:
-                clients += 1 if recv_monitor_message(self.monitor)["event"] == zmq.EVENT_ACCEPTED else -1
+                clients += self.newcomers()
+            # One such line a second: many that come and go must not fill a disk.
+            if clients != told and time.monotonic() >= said + 1:
                 print(f"clients: {clients}", flush=True)
+                told, said = clients, time.monotonic()
             if self.socket in ready:
                 self.take_in()
             for client, request_id, text in self.workers.finished():
                 self.at_work.discard((client, request_id))
                 self.reply(client, request_id, text)
             self.hand_out()
+
+    def newcomers(self) -> int:
+        """How many clients more there are than before."""
+        more = 0
+        try:
+            for _ in range(1000):
+                more += 1 if recv_monitor_message(self.monitor, zmq.NOBLOCK)["event"] == zmq.EVENT_ACCEPTED else -1
+        except zmq.Again:
+            pass
+        return more
 
     def take_in(self) -> None:
         """Everything that has arrived, up to a limit: one poll for many requests is what makes it fast."""
@@ -51,42 +73,52 @@ class Router:
                 while more(zmq.RCVMORE):
                     # More frames than two are no request, and the empty text is answered with an error.
                     text = receive(zmq.NOBLOCK)[:0]
-                # Handing it to a worker's thread would cost more than this answer.
-                if text.startswith(b"echo "):
-                    self.reply(client, request_id, text[5:])
+                if text.startswith(self.at_once):
+                    self.reply(client, request_id, attempt(self.work, text))
                 else:
                     self.enqueue(client, request_id, text)
         except zmq.Again:
             pass
 
     def enqueue(self, client: bytes, request_id: bytes, text: bytes) -> None:
+        mine = self.waiting.get(client, OrderedDict())
         # A retry of what is at work or waits already is done once and answered once.
-        if (client, request_id) in self.at_work:
+        if (client, request_id) in self.at_work or request_id in mine:
             return
-        mine = self.waiting.setdefault(client, OrderedDict())
-        if len(mine) >= self.queue and request_id not in mine:
+        if len(mine) >= self.queue:
             self.reply(client, request_id, b"error: busy: %d requests of yours wait already" % self.queue)
+        elif self.size + self.footprint(request_id, text) > ALL_LIMIT:
+            self.reply(client, request_id, b"error: busy: %d bytes of requests wait already" % self.size)
         else:
-            mine[request_id] = text
+            self.waiting.setdefault(client, mine)[request_id] = text
+            self.size += self.footprint(request_id, text)
+
+    @staticmethod
+    def footprint(request_id: bytes, text: bytes) -> int:
+        return len(request_id) + len(text) + OVERHEAD
 
     def hand_out(self) -> None:
         """One request of each client in turn, however many one of them has waiting."""
         while self.waiting and self.workers.free:
             client, mine = self.waiting.popitem(last=False)
             request_id, text = mine.popitem(last=False)
+            self.size -= self.footprint(request_id, text)
             self.at_work.add((client, request_id))
             self.workers.take((client, request_id, text))
             if mine:
                 self.waiting[client] = mine
 
     def reply(self, client: bytes, request_id: bytes, text: bytes) -> None:
+        if len(text) > LIMIT:
+            text = b"error: the reply has %d bytes, the limit is %d" % (len(text), LIMIT)
         try:
             self.socket.send(client, zmq.SNDMORE | zmq.NOBLOCK)
-            self.socket.send(request_id, zmq.SNDMORE)
-            self.socket.send(text)
+            self.socket.send(request_id, zmq.SNDMORE | zmq.NOBLOCK)
+            self.socket.send(text, zmq.NOBLOCK)
         except zmq.Again:
             # It does not read its replies. Keeping them would fill the memory; it may ask again.
             pass
         except zmq.ZMQError:
             # It is gone: nobody waits for the rest of its requests.
-            self.waiting.pop(client, None)
+            mine = self.waiting.pop(client, OrderedDict())
+            self.size -= sum(self.footprint(*request) for request in mine.items())

@@ -5,7 +5,7 @@
 
 Python computes on one thread at a time, so threads share one core and processes have one each. A process that dies
 takes one request with it, which is answered with an error, and the next one has a new process.
-Take home: this file, along with server.py.
+Take home: this file, router.py and server.py.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import random
 import socket
 import threading
 import time
+import traceback
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
@@ -26,12 +27,19 @@ Job = tuple[bytes, bytes, bytes]
 SPAWN = multiprocessing.get_context("spawn")
 
 
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+
+
 def attempt(work: Work, text: bytes) -> bytes:
-    """An exception is an answer too: the worker lives on."""
+    """An exception is an answer too: the worker lives on, and the place is shown to whoever writes `work`."""
     try:
-        return work(text)
+        # No copy where it is bytes, and an exception here where it is text or nothing.
+        return bytes(work(text))
     except Exception as error:
-        return f"error: {type(error).__name__}: {error}".encode()
+        traceback.print_exc()
+        return printable(f"error: {type(error).__name__}: {error}").encode()
 
 
 def labour(pipe: Connection, work: Work) -> None:

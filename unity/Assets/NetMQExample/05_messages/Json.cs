@@ -71,6 +71,14 @@ namespace NetMQExample
             else throw new ArgumentException($"a {value?.GetType().Name ?? "null"} has no place in a header");
         }
 
+        /// <summary>A word that a peer sent, for an error's text: in ASCII, and cut to a readable length.</summary>
+        public static string Shown(string word)
+        {
+            var text = new StringBuilder();
+            Write(text, word.Substring(0, Math.Min(word.Length, 40)));
+            return text.ToString(1, text.Length - 2);
+        }
+
         private static string Real(double value)
         {
             if (double.IsNaN(value) || double.IsInfinity(value)) throw new ArgumentException("JSON has no NaN and no infinity");

@@ -2,7 +2,7 @@
 //
 //     frame 1     {"kind":"frame","version":1,"id":7,"values":{"bottom_up":true},
 //                  "arrays":[{"dtype":"uint8","shape":[240,320,3]}]}           JSON, UTF-8, at most 64 KB
-//     frame 2...  the arrays' items, row after row, little-endian, all together at most 64 MB
+//     frame 2...  the arrays' items, row after row, little-endian; at most 1000 arrays, all together at most 64 MB
 //
 // Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error" with
 // the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
@@ -48,7 +48,7 @@ namespace NetMQExample
         {
             (Dtype, Data, Shape) = (dtype, data, shape);
             if (!Sizes.TryGetValue(dtype, out var size))
-                throw new MessageException("bad-dtype", $"dtype '{dtype}' is none of {string.Join(", ", Sizes.Keys)}");
+                throw new MessageException("bad-dtype", $"dtype '{Json.Shown(dtype)}' is none of {string.Join(", ", Sizes.Keys)}");
             // In double, which no product of eight sizes overflows.
             if (shape.Aggregate((double)size, (product, length) => product * length) != data.Length)
                 throw new MessageException("bad-shape", $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
@@ -61,8 +61,9 @@ namespace NetMQExample
     /// <summary>One message. What it was read from must not change while it is used.</summary>
     public sealed class Message
     {
-        /// <summary>The version of this standard, the most bytes of a header, and of all arrays together.</summary>
-        public const int Version = 1, HeaderLimit = 64 * 1024, Limit = 64 * 1024 * 1024;
+        /// <summary>The version of this standard, the most bytes of a header, and of all arrays together, and the most
+        /// arrays.</summary>
+        public const int Version = 1, HeaderLimit = 64 * 1024, Limit = 64 * 1024 * 1024, MostArrays = 1000;
 
         // Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only doubles.
         private const long Exact = 1L << 53;
@@ -97,6 +98,8 @@ namespace NetMQExample
         /// <exception cref="MessageException">They are no message; its text says why.</exception>
         public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
+            if (frames.Count > MostArrays + 1)
+                throw new MessageException("bad-frames", $"more than {MostArrays} frames follow the header");
             if (frames[0].Length > HeaderLimit)
                 throw new MessageException("too-big", $"the header has {frames[0].Length} bytes, the limit is {HeaderLimit}");
             object header;
@@ -119,9 +122,9 @@ namespace NetMQExample
             foreach (var value in message.Values)
             {
                 if (!(value.Value is string || value.Value is bool || value.Value is long || value.Value is double))
-                    throw new MessageException("wrong-type", $"value '{value.Key}' must be text, a number, true or false");
+                    throw new MessageException("wrong-type", $"value '{Json.Shown(value.Key)}' must be text, a number, true or false");
                 if (value.Value is long whole && (whole <= -Exact || whole >= Exact) || value.Value is double real && double.IsInfinity(real))
-                    throw new MessageException("bad-value", $"value '{value.Key}' is too large to be exact");
+                    throw new MessageException("bad-value", $"value '{Json.Shown(value.Key)}' is too large to be exact");
             }
             var arrays = Take<List<object>>(header, "arrays", "a list");
             if (arrays.Count != frames.Count - 1)

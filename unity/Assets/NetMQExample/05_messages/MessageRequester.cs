@@ -68,11 +68,13 @@ namespace NetMQExample
         public Message Request(string header, IReadOnlyList<MessageArray> arrays, TimeSpan patience, CancellationToken stop = default)
         {
             if (socket == null) Open();
+            Message reply;
             try
             {
                 Send(Encoding.UTF8.GetBytes(header), arrays.Count > 0);
                 for (var i = 0; i < arrays.Count; i++) Send(arrays[i].Data, i + 1 < arrays.Count);
                 Receive(patience, stop);
+                reply = Message.Read(frames);
             }
             catch
             {
@@ -80,11 +82,11 @@ namespace NetMQExample
                 Close();
                 throw;
             }
-            var reply = Message.Read(frames);
             if (reply.Kind != "error") return reply;
             reply.Values.TryGetValue("code", out var code);
             reply.Values.TryGetValue("text", out var text);
-            throw new MessageException(code as string ?? "error", text as string ?? "the server gave no reason");
+            throw new MessageException(NetMQLifetime.Printable(code as string ?? "error"),
+                NetMQLifetime.Printable(text as string ?? "the server gave no reason"));
         }
 
         private void Open()
@@ -92,6 +94,8 @@ namespace NetMQExample
             socket = new RequestSocket();
             // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
             socket.Options.Linger = TimeSpan.Zero;
+            // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ takes no more and hangs up.
+            socket.Options.MaxMsgSize = 4 * Message.Limit;
             // Room for several pictures in the operating system: the two sides then wait for each other less often.
             socket.Options.SendBuffer = socket.Options.ReceiveBuffer = 1 << 20;
             NetMQLifetime.Connect(socket, endpoint);
@@ -124,12 +128,13 @@ namespace NetMQExample
             var waited = Stopwatch.StartNew();
             frames.Clear();
             var more = true;
-            for (var i = 0; more; i++)
+            // More frames than a message may have are not waited for: Message.Read refuses them.
+            for (var i = 0; more && i < Message.MostArrays + 2; i++)
             {
                 if (i == parts.Length)
                 {
-                    Array.Resize(ref parts, i + 1);
-                    parts[i].InitEmpty();
+                    Array.Resize(ref parts, 2 * i + 2);
+                    for (var added = i; added < parts.Length; added++) parts[added].InitEmpty();
                 }
                 while (!socket.TryReceive(ref parts[i], Slice))
                 {

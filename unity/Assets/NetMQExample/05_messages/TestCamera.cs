@@ -61,12 +61,14 @@ namespace NetMQExample
             var values = reply.Values;
             // A server of your own may answer with something else.
             var found = string.Join(", ", values.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}")));
-            if (values.ContainsKey("x") && values.ContainsKey("y") && values.TryGetValue("mean", out var mean))
+            if (values.ContainsKey("x") && values.ContainsKey("y") && values.TryGetValue("mean", out var mean) &&
+                (mean is double || mean is long))
             {
                 var middle = Convert.ToDouble(mean, CultureInfo.InvariantCulture);
                 found = FormattableString.Invariant($"brightest at x {values["x"]}, y {values["y"]}, mean {middle:F1}");
             }
-            return FormattableString.Invariant($"{i}: sent {sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes; {found}");
+            var what = FormattableString.Invariant($"{i}: sent {sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes");
+            return found == "" ? what : $"{what}; {NetMQLifetime.Printable(found)}";
         }
     }
 }

@@ -41,14 +41,21 @@ namespace NetMQExample
         // Short enough that Stop in the editor is felt at once, long enough to cost nothing.
         private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
 
+        // A socket that met the wrong server may not try again, so after this time without a connection a new one does.
+        private static readonly TimeSpan Renew = TimeSpan.FromSeconds(3);
+        // No reply has more than two frames. One with more than this many is not read to its end.
+        private const int MostFrames = 1000;
+
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private readonly DealerSocket socket = new DealerSocket();
+        private DealerSocket socket;
+        private readonly string endpoint;
         private readonly Dictionary<int, (int number, string text, TimeSpan deadline, int tries, bool busy)> pending;
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly int window, tries;
         private readonly TimeSpan patience;
         private readonly Action<string> report;
         private int lastId;
+        private TimeSpan lonelySince;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5556</c>.</param>
@@ -59,24 +66,16 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public ManyRequester(string endpoint, int window = 64, TimeSpan? patience = null, int tries = 3, Action<string> report = null)
         {
+            this.endpoint = endpoint;
             this.window = window;
             this.patience = patience ?? TimeSpan.FromSeconds(2.5);
             this.tries = tries;
             this.report = report ?? (line => { });
             pending = new Dictionary<int, (int, string, TimeSpan, int, bool)>();
-            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
-            socket.Options.Linger = TimeSpan.Zero;
-            // Asks a silent server every 0.5 s whether it is there, and takes it for dead when 1 s brings no answer.
-            socket.Options.HeartbeatInterval = TimeSpan.FromSeconds(0.5);
-            socket.Options.HeartbeatTimeout = TimeSpan.FromSeconds(1);
-            // The socket can send only while a server is there; so whether it can, says whether the server is there.
-            socket.Options.DelayAttachOnConnect = true;
-            // The window is the limit of what is under way. A second limit would look like a server that is gone.
-            socket.Options.SendHighWatermark = 0;
             try
             {
                 if (window < 1 || tries < 1) throw new ArgumentException("window and tries must be 1 or more");
-                NetMQLifetime.Connect(socket, endpoint);
+                Open();
             }
             catch
             {
@@ -122,8 +121,38 @@ namespace NetMQExample
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
-            socket.Dispose();
+            socket?.Dispose();
             lifetime.Dispose();
+        }
+
+        private void OpenAgain()
+        {
+            if (Connected) report("lost the server");
+            Connected = false;
+            lonelySince = clock.Elapsed;
+            socket.Dispose();
+            try
+            {
+                Open();
+            }
+            catch (ArgumentException) { /* Its name cannot be looked up just now: it is not there. */ }
+        }
+
+        private void Open()
+        {
+            socket = new DealerSocket();
+            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
+            socket.Options.Linger = TimeSpan.Zero;
+            // Asks a silent server every 0.5 s whether it is there, and takes it for dead when 1 s brings no answer.
+            socket.Options.HeartbeatInterval = TimeSpan.FromSeconds(0.5);
+            socket.Options.HeartbeatTimeout = TimeSpan.FromSeconds(1);
+            // The socket can send only while a server is there; so whether it can, says whether the server is there.
+            socket.Options.DelayAttachOnConnect = true;
+            // The window is the limit of what is under way. A second limit would look like a server that is gone.
+            socket.Options.SendHighWatermark = 0;
+            // NetMQ hangs up on who sends a larger frame.
+            socket.Options.MaxMsgSize = 65_536;
+            NetMQLifetime.Connect(socket, endpoint);
         }
 
         /// <summary>False when no message is there. A message that answers nothing gives an answer with number 0.</summary>
@@ -131,11 +160,17 @@ namespace NetMQExample
         {
             answer = default;
             if (!socket.TryReceiveFrameString(wait, out var frame, out var more)) return false;
-            var reply = more ? socket.ReceiveFrameString(out more) : null;
-            var whole = !more && reply != null;
-            while (more) socket.SkipFrame(out more);
+            var reply = "";
+            var frames = 1;
+            // The frames of a message arrive together: none is waited for. What is left of too many goes with the socket.
+            for (; more; frames++)
+            {
+                if (frames < MostFrames && socket.TryReceiveFrameString(out reply, out more)) continue;
+                OpenAgain();
+                return false;
+            }
             // One for a request that is not pending is late or a second one.
-            if (!whole || !int.TryParse(frame, NumberStyles.None, CultureInfo.InvariantCulture, out var id)) return true;
+            if (frames != 2 || !int.TryParse(frame, NumberStyles.None, CultureInfo.InvariantCulture, out var id)) return true;
             if (!pending.TryGetValue(id, out var entry)) return true;
             if (reply.StartsWith("error: busy", StringComparison.Ordinal))
             {
@@ -151,8 +186,13 @@ namespace NetMQExample
 
         private void WatchConnection()
         {
-            if (socket.HasOut == Connected) return;
+            if (socket.HasOut == Connected)
+            {
+                if (!Connected && clock.Elapsed > lonelySince + Renew) OpenAgain();
+                return;
+            }
             Connected = !Connected;
+            lonelySince = clock.Elapsed;
             report(Connected ? "connected" : "lost the server");
             // What the last connection took along is sent again with its old id, and what had none for the first time.
             foreach (var id in pending.Keys) Send(id);
@@ -179,8 +219,9 @@ namespace NetMQExample
         private void Send(int id)
         {
             // Without a server it waits for the next connection, or for the next try.
-            if (Connected && socket.TrySendFrame(TimeSpan.Zero, id.ToString(CultureInfo.InvariantCulture), true))
-                socket.SendFrame(pending[id].text);
+            if (Connected && socket.TrySendFrame(TimeSpan.Zero, id.ToString(CultureInfo.InvariantCulture), true) &&
+                !socket.TrySendFrame(TimeSpan.Zero, pending[id].text))
+                OpenAgain();
         }
     }
 }
