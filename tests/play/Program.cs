@@ -5,6 +5,7 @@
 //     … play.dll keep …                                  every Play on the same statics, as with domain reload off
 //     … play.dll api                                     no Play: what the stand-in of UnityEngine has
 //     … play.dll events                                  one Play, which prints its events in their order
+//     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
 // Threads and sockets are counted by the test, from outside.
@@ -35,6 +36,12 @@ namespace NetMQExample.PlayTest
             {
                 if (words[0] == "api") Api.Print();
                 else Events.Print();
+                return 0;
+            }
+            if (words[0] == "forgotten")
+            {
+                ForgetfulClient.Forget("tcp://127.0.0.1:9");
+                Console.WriteLine("done");
                 return 0;
             }
             if (words[0] == "inside") return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
