@@ -90,7 +90,7 @@ def test_again_changes_nothing(project: Path, nuget: Path, capsys: pytest.Captur
 
 def test_a_newer_kit_replaces_what_it_wrote(project: Path, nuget: Path) -> None:
     unity_install.install(project, None, False)
-    dll = nuget / "netmq" / "4.0.2.2" / "lib" / "netstandard2.1" / "NetMQ.dll"
+    dll = nuget / "netmq" / "4.0.4.3" / "lib" / "netstandard2.1" / "NetMQ.dll"
     dll.write_bytes(b"MZ newer")
     unity_install.install(project, None, False)
     assert (project / TARGET / "Plugins" / "NetMQ.dll").read_bytes() == b"MZ newer"
@@ -136,7 +136,7 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
 
 
 def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
-    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.2-2"}}')
+    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-3"}}')
     unity_install.install(project, None, False)
     assert not (project / TARGET / "Plugins").exists()
 
