@@ -35,7 +35,7 @@ from .unity_project import (
 
 # The three DLLs of NetMQ inside Unity: package, version, and the file in it.
 LIBRARIES = (
-    ("NetMQ", "4.0.2.2", "lib/netstandard2.1/NetMQ.dll"),
+    ("NetMQ", "4.0.4.3", "lib/netstandard2.1/NetMQ.dll"),
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
 )

@@ -37,3 +37,22 @@ def test_the_transcript_is_the_one_recorded_from_netmq(name):
     recorded = (PROJECT / "transcript.txt").read_text(encoding="utf-8").splitlines()
     printed = done.stdout.splitlines()
     assert printed == recorded, "\n".join(difflib.unified_diff(recorded, printed, "transcript.txt", name, lineterm=""))
+
+
+@pytest.mark.timeout(400)
+def test_another_thread_ends_a_wait_and_not_the_process():
+    """Disposing a socket in use, and Cleanup against constructors, on the libzmq engine."""
+    done = subprocess.run(
+        ["dotnet", str(built("libzmq")), "threads"], capture_output=True, text=True, encoding="utf-8", timeout=150
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    waits = ("receiving", "receiving with a limit", "sending", "sending with a limit", "polling")
+    assert done.stdout.splitlines() == [
+        "== threads",
+        *(f"disposed while {wait}: ObjectDisposedException" for wait in waits),
+        "disposed at work, 60 times: ObjectDisposedException",
+        "Cleanup against constructors: True",
+        "the constructors ended: True",
+        "and threw at the most: TerminatingException",
+        "and all was closed: True",
+    ]

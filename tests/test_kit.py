@@ -454,7 +454,7 @@ def test_a_venv_without_pip_is_filled_by_the_pip_outside(monkeypatch, tmp_path):
     ("output", "why"),
     [
         ("error NU1101: Unable to find package NetMQ.", "NuGet does not hold NetMQ"),
-        ("error NU1102: Unable to find package NetMQ with version (>= 4.0.2.2)", "NuGet does not hold NetMQ"),
+        ("error NU1102: Unable to find package NetMQ with version (>= 4.0.4.3)", "NuGet does not hold NetMQ"),
         ("error NU1301: Unable to load the service index", "NuGet cannot be reached"),
     ],
 )

@@ -46,24 +46,15 @@ def test_mypy(tmp_path):
         check(sys.executable, "-m", "mypy", "--cache-dir", tmp_path, path)
 
 
-@pytest.mark.parametrize(
-    "project",
-    [
-        "csharp-console.csproj",
-        "lessons/NetMQExample.csproj",
-        "unity-stand-in/UnityEngine.csproj",
-        "offline-engine/NetMQ.csproj",
-    ],
-)
-def test_dotnet_format(project, console):
-    check(
-        "dotnet",
-        "format",
-        ROOT / "csharp-console" / project,
-        "--verify-no-changes",
-        "--no-restore",
-        env={**os.environ, **dotnet.ENVIRONMENT},
-    )
+@pytest.mark.timeout(600)
+def test_dotnet_format(console, engine, tmp_path):
+    """Every C# project, in one solution that is made for it."""
+    env = {**os.environ, **dotnet.ENVIRONMENT}
+    projects = [path for tree in ("csharp-console", "tests") for path in (ROOT / tree).rglob("*.csproj")]
+    check("dotnet", "new", "sln", "--output", tmp_path, env=env)
+    check("dotnet", "sln", tmp_path, "add", *projects, env=env)
+    check("dotnet", "restore", tmp_path, *engine.properties, env=env)
+    check("dotnet", "format", tmp_path, "--verify-no-changes", "--no-restore", env=env)
 
 
 def code_lines(path):

@@ -149,7 +149,7 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
 
 
 def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
-    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.2-2"}}')
+    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-3"}}')
     unity_install.install(project, None, False)
     assert not (project / TARGET / "Plugins").exists()
 

@@ -118,6 +118,10 @@ class Editor:
 
     def stop(self) -> None:
         """Stop, and look at what is left."""
+        self.stop_in_time()
+        self.nothing_left()
+
+    def stop_in_time(self) -> None:
         stalled = self.milliseconds_without_a_core()
         self.press("stop")
         took = float(self.wait_for(r"^stopped in ([\d.]+) ms", limit=10)[1])
@@ -135,7 +139,6 @@ class Editor:
             f"Stop of Play {self.row.plays} took {took} ms, {stalled:.0f} of them without a core; "
             f"printed:\n{self.program.output[-3000:]}"
         )
-        self.nothing_left()
 
     def nothing_left(self) -> None:
         """What ends a little later than Stop gets a second."""
@@ -471,3 +474,33 @@ def test_the_naive_client_kills_its_neighbour(
         for _ in range(1000):
             unity.wait_for("^client 2: received World", limit=2)
     unity.row.outcome = "client 2 " + unity.program.wait_for("client 2: (Term.*|ObjectDisposedException)")[1]
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_netmq_that_never_ends(runtime: str, editor: Callable[..., Any], absent: str) -> None:
+    """NetMQ waits for a socket that nobody disposed; before 4.0.4.1 it waits for ever on macOS, whatever was disposed.
+
+    Stop keeps to its time, and the next Play says what is wrong: the first one soon, those after it at once.
+    """
+    unity = editor(runtime, "keep", "ForgetfulClient", absent, 1, "(naive: a socket is forgotten)")
+    unity.play()
+    unity.wait_for("^asked")
+    unity.stop_in_time()
+    for _ in range(2):
+        unity.play()
+        told = unity.wait_for(r"^gave up after (\d+) ms: (.*)")
+        assert "dispose every socket" in told[2] and "macOS" in told[2] and "4.0.4.3" in told[2]
+        unity.stop_in_time()
+    assert int(told[1]) < 1000
+    unity.row.outcome = "the next Play says why"
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_program_whose_netmq_never_ends_ends(
+    runtime: str, harness: Path, engine: dotnet.Engine, start: Callable[..., Program]
+) -> None:
+    if runtime == "mono":
+        needs_mono(engine)
+    program = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "forgotten")
+    assert program.wait() == 0, program.output
+    assert program.lines == ["done"]

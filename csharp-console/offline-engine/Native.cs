@@ -182,7 +182,10 @@ namespace NetMQ
                 var library = Open(path);
                 if (library != IntPtr.Zero) return library;
             }
-            throw new DllNotFoundException("libzmq not found: pip install pyzmq, or set LIBZMQ to the library's path");
+            throw new DllNotFoundException("libzmq not found: " + (IsWindows
+                ? "pyzmq 26 and later brings no DLL on Windows; take NetMQ from NuGet (--engine netmq), or set LIBZMQ to "
+                    + "a libzmq.dll"
+                : "pip install pyzmq, or set LIBZMQ to the library's path"));
         }
 
         private static IEnumerable<string> Candidates()

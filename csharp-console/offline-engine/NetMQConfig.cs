@@ -18,9 +18,6 @@ namespace NetMQ
         {
             get
             {
-                // Read without the lock: while Cleanup blocks inside it, a new socket must get its exception at once.
-                var present = context;
-                if (present != null) return present;
                 lock (sync) return context ??= new Context(threadPoolSize, maxSockets);
             }
         }
@@ -54,10 +51,14 @@ namespace NetMQ
         /// </summary>
         public static void Cleanup(bool block = true)
         {
+            Context? old;
+            lock (sync) old = context;
+            // Without the lock, which a new socket takes. It gets the old context until that has ended, and with it its
+            // exception.
+            old?.Terminate(block);
             lock (sync)
             {
-                context?.Terminate(block);
-                context = null;
+                if (context == old) context = null;
             }
         }
     }
@@ -68,7 +69,8 @@ namespace NetMQ
         private readonly Dictionary<string, NetMQSocket> inproc = new Dictionary<string, NetMQSocket>();
         private readonly IntPtr handle;
         private int open;
-        private bool abandoned;
+        private bool ending;
+        private bool freed;
         private bool lingers;
 
         internal Context(int threads, int sockets)
@@ -85,14 +87,14 @@ namespace NetMQ
         {
             lock (inproc)
             {
-                // An abandoned context without sockets is freed; libzmq must not see it again.
-                var socket = abandoned ? IntPtr.Zero : Native.NewSocket(handle, (int)type);
+                // An ending context may be freed already; libzmq must not see it again.
+                var socket = ending ? IntPtr.Zero : Native.NewSocket(handle, (int)type);
                 if (socket != IntPtr.Zero)
                 {
                     open++;
                     return socket;
                 }
-                var code = abandoned ? ErrorCode.ContextTerminated : Native.ToErrorCode(Native.Error);
+                var code = ending ? ErrorCode.ContextTerminated : Native.ToErrorCode(Native.Error);
                 if (code != ErrorCode.ContextTerminated) throw NetMQException.Create(code);
                 throw new TerminatingException(
                     $"Ctx.CreateSocket({type}), cannot create new socket while terminating.");
@@ -107,27 +109,29 @@ namespace NetMQ
                 Withdraw(owner, null);
                 Native.Close(socket);
                 lingers |= lingering;
-                last = --open == 0 && abandoned;
+                last = --open == 0 && ending;
             }
             if (last) Free();
         }
 
         internal void Terminate(bool block)
         {
-            if (block)
-            {
-                Destroy();
-                return;
-            }
-            bool last;
+            var last = false;
             lock (inproc)
             {
-                abandoned = true;
-                Native.ShutdownContext(handle);
-                last = open == 0;
+                if (!ending)
+                {
+                    ending = true;
+                    Native.ShutdownContext(handle);
+                    last = open == 0;
+                }
             }
             // With sockets left, the last of them to be disposed frees the context.
             if (last) Free();
+            lock (inproc)
+            {
+                while (block && !freed) Monitor.Wait(inproc);
+            }
         }
 
         /// <summary>
@@ -156,7 +160,7 @@ namespace NetMQ
 
         private void Free()
         {
-            // Undelivered messages keep libzmq busy for their linger time, and Cleanup(false) promised not to wait.
+            // Undelivered messages keep libzmq busy for their linger time, and neither Dispose nor Cleanup(false) waits.
             if (lingers) new Thread(Destroy) { IsBackground = true, Name = "NetMQ linger" }.Start();
             else Destroy();
         }
@@ -164,6 +168,11 @@ namespace NetMQ
         private void Destroy()
         {
             while (Native.TerminateContext(handle) < 0 && Native.Error == Native.Interrupted) { }
+            lock (inproc)
+            {
+                freed = true;
+                Monitor.PulseAll(inproc);
+            }
         }
     }
 }

@@ -74,7 +74,7 @@ namespace NetMQ
         /// <summary>Takes the oldest item, or returns false if none came in time.</summary>
         public bool TryDequeue([MaybeNullWhen(false)] out T result, TimeSpan timeout)
         {
-            if (reader.TryReceiveFrame(timeout)) return items.TryDequeue(out result);
+            if (reader.TrySkipFrame(timeout)) return items.TryDequeue(out result);
             result = default;
             return false;
         }

@@ -22,6 +22,9 @@ namespace NetMQ
         // A frame up to this size lives inside libzmq's message; a larger one is freed as soon as it was read.
         private const int InlineSize = 32;
 
+        // How long one wait inside libzmq is, at most: nobody can wake it when another thread disposes the socket.
+        internal const int Slice = 100;
+
         private readonly Context context;
         private readonly Native native;
         private readonly ZmqSocketType type;
@@ -38,7 +41,10 @@ namespace NetMQ
         private int frameSize;
         private int receiveLimit = -1;
         private int sendLimit = -1;
-        private int closed;
+        private volatile int closed;
+        // The calls that are in libzmq now, and one for the socket that is not disposed.
+        private int users = 1;
+        private int ended;
 
         internal NetMQSocket(ZmqSocketType type, string? connectionString, DefaultAction defaultAction)
         {
@@ -49,9 +55,10 @@ namespace NetMQ
             message = (byte*)Marshal.AllocHGlobal(Native.MessageSize);
             native.InitMessage(message);
             eventArgs = new NetMQSocketEventArgs(this);
-            Options = new SocketOptions(this) { Linger = NetMQConfig.Linger };
+            Options = new SocketOptions(this);
             try
             {
+                Options.Linger = NetMQConfig.Linger;
                 foreach (var part in (connectionString ?? "").Split(',')) Attach(part.Trim(), defaultAction);
             }
             catch
@@ -104,15 +111,13 @@ namespace NetMQ
         /// <summary>The frame received last, in libzmq's memory: valid until <see cref="DropFrame"/>.</summary>
         internal ReadOnlySpan<byte> Frame => new ReadOnlySpan<byte>(native.Data(message), frameSize);
 
-        internal IntPtr Handle => closed == 0 ? handle : throw new ObjectDisposedException(GetType().FullName);
-
         internal PollEvents WantedEvents
             => (receiveReady == null ? 0 : PollEvents.PollIn) | (sendReady == null ? 0 : PollEvents.PollOut);
 
         /// <summary>Listens at an address.</summary>
         public void Bind(string address)
         {
-            _ = Handle;
+            CheckOpen();
             Endpoint.Split(address, out var protocol, out var rest);
             Endpoint.CheckProtocol(protocol, type);
             if (protocol == "inproc")
@@ -131,7 +136,7 @@ namespace NetMQ
         /// <summary>Listens at a free port, and returns it. The address has no port: <c>tcp://127.0.0.1</c>.</summary>
         public int BindRandomPort(string address)
         {
-            _ = Handle;
+            CheckOpen();
             Endpoint.Split(address, out var protocol, out _);
             if (protocol != "tcp") throw new ProtocolNotSupportedException("Address must use the TCP protocol.");
             Bind(address + ":0");
@@ -141,7 +146,7 @@ namespace NetMQ
         /// <summary>Connects to an address, now or as soon as somebody listens there.</summary>
         public void Connect(string address)
         {
-            _ = Handle;
+            CheckOpen();
             Endpoint.Split(address, out var protocol, out var rest);
             Endpoint.CheckProtocol(protocol, type);
             if (protocol == "inproc" && context.OwnerOf(address) == null) throw new EndpointNotFoundException();
@@ -153,7 +158,7 @@ namespace NetMQ
         /// <summary>Undoes <see cref="Connect"/>.</summary>
         public void Disconnect(string address)
         {
-            _ = Handle;
+            CheckOpen();
             if (address == null) throw new ArgumentNullException(nameof(address));
             Endpoint.Split(address, out var protocol, out _);
             Endpoint.CheckProtocol(protocol, type);
@@ -189,60 +194,75 @@ namespace NetMQ
         public virtual bool TryReceive(ref Msg msg, TimeSpan timeout)
         {
             if (!msg.IsInitialised) throw new FaultException("SocketBase.Recv passed an uninitialised Msg.");
-            var received = TryReceiveFrame(timeout);
-            msg.Close();
-            if (!received)
+            Enter();
+            try
             {
-                msg.InitEmpty();
-                return false;
+                var received = TryReceiveFrame(timeout);
+                msg.Close();
+                if (!received)
+                {
+                    msg.InitEmpty();
+                    return false;
+                }
+                msg.InitPool(frameSize);
+                Frame.CopyTo(msg.Slice());
+                if (FrameHasMore) msg.SetFlags(MsgFlags.More);
+                DropFrame();
+                return true;
             }
-            msg.InitPool(frameSize);
-            Frame.CopyTo(msg.Slice());
-            if (FrameHasMore) msg.SetFlags(MsgFlags.More);
-            DropFrame();
-            return true;
+            finally
+            {
+                Leave();
+            }
         }
 
         internal virtual bool TrySendBytes(ReadOnlySpan<byte> data, TimeSpan timeout, bool more)
         {
-            var socket = Handle;
-            var limit = Milliseconds(timeout);
-            var start = limit > 0 ? Stopwatch.GetTimestamp() : 0;
-            var left = limit;
-            while (true)
+            var socket = Enter();
+            try
             {
-                if (left != 0 && left != sendLimit) SetInt(Option.SendTimeout, sendLimit = left);
-                int sent;
-                // Not `fixed (… = data)`: Mono 6 lacks the method that the compiler would call.
-                fixed (byte* bytes = &MemoryMarshal.GetReference(data))
+                var limit = Milliseconds(timeout);
+                var start = limit > 0 ? Stopwatch.GetTimestamp() : 0;
+                var wait = OneWait(limit);
+                while (true)
                 {
-                    sent = native.Send(socket, bytes, (IntPtr)data.Length,
-                        (more ? Native.SendMore : 0) | (left == 0 ? Native.DontWait : 0));
+                    if (wait != 0 && wait != sendLimit) SetInt(Option.SendTimeout, sendLimit = wait);
+                    int sent;
+                    // Not `fixed (… = data)`: Mono 6 lacks the method that the compiler would call.
+                    fixed (byte* bytes = &MemoryMarshal.GetReference(data))
+                    {
+                        sent = native.Send(socket, bytes, (IntPtr)data.Length,
+                            (more ? Native.SendMore : 0) | (wait == 0 ? Native.DontWait : 0));
+                    }
+                    if (sent >= 0) return true;
+                    if (IsOver(native.Error, sending: true, limit, start, ref wait)) return false;
                 }
-                if (sent >= 0) return true;
-                if (!Interrupted(native.Error, sending: true)) return false;
-                if (limit > 0) left = TimeLeft(limit, start);
+            }
+            finally
+            {
+                Leave();
             }
         }
 
+        /// <summary>
+        /// Receives into <see cref="Frame"/>. The caller has entered, and leaves when it has read that.
+        /// </summary>
         internal virtual bool TryReceiveFrame(TimeSpan timeout)
         {
-            var socket = Handle;
             var limit = Milliseconds(timeout);
             var start = limit > 0 ? Stopwatch.GetTimestamp() : 0;
-            var left = limit;
+            var wait = OneWait(limit);
             while (true)
             {
-                if (left != 0 && left != receiveLimit) SetInt(Option.ReceiveTimeout, receiveLimit = left);
-                frameSize = native.Receive(message, socket, left == 0 ? Native.DontWait : 0);
+                if (wait != 0 && wait != receiveLimit) SetInt(Option.ReceiveTimeout, receiveLimit = wait);
+                frameSize = native.Receive(message, handle, wait == 0 ? Native.DontWait : 0);
                 if (frameSize >= 0)
                 {
                     FrameHasMore = native.HasMore(message) != 0;
                     return true;
                 }
                 frameSize = 0;
-                if (!Interrupted(native.Error, sending: false)) return false;
-                if (limit > 0) left = TimeLeft(limit, start);
+                if (IsOver(native.Error, sending: false, limit, start, ref wait)) return false;
             }
         }
 
@@ -252,6 +272,33 @@ namespace NetMQ
             native.CloseMessage(message);
             native.InitMessage(message);
             frameSize = 0;
+        }
+
+        /// <summary>
+        /// The handle, which stays valid until <see cref="Leave"/>, also when another thread disposes the socket: libzmq
+        /// ends the process when a socket is closed while it is in use.
+        /// </summary>
+        internal IntPtr Enter()
+        {
+            CheckOpen();
+            Interlocked.Increment(ref users);
+            if (closed == 0) return handle;
+            Leave();
+            throw Disposed();
+        }
+
+        /// <summary>The last one to leave a disposed socket ends it.</summary>
+        internal void Leave()
+        {
+            if (Interlocked.Decrement(ref users) != 0 || Interlocked.Exchange(ref ended, 1) != 0) return;
+            native.CloseMessage(message);
+            Marshal.FreeHGlobal((IntPtr)message);
+            lock (endpoints) context.CloseSocket(this, handle, Options.Lingers);
+        }
+
+        internal void CheckOpen()
+        {
+            if (closed != 0) throw Disposed();
         }
 
         /// <summary>Waits until the socket is ready and raises its events.</summary>
@@ -287,7 +334,7 @@ namespace NetMQ
         {
             if (endpoint == null) throw new ArgumentNullException(nameof(endpoint));
             if (endpoint.Length == 0) throw new ArgumentException("Cannot be empty.", nameof(endpoint));
-            _ = Handle;
+            CheckOpen();
             Endpoint.Split(endpoint, out var protocol, out _);
             Endpoint.CheckProtocol(protocol, type);
             if (protocol != "inproc")
@@ -317,13 +364,10 @@ namespace NetMQ
 
         internal NetMQSocket? MonitoredAt(string endpoint) => context.OwnerOf(endpoint);
 
-        /// <summary>Ends the socket.</summary>
+        /// <summary>Ends the socket. A thread that waits on it gets an <see cref="ObjectDisposedException"/>.</summary>
         public void Close()
         {
-            if (Interlocked.Exchange(ref closed, 1) != 0) return;
-            native.CloseMessage(message);
-            Marshal.FreeHGlobal((IntPtr)message);
-            lock (endpoints) context.CloseSocket(this, handle, Options.Lingers);
+            if (Interlocked.Exchange(ref closed, 1) == 0) Leave();
         }
 
         /// <inheritdoc/>
@@ -342,36 +386,58 @@ namespace NetMQ
         internal int GetInt(Option option)
         {
             int value;
-            var size = (IntPtr)sizeof(int);
-            Check(native.GetOption(Handle, option, &value, &size));
+            Get(option, &value, sizeof(int));
             return value;
         }
 
-        internal void SetInt(Option option, int value)
-            => Check(native.SetOption(Handle, option, &value, (IntPtr)sizeof(int)));
+        internal void SetInt(Option option, int value) => Set(option, &value, sizeof(int));
 
         internal long GetLong(Option option)
         {
             long value;
-            var size = (IntPtr)sizeof(long);
-            Check(native.GetOption(Handle, option, &value, &size));
+            Get(option, &value, sizeof(long));
             return value;
         }
 
-        internal void SetLong(Option option, long value)
-            => Check(native.SetOption(Handle, option, &value, (IntPtr)sizeof(long)));
+        internal void SetLong(Option option, long value) => Set(option, &value, sizeof(long));
 
         internal byte[] GetBytes(Option option, int limit = 1024)
         {
             var value = stackalloc byte[limit];
-            var size = (IntPtr)limit;
-            Check(native.GetOption(Handle, option, value, &size));
-            return new ReadOnlySpan<byte>(value, (int)size).ToArray();
+            return new ReadOnlySpan<byte>(value, Get(option, value, limit)).ToArray();
         }
 
         internal void SetBytes(Option option, byte[]? value)
         {
-            fixed (byte* bytes = value) Check(native.SetOption(Handle, option, bytes, (IntPtr)(value?.Length ?? 0)));
+            fixed (byte* bytes = value) Set(option, bytes, value?.Length ?? 0);
+        }
+
+        private int Get(Option option, void* value, int limit)
+        {
+            var size = (IntPtr)limit;
+            var socket = Enter();
+            try
+            {
+                Check(native.GetOption(socket, option, value, &size));
+            }
+            finally
+            {
+                Leave();
+            }
+            return (int)size;
+        }
+
+        private void Set(Option option, void* value, int size)
+        {
+            var socket = Enter();
+            try
+            {
+                Check(native.SetOption(socket, option, value, (IntPtr)size));
+            }
+            finally
+            {
+                Leave();
+            }
         }
 
         /// <summary>Whole milliseconds: 0 only for no waiting at all, -1 for ever.</summary>
@@ -384,6 +450,9 @@ namespace NetMQ
 
         internal static int TimeLeft(int limit, long start)
             => Math.Max(0, limit - (int)((Stopwatch.GetTimestamp() - start) * 1000 / Stopwatch.Frequency));
+
+        /// <summary>How long to wait inside libzmq before the next look around; -1 milliseconds are for ever.</summary>
+        internal static int OneWait(int left) => left < 0 ? Slice : Math.Min(left, Slice);
 
         private void Attach(string address, DefaultAction action)
         {
@@ -403,7 +472,15 @@ namespace NetMQ
 
         private void Call(Native.EndpointCall call, string endpoint)
         {
-            fixed (byte* text = Native.CString(endpoint)) Check(call(Handle, text));
+            var socket = Enter();
+            try
+            {
+                fixed (byte* text = Native.CString(endpoint)) Check(call(socket, text));
+            }
+            finally
+            {
+                Leave();
+            }
         }
 
         private void Check(int result)
@@ -411,18 +488,25 @@ namespace NetMQ
             if (result < 0) throw Failure(native.Error);
         }
 
-        /// <summary>True if a signal cut the call short, false if its time is over.</summary>
-        private bool Interrupted(int error, bool sending)
+        /// <summary>True if the time of a call is over; false if only one wait was, or a signal cut it short.</summary>
+        private bool IsOver(int error, bool sending, int limit, long start, ref int wait)
         {
-            if (error == Native.Interrupted) return true;
-            if (error == Native.Again) return false;
-            throw Native.ToErrorCode(error) switch
+            if (error != Native.Interrupted && error != Native.Again)
             {
-                ErrorCode.FiniteStateMachine => new FiniteStateMachineException(null, OutOfTurn(sending)),
-                ErrorCode.HostUnreachable => new HostUnreachableException(null, "In Router.XSend"),
-                _ => Failure(error),
-            };
+                throw Native.ToErrorCode(error) switch
+                {
+                    ErrorCode.FiniteStateMachine => new FiniteStateMachineException(null, OutOfTurn(sending)),
+                    ErrorCode.HostUnreachable => new HostUnreachableException(null, "In Router.XSend"),
+                    _ => Failure(error),
+                };
+            }
+            CheckOpen();
+            if (limit > 0) wait = OneWait(TimeLeft(limit, start));
+            // Zero is also the wait of a call that has no time at all.
+            return error == Native.Again && wait == 0;
         }
+
+        private Exception Disposed() => new ObjectDisposedException(GetType().FullName);
 
         private string OutOfTurn(bool sending) => (type, sending) switch
         {

@@ -36,18 +36,34 @@ namespace NetMQ
         internal bool Wait(int limit)
         {
             var start = Stopwatch.GetTimestamp();
-            var left = limit;
+            var wait = NetMQSocket.OneWait(limit);
+            var entered = 0;
             fixed (byte* table = items)
             {
-                // A disposed socket throws here: libzmq would take its empty place for a file descriptor.
-                for (var i = 0; i < sockets.Count; i++) *(IntPtr*)(table + i * stride) = sockets[i].Handle;
-                while (true)
+                try
                 {
-                    var ready = Native.Instance.Poll(table, sockets.Count, (IntPtr)left);
-                    if (ready >= 0) return ready > 0;
-                    var error = Native.Instance.Error;
-                    if (error != Native.Interrupted) throw NetMQSocket.Failure(error);
-                    if (limit > 0) left = NetMQSocket.TimeLeft(limit, start);
+                    // A disposed socket throws here: libzmq would take its empty place for a file descriptor.
+                    for (; entered < sockets.Count; entered++)
+                    {
+                        *(IntPtr*)(table + entered * stride) = sockets[entered].Enter();
+                    }
+                    while (true)
+                    {
+                        // Looked for before: what its owner did before, such as removing it from a poller, ends this wait.
+                        NetMQSocket? gone = null;
+                        foreach (var socket in sockets) gone = socket.IsDisposed ? socket : gone;
+                        var ready = Native.Instance.Poll(table, sockets.Count, (IntPtr)wait);
+                        if (ready > 0) return true;
+                        var error = ready < 0 ? Native.Instance.Error : 0;
+                        if (ready < 0 && error != Native.Interrupted) throw NetMQSocket.Failure(error);
+                        gone?.CheckOpen();
+                        if (limit > 0) wait = NetMQSocket.OneWait(NetMQSocket.TimeLeft(limit, start));
+                        if (ready == 0 && wait == 0) return false;
+                    }
+                }
+                finally
+                {
+                    while (entered > 0) sockets[--entered].Leave();
                 }
             }
         }

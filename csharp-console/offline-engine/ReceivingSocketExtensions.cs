@@ -247,11 +247,19 @@ namespace NetMQ
             if (socket is NetMQSocket own)
             {
                 // Read where libzmq put it, without a Msg in between.
-                if (!own.TryReceiveFrame(timeout)) return false;
-                more = own.FrameHasMore;
-                result = read(own.Frame, encoding);
-                own.DropFrame();
-                return true;
+                own.Enter();
+                try
+                {
+                    if (!own.TryReceiveFrame(timeout)) return false;
+                    more = own.FrameHasMore;
+                    result = read(own.Frame, encoding);
+                    own.DropFrame();
+                    return true;
+                }
+                finally
+                {
+                    own.Leave();
+                }
             }
             var msg = new Msg();
             msg.InitEmpty();

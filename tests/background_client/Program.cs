@@ -223,7 +223,7 @@ namespace NetMQExample.Tests
             next.Request("hello", reply => got = reply, why => got = why);
             Until(() => got != null, next);
             Console.WriteLine(got);
-            Check(got.StartsWith("NetMQ is still closing", StringComparison.Ordinal), got);
+            Check(got.StartsWith("NetMQ has not ended for ", StringComparison.Ordinal), got);
             forgotten.Dispose();
             for (var tries = 0; got != "world"; tries++)
             {

@@ -1,9 +1,11 @@
 // How the known examples do it. Never take these home: they are here to show that the test sees what is wrong.
 using System;
+using System.Diagnostics;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
 using UnityEngine;
+using Debug = UnityEngine.Debug;
 
 namespace NetMQExample.PlayTest
 {
@@ -38,6 +40,52 @@ namespace NetMQExample.PlayTest
                 socket.SendFrame("Hello");
                 Debug.Log($"{who}: asked");
                 Debug.Log($"{who}: received {socket.ReceiveFrameString()}");
+            }
+        }
+    }
+
+    /// <summary>Forgets its socket, so that NetMQ never ends. Before 4.0.4.1 it never does on macOS.</summary>
+    public sealed class ForgetfulClient : MonoBehaviour
+    {
+        private static RequestSocket forgotten;
+
+        [SerializeField] private string endpoint = "tcp://127.0.0.1:5551";
+
+        private volatile bool running = true;
+        private Thread thread;
+
+        internal static void Forget(string endpoint)
+        {
+            using var lifetime = new NetMQLifetime();
+            forgotten = new RequestSocket(endpoint);
+        }
+
+        private void Start()
+        {
+            thread = new Thread(Ask) { IsBackground = true };
+            thread.Start();
+        }
+
+        private void OnDestroy()
+        {
+            running = false;
+            NetMQLifetime.Join(thread);
+        }
+
+        private void Ask()
+        {
+            var waited = Stopwatch.StartNew();
+            try
+            {
+                using var lifetime = new NetMQLifetime();
+                forgotten = new RequestSocket(endpoint);
+                forgotten.SendFrame("Hello");
+                Debug.Log("asked");
+                while (running) Thread.Sleep(5);
+            }
+            catch (TimeoutException e)
+            {
+                Debug.LogError($"gave up after {waited.ElapsedMilliseconds} ms: {e.Message}");
             }
         }
     }

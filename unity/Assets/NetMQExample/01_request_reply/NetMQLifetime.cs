@@ -23,43 +23,71 @@ namespace NetMQExample
     /// </summary>
     public sealed class NetMQLifetime : IDisposable
     {
+        // NetMQ cleans up within milliseconds, or not at all.
+        private const int Patience = 2000;
         private static readonly object Gate = new object();
         private static readonly Stopwatch Joining = new Stopwatch(), SinceJoin = new Stopwatch();
         private static int users;
+        private static Stopwatch cleaning;
         private bool left;
 
         /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
-        /// <exception cref="TimeoutException">The last user to leave still waits for a forgotten socket.</exception>
+        /// <exception cref="TimeoutException">NetMQ has not ended since the last user left.</exception>
         public NetMQLifetime()
         {
-            if (!Monitor.TryEnter(Gate, TimeSpan.FromSeconds(5)))
-                throw new TimeoutException("NetMQ is still closing: dispose every socket, on its own thread");
-            try
+            lock (Gate)
             {
+                // Meanwhile a socket would be refused.
+                if (!Cleaned())
+                    throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and cannot "
+                        + "start again: dispose every socket; on macOS take NetMQ 4.0.4.3, those before 4.0.4.1 never end");
                 // On Windows NetMQ would use I/O completion ports, which outlive a domain reload in the Unity editor.
                 // Elsewhere this call does nothing. It only counts before the first socket.
                 if (users++ == 0) ForceDotNet.Force();
             }
-            finally
-            {
-                Monitor.Exit(Gate);
-            }
         }
 
-        /// <summary>Leaves. The last user to leave ends NetMQ's background threads.</summary>
+        /// <summary>Leaves. The last user to leave ends NetMQ's background threads, and waits up to two seconds for them;
+        /// whether they ended, the next user hears.</summary>
         public void Dispose()
         {
             lock (Gate)
             {
                 if (left) return;
                 left = true;
-                // It waits for a few milliseconds until the disposed sockets are closed, here on the network thread.
-                // Cleanup(false) does not, and leaves their connections open until the garbage collector finds them.
-                // The lock keeps a new user out meanwhile, because its socket would be refused.
                 // A thread that a domain reload aborts must not wait: NetMQ's own threads are aborted as well.
                 var aborted = (Thread.CurrentThread.ThreadState & ThreadState.AbortRequested) != 0;
-                if (--users == 0 && !aborted) NetMQConfig.Cleanup();
+                if (--users > 0 || aborted) return;
+                cleaning = Stopwatch.StartNew();
+                new Thread(Cleanup) { IsBackground = true, Name = "NetMQ cleanup" }.Start();
+                Cleaned();
             }
+        }
+
+        // On a thread of its own, and without the lock: nobody can tell how long it takes. It waits until the disposed sockets
+        // are closed. Cleanup(false) does not, and leaves their connections open until the garbage collector finds them.
+        private static void Cleanup()
+        {
+            NetMQConfig.Cleanup();
+            lock (Gate)
+            {
+                cleaning = null;
+                Monitor.PulseAll(Gate);
+            }
+        }
+
+        // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never ends is
+        // waited for once.
+        private static bool Cleaned()
+        {
+            while (cleaning != null)
+            {
+                var rest = Patience - cleaning.ElapsedMilliseconds;
+                if (rest <= 0) return false;
+                // It lets go of the lock meanwhile.
+                Monitor.Wait(Gate, (int)rest);
+            }
+            return true;
         }
 
         /// <summary>Waits on Unity's main thread for a network thread that was asked to end. All the waits of one Stop
