@@ -6,6 +6,8 @@ The last part breaks a copy of each page and sees that the checks notice.
 from __future__ import annotations
 
 import ast
+import contextlib
+import dataclasses
 import json
 import os
 import re
@@ -345,17 +347,138 @@ def test_every_error_is_in_troubleshooting(text):
 
 
 def changed_words(text):
-    """The text with one word changed, for a word at its beginning, in its middle and at its end."""
-    words = list(re.finditer(r"[A-Za-z]{3,}", text))
+    """The text with one word changed, for a word at its beginning, in its middle and at its end; not in a comment."""
+    code = re.sub(r"(#|//).*", lambda comment: " " * len(comment[0]), text)
+    words = list(re.finditer(r"[A-Za-z]{3,}", code))
     for found in [words[0], words[len(words) // 2], words[-1]]:
         yield text[: found.start()] + found[0][::-1].swapcase() + text[found.end() :]
 
 
+def pasted(block):
+    """A reader's copy of the file, in which the definition was replaced by the text of the page."""
+    path, name = block.source.split()
+    text = (ROOT / path).read_text(encoding="utf-8")
+    return (pasted_python if path.endswith(".py") else pasted_csharp)(text, name, block.body)
+
+
+def pasted_python(text, name, body):
+    """The module with another definition in the place of one; it is found by the parser, and not by its lines."""
+    tree = ast.parse(text)
+    for parent in ast.walk(tree):
+        if not isinstance(parent, ast.Module | ast.ClassDef):
+            continue
+        for place, node in enumerate(parent.body):
+            if getattr(node, "name", "") == name:
+                parent.body[place : place + 1] = ast.parse(body).body
+                return ast.unparse(tree)
+    raise AssertionError(f"no {name}")
+
+
+def pasted_csharp(text, name, body):
+    """The file with all that belongs to a declaration replaced: from the end of what stands above it to its own end.
+
+    Comments go, as they mean nothing to the compiler, and so does the space between words.
+    """
+    code = re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE)
+    modifiers = r"(?:public|private|internal|protected)"
+    declared = re.search(rf"^[^\n=;(]*\b{modifiers}\b[^\n=;(]*\b{name}\b", code, re.MULTILINE)
+    above = max(code.rfind(end, 0, declared.start()) for end in ";{}") + 1
+    end, depth = declared.end(), 0
+    while depth or code[end - 1] not in ";}":
+        depth += {"{": 1, "}": -1}.get(code[end], 0)
+        end += 1
+    return " ".join((code[:above] + "\n" + re.sub(r"^\s*//.*\n", "", body, flags=re.MULTILINE) + code[end:]).split())
+
+
+def as_it_is(block):
+    text = (ROOT / block.source.split()[0]).read_text(encoding="utf-8")
+    if block.language == "python":
+        return ast.unparse(ast.parse(text))
+    return " ".join(re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE).split())
+
+
 @of("excerpt")
-def test_a_changed_word_of_an_excerpt_is_noticed(block):
+def test_an_excerpt_pasted_over_its_definition_gives_the_same_file(block):
+    assert pasted(block) == as_it_is(block)
     for body in changed_words(block.body):
-        page = f"<!-- excerpt: {block.source} -->\n```{block.language}\n{body}```\n"
-        assert [found.body for found in guide.blocks(block.page, page)] != [guide.excerpt(block.source)]
+        with contextlib.suppress(SyntaxError):
+            assert pasted(dataclasses.replace(block, body=body)) != as_it_is(block)
+
+
+PYTHON_DEFINITIONS = '''
+import functools
+
+@functools.lru_cache(
+    maxsize=1000,
+)
+@print
+def decorated(x):
+    return x
+
+@print
+class Thing:
+    """Has a method."""
+
+    @property
+    # Why it is one.
+    def method(self):
+        return 1
+
+    async def later(self):
+        return 2
+'''
+CSHARP_DEFINITIONS = """
+namespace N
+{
+    [Serializable]
+    public sealed class Thing
+    {
+        private int[] numbers = new int[3]; // ends in ]
+        [Obsolete("no"),
+         EditorBrowsable(EditorBrowsableState.Never)]
+        [Header("a [b]")]
+        // Why it is one.
+        public int Method()
+        {
+            return numbers[0];
+        }
+
+        private static readonly int[] Others =
+        {
+            1, 2,
+        };
+
+        [SerializeField] private string endpoint = "x";
+
+        /// <summary>Documentation [with] brackets [here]</summary>
+        public void Plain() { }
+    }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("language", "name", "first", "last"),
+    [
+        ("python", "decorated", "@functools.lru_cache(", "return x"),
+        ("python", "Thing", "@print", "return 2"),
+        ("python", "method", "@property", "return 1"),
+        ("python", "later", "async def later(self):", "return 2"),
+        ("csharp", "Thing", "[Serializable]", "}"),
+        ("csharp", "Method", '[Obsolete("no"),', "}"),
+        ("csharp", "Others", "private static readonly int[] Others =", "};"),
+        ("csharp", "endpoint", *['[SerializeField] private string endpoint = "x";'] * 2),
+        ("csharp", "Plain", *["public void Plain() { }"] * 2),
+    ],
+)
+def test_an_excerpt_begins_at_its_decorators_and_attributes(language, name, first, last):
+    text, lines_of = {
+        "python": (PYTHON_DEFINITIONS, guide.python_lines),
+        "csharp": (CSHARP_DEFINITIONS, guide.csharp_lines),
+    }[language]
+    found = lines_of(text, name)
+    assert found, f"no {name}"
+    assert [text.splitlines()[i].strip() for i in (found[0], found[-1])] == [first, last]
 
 
 @of("run", "like")

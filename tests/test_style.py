@@ -72,7 +72,9 @@ def code_lines(path):
     if path.suffix == ".py":
         lines = text.splitlines()
         for node in ast.walk(ast.parse(text)):
-            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node):
+            if isinstance(
+                node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+            ) and ast.get_docstring(node):
                 first, last = node.body[0].lineno - 1, node.body[0].end_lineno
                 lines[first:last] = [""] * (last - first)
         return [line for line in lines if line.strip() and not line.strip().startswith(("#", "import ", "from "))]
