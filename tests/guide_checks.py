@@ -175,8 +175,10 @@ def structure_faults(page: Path, text: str) -> list[str]:
     if not [target for target in targets(under.get("Next", "")) if target.partition("#")[0].endswith(".md")]:
         faults.append(f"{page.name}: Next names no page")
     if page.name not in REFERENCE:
-        questions = re.findall(r"^(\d+)\. +\*[^*]+\?\*\s+\S", under.get("Check yourself", ""), re.MULTILINE)
-        numbers = re.findall(r"^(\d+)\. ", under.get("Check yourself", ""), re.MULTILINE)
-        if len(questions) < 2 or questions != numbers:
-            faults.append(f"{page.name}: Check yourself needs questions like `1. *Why?* Because.`")
+        asked = under.get("Check yourself", "")
+        # The blank lines are what makes GitHub read the answer as markdown.
+        folded = r"\n   <details><summary>Answer</summary>\n\n   [^<]+\n\n   </details>(?:\n|$)"
+        questions = re.findall(rf"^(\d+)\. \*[^*]+\?\*{folded}", asked, re.MULTILINE)
+        if len(questions) < 2 or questions != re.findall(r"^(\d+)\. ", asked, re.MULTILINE):
+            faults.append(f"{page.name}: Check yourself needs questions like `1. *Why?*`, each with its answer folded")
     return faults
