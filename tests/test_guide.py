@@ -13,6 +13,7 @@ import os
 import re
 import shlex
 import subprocess
+import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -29,7 +30,7 @@ GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
 # Blocks that nothing compares, all pages together. One more wants a reason better than haste.
-BY_HAND = 18
+BY_HAND = 19
 EXPECTED_PAGES = {
     *(f"{lesson.key}.md" for lesson in lessons()),
     "start_here.md",
@@ -40,6 +41,7 @@ EXPECTED_PAGES = {
     "devices.md",
     "troubleshooting.md",
     "glossary.md",
+    "questions.md",
     "where_to_go_next.md",
 }
 
@@ -94,7 +96,7 @@ def test_every_command_runs(block, serve, start, client_command, engine):
     for line in filter(None, block.body.splitlines()):
         words = shlex.split(line.split("  #")[0])
         if words[:2] == ["python3", "kit.py"]:
-            run_kit(words[2:], start, engine)
+            run_kit(words[2:], serve, start, engine)
         elif match := re.fullmatch(r"python/(\d\d_\w+)/server\.py", words[1] if len(words) > 1 else ""):
             assert words[0] == "python"
             server, _ = serve(match[1], *words[2:])
@@ -106,7 +108,7 @@ def test_every_command_runs(block, serve, start, client_command, engine):
             run_client("csharp", find(words[5]).key, words[6:], serve, start, client_command)
 
 
-def run_kit(words, start, engine):
+def run_kit(words, serve, start, engine):
     if words[0] == "run":
         words = [*words, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:*"]
     elif words[0] == "test":
@@ -115,6 +117,17 @@ def run_kit(words, start, engine):
     elif words[0] == "bench":
         # test_bench.py runs it; here only its words are checked.
         words = [*words, "--help"]
+    elif words[0] == "unity":
+        # It needs a project; test_unity_install.py has some.
+        words = [*words, "--help"]
+    elif words[0] == "client":
+        _, endpoint = serve(find(words[1]).key)
+        words = [*words, "--endpoint", endpoint]
+    elif words[0] == "server":
+        server = start(PYTHON, ROOT / "kit.py", *words, "--endpoint", "tcp://127.0.0.1:0")
+        server.wait_for("listening on")
+        server.stop()
+        return
     program = start(PYTHON, ROOT / "kit.py", *words)
     assert program.wait(240) in (0, 1), program.output
     assert "Traceback" not in program.output
@@ -129,6 +142,28 @@ def run_client(kind, key, options, serve, start, client_command):
     program = start(*client_command(kind, key, endpoint, *options))
     assert program.wait(120) in (0, 1), program.output
     assert "Traceback" not in program.output
+
+
+@of("commands", "by hand")
+def test_a_command_means_the_same_to_every_shell(block):
+    assert checks.shell_faults(block) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_says_how_to_start_python_on_windows(page):
+    """There `python3` is most often the Microsoft Store's."""
+    typed = [block for block in BLOCKS if block.page == page and re.search("^python3 ", block.body, re.MULTILINE)]
+    assert not typed or re.search(r"\bOn\s+Windows\b.{1,20}`py`", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_notices_name_every_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = project["dependencies"] + [each for extra in project["optional-dependencies"].values() for each in extra]
+    for path in ROOT.glob("csharp-console/**/*.targets"):
+        wanted += re.findall(r'<PackageReference Include="([^"]+)"', path.read_text(encoding="utf-8"))
+    notices = (ROOT / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"[\w-]+", " ".join(re.findall(r"^\| ([^|]+)", notices, re.MULTILINE)).lower()))
+    assert {re.match(r"[\w-]+", each)[0].lower() for each in wanted} - listed == set()
 
 
 @of("diagram")
@@ -513,6 +548,35 @@ def test_a_transcript_is_renewed_from_a_run():
     assert guide.renewed(whole, ran).splitlines() == ["b 1", "b 2", "done: 2"]
     short = transcript("run", "b 1", "b 2", "...", "b 2", "done: 2")
     assert guide.renewed(short, ran).splitlines() == ["b 1", "b 2", "done: 2"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "kit.py run 1 --endpoint tcp://127.0.0.1:*",
+        "kit.py test -k one|two",
+        "kit.py list; kit.py doctor",
+        "kit.py list && kit.py doctor",
+        "kit.py run 1 --options='--count 3'",
+        'kit.py unity "C:\\My Game\\"',
+        'kit.py unity "~/My Game"',
+        "kit.py unity ~/MyGame",
+        'kit.py run 1 --options="--text $HOME"',
+        'kit.py run 1 --options="--text %PATH%"',
+        "kit.py run 1 # the first",
+        '"C:/My Kit/kit.py" run 1',
+        "export PIP_NO_INDEX=1",
+        "set PIP_NO_INDEX=1",
+        "$env:PIP_NO_INDEX = 1",
+        "PIP_NO_INDEX=1 kit.py run 1",
+        "./kit.py run 1",
+        "kit.py \\",
+    ],
+)
+def test_a_command_for_one_shell_alone_is_noticed(line):
+    block = guide.Block(ROOT / "README.md", 1, "commands", "", "", f"{line.replace('kit.py', 'python3 kit.py', 1)}\n")
+    assert checks.shell_faults(block) != []
+    assert checks.shell_faults(dataclasses.replace(block, kind="by hand", source="for zsh: because")) == []
 
 
 @of("diagram")
