@@ -556,6 +556,9 @@ def test_a_transcript_is_renewed_from_a_run():
     client = transcript("like", "b 7", "...", "done: 8")
     assert guide.contradiction(client, ran) == ""
     assert guide.renewed(client, ran).splitlines() == ["b 1", "...", "done: 2"]
+    column = transcript("like", "naive    561 us", "pooled    99 us")
+    assert guide.contradiction(column, ["client | naive   1561 us", "client | pooled  360 us"]) == ""
+    assert guide.contradiction(column, ["client | naive   1561 ms", "client | pooled  360 us"])
     whole = transcript("run", "b 1", "b 3", "done: 2")
     assert guide.renewed(whole, ran).splitlines() == ["b 1", "b 2", "done: 2"]
     short = transcript("run", "b 1", "b 2", "...", "b 2", "done: 2")
