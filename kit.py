@@ -24,7 +24,7 @@ if sys.version_info < (3, 11):
 
 import signal
 
-if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+if __name__ == "__main__" and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
     # Until main() takes over nothing is there to be cleared up, and a Ctrl-C would only show a traceback.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 

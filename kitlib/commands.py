@@ -76,7 +76,7 @@ class PassingOn(Command):
 def start(commands: Sequence[Command], about: str, words: list[str]) -> int:
     """Do what the words say; returns the exit code."""
     if not words or words[0] in ("-h", "--help", "help"):
-        print(about.strip())
+        print(about.strip().replace("python3 kit.py", KIT))
         # Who typed nothing wanted something, and a script must notice that nothing was done.
         return 0 if words else 2
     if words[0] in ("--version", "version"):

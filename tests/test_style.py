@@ -50,7 +50,8 @@ MYPY = [
 def test_mypy(files, tmp_path):
     needs_tool("mypy")
     # Mypy's cache of an earlier run can hide that a package has no types; and it knows the functions of one system.
-    check(sys.executable, "-m", "mypy", "--platform", "linux", "--cache-dir", tmp_path, *files)
+    flags = ["--platform", "linux", "--explicit-package-bases"]
+    check(sys.executable, "-m", "mypy", *flags, "--cache-dir", tmp_path, *files)
 
 
 @pytest.mark.parametrize(
