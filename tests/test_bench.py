@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 import socket
 import threading
 
 import pytest
 
-from kitlib import bench, contest, dotnet, lab, machine, report
+from kitlib import bench, contest, dotnet, lab, machine, python_setup, report
 from kitlib.contest import TCP, Contender, Lab, Row
 from kitlib.lessons import KitError
 from tests.conftest import PYTHON
@@ -128,6 +129,63 @@ def test_a_missing_package_is_a_reason_to_skip(engine):
     assert place.here(TCP, needy, *contest.elsewhere("mono", "on Mono")) == [TCP]
     assert place.skipped["needy"] == 'it needs a package: pip install "no-such-package"'
     assert "lesson 01, on Mono" in place.skipped
+
+
+def test_a_package_that_is_too_old_is_a_reason_to_skip(engine, monkeypatch, tmp_path):
+    """As Debian 12's websockets 10, which has no asyncio server."""
+    (tmp_path / "websockets-10.4.dist-info").mkdir()
+    (tmp_path / "websockets-10.4.dist-info" / "METADATA").write_text("Name: websockets\nVersion: 10.4\n")
+    (tmp_path / "websockets.py").touch()
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    place = Lab(PYTHON, {"dotnet": engine}, rounds=1, moment=0.02, free=True)
+    assert place.here(TCP, contest.WEBSOCKET) == [TCP]
+    assert re.fullmatch(r'it needs a package: pip install "websockets>=\d+"', place.skipped["WebSocket, websockets"])
+
+
+def test_a_server_that_cannot_start_costs_no_run(engine, monkeypatch, tmp_path):
+    """In each of the works, with the last line of what it said to stderr."""
+    for path in contest.LAB.glob("*.py"):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    (tmp_path / "json_server.py").write_text("import nothing_of_this_name\n", encoding="utf-8")
+    monkeypatch.setattr(contest, "LAB", tmp_path)
+    monkeypatch.setattr(python_setup, "has", lambda *_: False)
+    place = Lab(PYTHON, {"dotnet": engine}, rounds=1, moment=0.02, free=True)
+    try:
+        work = place.work("test", [TCP, contest.JSON], "echo {name} {endpoint} 32 0.02")
+        first = bench.starts(place, quick=True)
+    finally:
+        place.end()
+    assert [row["label"] for row in work["rows"]] == ["raw TCP"]
+    assert "connection: raw TCP" in [row["label"] for row in first]
+    why = "json_server.py ended: ModuleNotFoundError: No module named 'nothing_of_this_name'"
+    for title in ("test", report.FIRST):
+        assert place.skipped[f"{contest.JSON.label} ({title})"].endswith(why)
+
+
+def test_a_client_program_that_ends_is_started_again(engine):
+    place = Lab(PYTHON, {"dotnet": engine}, rounds=1, moment=0.02, free=True)
+    try:
+        place.program("dotnet").process.kill()
+        place.program("dotnet").process.wait()
+        lost = place.work("first", [TCP], "echo {name} {endpoint} 32 0.02")
+        found = place.work("second", [TCP], "echo {name} {endpoint} 32 0.02")
+    finally:
+        place.end()
+    assert lost["rows"] == []
+    assert "ended" in place.skipped["raw TCP (first)"]
+    assert [row["label"] for row in found["rows"]] == ["raw TCP"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such limit")
+def test_a_system_that_knows_no_limit_of_files_is_asked_for_a_number(monkeypatch):
+    """MacOS says that there is no limit, and refuses to be asked for none."""
+    import resource
+
+    asked = []
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (256, resource.RLIM_INFINITY))
+    monkeypatch.setattr(resource, "setrlimit", lambda _, limits: asked.append(limits))
+    lab.many_files()
+    assert asked == [(10_240, resource.RLIM_INFINITY)]
 
 
 def test_a_ratio_is_taken_within_a_round():

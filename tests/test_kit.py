@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import re
@@ -685,20 +686,15 @@ def test_windows_has_no_libzmq_for_the_offline_engine(monkeypatch, tmp_path, cap
 
 
 def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
-    def refusing(number):
+    def refuse_with(number):
         def bind(*_):
             raise OSError(number, "no")
 
-        class Refusing:
-            __enter__ = lambda self: self  # noqa: E731
-            __exit__ = setsockopt = lambda *_: None
+        monkeypatch.setattr(socket.socket, "bind", bind)
 
-        Refusing.bind = bind
-        return Refusing
-
-    monkeypatch.setattr(doctor.socket, "socket", refusing(13))
+    refuse_with(errno.EACCES)
     assert "the system reserves it (netsh " in doctor.port_row(1)[2]
-    monkeypatch.setattr(doctor.socket, "socket", refusing(98))
+    refuse_with(errno.EADDRINUSE)
     assert doctor.port_row(1)[2].startswith("taken; end what holds it")
     assert doctor.port_row(4)[2].startswith("taken, perhaps by Android's emulator or adb; ")
 
