@@ -122,7 +122,11 @@ class Process:
         self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):
             if pipe:
-                pipe.close()
+                try:
+                    pipe.close()
+                except BrokenPipeError:
+                    # A line for it that it did not live to read.
+                    pass
         self.errors.close()
 
 
