@@ -1,33 +1,42 @@
-#!/usr/bin/env python3
 """The one entry to the kit: does all set-up, runs a lesson, runs the tests.
 
     python3 kit.py run 1         lesson 01: the Python server and the C# client, side by side
+    python3 kit.py server 1      only its server: for two terminals
+    python3 kit.py client 1      only its client, in the other one
     python3 kit.py test          every test that this machine can run
     python3 kit.py list          the lessons
     python3 kit.py doctor        what is on this machine, and what is missing
     python3 kit.py bench         how fast it is, beside what people would pick instead
     python3 kit.py unity PATH    put the scripts and NetMQ's DLLs into your own Unity project
+    python3 kit.py pack          bring along what a classroom without internet needs
 
 Each command explains itself with examples: python3 kit.py run --help
-On Windows type `py` instead of `python3`. Ctrl-C stops everything that was started.
+On Windows type `py` instead of `python3`. Ctrl-C stops everything that was started. --version says which kit this is.
 """
 
 import sys
 
 if sys.version_info < (3, 11):
     sys.exit(
-        "kit.py needs Python 3.11 or later, this is %d.%d: get one from https://www.python.org" % sys.version_info[:2]
+        "kit.py needs Python 3.11 or later, this is %d.%d: get one from https://www.python.org,"
+        " and then open a new terminal" % sys.version_info[:2]
     )
+
+import signal
+
+if __name__ == "__main__" and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    # Until main() takes over nothing is there to be cleared up, and a Ctrl-C would only show a traceback.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import argparse
 import io
 from pathlib import Path
 
-from kitlib import bench, doctor, dotnet, python_setup, unity_install
+from kitlib import bench, doctor, dotnet, pack, python_setup, unity_install
 from kitlib import run as runner
-from kitlib.commands import KIT, Command, PassingOn, split, start
-from kitlib.lessons import ROOT, KitError, find, lessons
-from kitlib.terminal import coloured, end, interruptible, later, nobody_reads, say, spawn
+from kitlib.commands import Command, Half, PassingOn, split, start
+from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, find, lessons
+from kitlib.terminal import coloured, end, interruptible, later, nobody_reads, say, spawn, wait
 
 
 def commands() -> list[Command]:
@@ -45,11 +54,44 @@ def commands() -> list[Command]:
         cure='what the client takes goes into --options="…", what the server takes into --server="…"',
     )
     run.add_argument("lesson", metavar="LESSON", help="its number or its name: 1, 01, request-reply")
-    run.add_argument("--client", choices=("csharp", "python", "unity"), default="csharp", help="csharp, if not said")
-    run.add_argument("--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the offline engine over libzmq")
-    run.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:* takes a free port")
+    run.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:0 takes a free port")
     run.add_argument("--server", default="", metavar="OPTIONS", help="options for the server; its own --help has them")
     run.add_argument("--options", default="", metavar="OPTIONS", help="options for the client; its own --help has them")
+    server = Half(
+        "server",
+        run_server,
+        "Runs a lesson's server in this terminal, until Ctrl-C. Other words than these are its own options.",
+        [f"{KIT} server 1", f"{KIT} server 4 --drop 3   it loses request 3"],
+    )
+    server.add_argument("lesson", metavar="LESSON", help="its number or its name")
+    client = Half(
+        "client",
+        run_client,
+        "Runs a lesson's client in this terminal. Other words than these are its own options.",
+        [f"{KIT} client 1 --count 3", f"{KIT} client 4 --client unity   its Unity scripts, played without Unity"],
+    )
+    client.add_argument("lesson", metavar="LESSON", help="its number or its name")
+    for command in (run, client):
+        command.add_argument(
+            "--client", choices=("csharp", "python", "unity"), default="csharp", help="csharp, if not said"
+        )
+        command.add_argument(
+            "--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the offline engine over libzmq"
+        )
+    packing = Command(
+        "pack",
+        fill,
+        "Fetches what a room without internet needs: wheels for Python, NuGet packages, and where the installers are.",
+        [
+            f"{KIT} pack                                   into packages/, for this system",
+            f"{KIT} pack D:/stick --system windows --python 3.13",
+        ],
+    )
+    packing.add_argument(
+        "folder", type=Path, nargs="?", default=PACKAGES, metavar="FOLDER", help="packages, if not said"
+    )
+    packing.add_argument("--system", choices=tuple(pack.SYSTEMS), help="the room's; this one, if not said")
+    packing.add_argument("--python", metavar="VERSION", help="the room's; this one's, if not said")
     unity = Command(
         "unity",
         install,
@@ -68,7 +110,7 @@ def commands() -> list[Command]:
         test,
         "Runs every test that this machine can run, and says what it skipped and why.",
         [
-            f"{KIT} test                    all of them: some minutes",
+            f"{KIT} test                    all of them: a quarter of an hour",
             f"{KIT} test -k request_reply   those with this word in their name",
             f"{KIT} test --long             also those that take minutes each",
             f"{KIT} test -- --help          pytest's own options",
@@ -93,11 +135,14 @@ def commands() -> list[Command]:
     shows = "Shows what is on this machine and what is missing, each missing thing with its cure."
     return [
         run,
+        server,
+        client,
         tests,
         Command("list", list_lessons, "Shows the lessons: the name of each, and its idea.", [f"{KIT} list"]),
         Command("doctor", show_doctor, shows, [f"{KIT} doctor"]),
         speed,
         unity,
+        packing,
     ]
 
 
@@ -110,6 +155,27 @@ def run_lesson(options: argparse.Namespace) -> int:
     return runner.run(lesson, python, [*client, *for_client], options.endpoint, for_server)
 
 
+def run_server(options: argparse.Namespace) -> int:
+    """The server alone."""
+    lesson = find(options.lesson)
+    python = python_setup.interpreter(lesson.key)
+    return runner.alone([str(python), str(lesson.python / "server.py"), *options.words])
+
+
+def run_client(options: argparse.Namespace) -> int:
+    """The client alone."""
+    lesson = find(options.lesson)
+    python = python_setup.interpreter(lesson.key)
+    command = runner.client_command(options.client, lesson, python, options.engine)
+    return runner.alone([*command, *options.words])
+
+
+def fill(options: argparse.Namespace) -> int:
+    """Pack for a classroom."""
+    pack.pack(options.folder, options.system, options.python)
+    return 0
+
+
 def test(options: argparse.Namespace) -> int:
     """Set up what the tests need, then run them."""
     optional = tuple(extra for extra in python_setup.all_extras() if extra != "tests")
@@ -119,7 +185,7 @@ def test(options: argparse.Namespace) -> int:
     try:
         with later():
             pytest = spawn([str(python), "-m", "pytest", *options.words], cwd=ROOT)
-        return pytest.wait()
+        return wait(pytest)
     finally:
         if pytest:
             # After Ctrl-C pytest ends the programs of the test that was running, and says how far it came.
@@ -140,9 +206,7 @@ def list_lessons(_: argparse.Namespace) -> int:
 
 def show_doctor(_: argparse.Namespace) -> int:
     """Print what is here and what is missing, with the interpreter that the lessons use."""
-    required = python_setup.needs()
-    here = [python_setup.venv_python(), Path(sys.executable), Path("/usr/bin/python3")]
-    doctor.show(next((python for python in here if python.exists() and python_setup.has(python, required)), None))
+    doctor.show(python_setup.found())
     return 0
 
 
@@ -154,10 +218,10 @@ def install(options: argparse.Namespace) -> int:
 
 def main() -> int:
     """Do what the command line says; returns the exit code."""
-    # A legacy console code page must not turn a printed line into a traceback.
+    # A legacy console code page must not turn a printed line into a traceback; and in a pipe every system gets UTF-8.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+            stream.reconfigure(encoding=None if stream.isatty() else "utf-8", errors="backslashreplace")
     interruptible()
     try:
         return start(commands(), __doc__, sys.argv[1:])
@@ -168,6 +232,11 @@ def main() -> int:
         return 130
     except BrokenPipeError:
         nobody_reads()
+        return 1
+    except OSError as error:
+        # A full disk, a folder of somebody else's: whatever it is, the system's own words name it.
+        why = UNWRITABLE if isinstance(error, PermissionError) else "free some space, or try another folder"
+        print(coloured("kit    |", "error", sys.stderr), f"{error}; {why}", file=sys.stderr)
         return 1
 
 

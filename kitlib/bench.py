@@ -6,7 +6,6 @@ import json
 import re
 import shutil
 import statistics
-import subprocess
 import time
 from typing import Any
 
@@ -32,7 +31,7 @@ from .contest import (
 )  # fmt: skip
 from .lab import LIMIT
 from .lessons import ROOT, KitError
-from .terminal import say
+from .terminal import quietly, say
 
 SIZES = {"32 B": 32, "1 KB": 1024, "64 KB": 65536, "230,400 B": 230400, "2 MB": 2 << 20}
 WINDOWS = (1, 4, 16, 64, 256)
@@ -49,8 +48,14 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     lab = Lab(python, engines(engine), *((2, 0.04) if quick else (9, 0.2)), free=free)
     busy = machine.busy()
     try:
-        for name in lab.engines:
-            lab.program(name)
+        for name in list(lab.engines):
+            try:
+                lab.program(name).ask("close")
+            except KitError as error:
+                if name == "dotnet":
+                    raise
+                lab.failed(name, "its program", error)
+                del lab.engines[name]
         works = [*echoes(lab), *other_work(lab, quick)]
         results = {
             "machine": machine.about(lab),
@@ -70,7 +75,8 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     kept.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     say(f"results: {kept.relative_to(ROOT)}")
     if python_setup.has(python, ["matplotlib"]):
-        subprocess.run([str(python), "-m", "kitlib.plots", str(kept)], cwd=ROOT, check=True)
+        drawn = quietly([python, "-m", "kitlib.plots", kept], LIMIT, cwd=ROOT)
+        say(drawn.output.strip() if drawn.ok else f"no plots: {drawn.first('Error')}")
     else:
         say("no plots: they need a package: pip install matplotlib")
     return 0
@@ -122,10 +128,18 @@ def starts(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     """Milliseconds from nothing to the first reply: a new connection in a program that runs, and whole programs."""
     contenders = [TCP, HELLO, BARE, POOLED, WEBSOCKET, HTTP, GRPC, JSON]
     times: dict[str, list[float]] = {}
+    failed: set[str] = set()
     for number in range(lab.rounds + 1):
         progress(f"first reply: round {number} of {lab.rounds}", last=number == lab.rounds)
         for each in lab.here(*contenders):
-            answer = lab.program(each.program).ask(f"first {each.name} {lab.server(each.server).endpoint} 32")
+            if each.label in failed:
+                continue
+            try:
+                answer = lab.program(each.program).ask(f"first {each.name} {lab.server(each.server).endpoint} 32")
+            except KitError as error:
+                failed.add(each.label)
+                lab.failed(each.label, report.FIRST, error)
+                continue
             if number > 0:
                 times.setdefault(f"connection: {each.label}", []).append(answer["seconds"] * 1000)
     console = dotnet.build(lab.python, lab.engines["dotnet"])
@@ -136,9 +150,10 @@ def starts(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     }.items():
         for _ in range(2 if quick else 7):
             start = time.perf_counter()
-            subprocess.run(
-                [*command, "--endpoint", endpoint, "--count", "1"], check=True, capture_output=True, timeout=LIMIT
-            )
+            done = quietly([*command, "--endpoint", endpoint, "--count", "1"], LIMIT)
+            if not done.ok:
+                lab.failed(label, report.FIRST, KitError(done.first("gave up")))
+                break
             times.setdefault(label, []).append((time.perf_counter() - start) * 1000)
     return [
         {"label": label, "milliseconds": [round(pick(values), 2) for pick in (min, statistics.median, max)]}
@@ -149,17 +164,23 @@ def starts(lab: Lab, quick: bool) -> list[dict[str, Any]]:
 def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
     """What lesson 04's client costs Unity's main thread in a frame, in the player at 60 frames a second."""
     found = []
-    for name, client in lab.clients.items():
+    for name, client in list(lab.clients.items()):
         if name in ("grpc", "pool"):
             continue
-        endpoint = lab.server("04_background_client").endpoint
-        said = " ".join(client.ask(f"frames {endpoint} {count}")["said"])
+        try:
+            endpoint = lab.server("04_background_client").endpoint
+            said = " ".join(client.ask(f"frames {endpoint} {count}")["said"])
+        except KitError as error:
+            lab.failed(name, report.FRAMES, error)
+            continue
         numbers = re.search(
             r"mean ([\d.]+) ms, half below ([\d.]+) ms, 99 of 100 below ([\d.]+) ms, longest ([\d.]+) ms, (\d+) bytes",
             said,
         )
         if numbers is None:
-            raise KitError(f"lesson 04 in the player measured nothing: {said[-200:]}")
+            why = KitError(f"lesson 04 in the player measured nothing: {said[-200:]}")
+            lab.failed(name, report.FRAMES, why)
+            continue
         keys = ("mean", "half", "of_100_99", "longest", "bytes")
         found.append(
             {

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import platform
 import re
 import shlex
+import sys
+import tomllib
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from .lessons import KitError, UsageError, find
-
-KIT = "python3 kit.py"
+from . import lessons
+from .lessons import KIT, ROOT, KitError, UsageError, find
 
 
 class Command(argparse.ArgumentParser):
@@ -25,6 +27,7 @@ class Command(argparse.ArgumentParser):
             description=about,
             epilog="examples:\n" + "\n".join(f"  {example}" for example in examples),
             formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
         )
         self.name = name
         self.do = do
@@ -49,6 +52,15 @@ class Command(argparse.ArgumentParser):
         raise UsageError(f"{message}; `{self.prog} --help` shows how")
 
 
+class Half(Command):
+    """A command for one program of a lesson, which gets the words that are not our own."""
+
+    def parse(self, words: list[str]) -> argparse.Namespace:
+        options, options_of_the_program = self.parse_known_args(words)
+        options.words = options_of_the_program
+        return options
+
+
 class PassingOn(Command):
     """A command whose words are for another program, all but --help."""
 
@@ -64,13 +76,22 @@ class PassingOn(Command):
 def start(commands: Sequence[Command], about: str, words: list[str]) -> int:
     """Do what the words say; returns the exit code."""
     if not words or words[0] in ("-h", "--help", "help"):
-        print(about.strip())
+        print(about.strip().replace("python3 kit.py", KIT))
         # Who typed nothing wanted something, and a script must notice that nothing was done.
         return 0 if words else 2
+    if words[0] in ("--version", "version"):
+        print(version())
+        return 0
     command = next((command for command in commands if command.name == words[0]), None)
     if command is None:
         raise UsageError(f"there is no command '{words[0]}'; {meant(words[0], [each.name for each in commands])}")
     return command.do(command.parse(words[1:]))
+
+
+def version() -> str:
+    """What a report of a bug wants to know first."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return f"NetMQExample {project['version']}, Python {sys.version.split()[0]}, {platform.platform()}"
 
 
 def meant(word: str, names: list[str]) -> str:
@@ -86,7 +107,12 @@ def meant(word: str, names: list[str]) -> str:
 
 def split(text: str, option: str) -> list[str]:
     """The words of an option that holds options for a program."""
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=False)
+    lexer.whitespace_split, lexer.commenters = True, ""
+    if lessons.WINDOWS:
+        # A backslash there is part of a path.
+        lexer.escape = ""
     try:
-        return shlex.split(text)
+        return list(lexer)
     except ValueError:
         raise UsageError(f'{option} {text}: a quotation mark in it is not closed; write {option}="…"') from None

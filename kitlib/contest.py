@@ -119,6 +119,7 @@ class Lab:
         self.rounds, self.moment = rounds, moment
         self.client_cores, self.server_cores = (set(), set()) if free or not PINS else halves()
         self.skipped: dict[str, str] = {}
+        self.installed: dict[str, bool] = {}
         self.servers: dict[str, Server] = {}
         self.clients: dict[str, Client] = {}
 
@@ -139,7 +140,7 @@ class Lab:
         if key not in self.servers:
             lesson = name[:2].isdigit()
             script = ROOT / "python" / name / "server.py" if lesson else LAB / f"{name}_server.py"
-            given = ["--endpoint", "tcp://127.0.0.1:*"] if lesson else []
+            given = ["--endpoint", "tcp://127.0.0.1:0"] if lesson else []
             quiet = ["--quiet"] if name in (HELLO.server, POOLED.server) else []
             self.servers[key] = Server(self.python, script, [*given, *quiet, *options], self.server_cores)
         return self.servers[key]
@@ -149,8 +150,11 @@ class Lab:
         return [each for each in contenders if not self.missing(each)]
 
     def missing(self, each: Contender) -> bool:
-        if each.package and not python_setup.has(self.python, [each.package]):
-            self.skipped[each.label] = f"it needs a package: pip install {each.package}"
+        need = python_setup.requirement(each.package)
+        if need not in self.installed:
+            self.installed[need] = not each.package or python_setup.has(self.python, [need])
+        if not self.installed[need]:
+            self.skipped[each.label] = f'it needs a package: pip install "{need}"'
         elif each.program != "grpc" and each.program not in self.engines:
             libzmq = each.program == "offline" and self.engines["dotnet"].name == "libzmq"
             why = "the engine of this run is libzmq: the other rows have it" if libzmq else "this machine has none"
@@ -171,16 +175,28 @@ class Lab:
                     answer = client.ask(line.format(name=each.name, endpoint=server.endpoint))
                     used = [side.spent().since(then) for side, then in zip((client, server), before, strict=True)]
                 except KitError as error:
-                    self.skipped[f"{each.label} ({title})"] = str(error)
+                    self.failed(each.label, title, error)
                     del rows[each]
                     continue
                 if number > 0:
                     row.add(answer, [each for pair in zip(*used, strict=True) for each in pair])
             for row in rows.values():
                 row.compare(rows.get(TCP))
-        for client in self.clients.values():
-            client.ask("close")
+        for name, client in list(self.clients.items()):
+            try:
+                client.ask("close")
+            except KitError as error:
+                self.failed(name, title, error)
         return {"title": title, "rows": [row.result() for row in rows.values()]}
+
+    def failed(self, label: str, title: str, error: KitError) -> None:
+        """One contender less: keep why. A program that has ended is started anew when it is next needed."""
+        self.skipped[f"{label} ({title})"] = str(error)
+        for programs in (self.clients, self.servers):
+            for name, program in list(programs.items()):
+                if program.process.poll() is not None:
+                    program.end()
+                    del programs[name]
 
     def end(self) -> None:
         """End every program."""

@@ -88,10 +88,10 @@ def excerpt(source: str) -> str:
     """The text of `path name`: a Python function or class, or a C# type or member, without its indentation."""
     path, _, name = source.partition(" ")
     text = (ROOT / path).read_text(encoding="utf-8")
-    found = python_excerpt(text, name) if path.endswith(".py") else csharp_excerpt(text, name)
+    found = (python_lines if path.endswith(".py") else csharp_lines)(text, name)
     if found is None:
         raise KitError(f"there is no {name} in {path}")
-    return textwrap.dedent(found).rstrip() + "\n"
+    return textwrap.dedent("\n".join(text.splitlines()[found.start : found.stop])).rstrip() + "\n"
 
 
 def bench_table(source: str) -> str:
@@ -105,26 +105,34 @@ def bench_table(source: str) -> str:
     )
 
 
-def python_excerpt(text: str, name: str) -> str | None:
-    """The lines of a function or class."""
+def python_lines(text: str, name: str) -> range | None:
+    """The lines of a function or class, counted from 0. It begins at its first decorator: who pastes it needs them."""
     for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
-            return "\n".join(text.splitlines()[node.lineno - 1 : node.end_lineno])
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) and node.name == name:
+            first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+            return range(first - 1, node.end_lineno or first)
     return None
 
 
-def csharp_excerpt(text: str, name: str) -> str | None:
-    """From the line that declares the name to its closing brace or semicolon, with no XML documentation."""
+def csharp_lines(text: str, name: str) -> range | None:
+    """From the attributes of the line that declares the name to its closing brace or semicolon, counted from 0."""
     lines = text.splitlines()
-    declares = re.compile(rf"^\s*(public|private|internal|protected)\b[^=;(]*\b{name}\b")
-    start = next((i for i, line in enumerate(lines) if declares.match(line)), None)
-    if start is None:
+    attribute = r"\[[^\]]*\]\s*"
+    declares = re.compile(rf"^\s*({attribute})*(public|private|internal|protected)\b[^=;(]*\b{name}\b")
+    start = end = next((i for i, line in enumerate(lines) if declares.match(line)), None)
+    if start is None or end is None:
         return None
+    # Attributes stand above it, and above them XML documentation, which is left out.
+    above = start
+    while above and not re.search(r"[;{}]|^\s*///|^\s*$", re.sub(r'"[^"]*"', "", lines[above - 1])):
+        above -= 1
+        if lines[above].lstrip().startswith("["):
+            start = above
     depth = 0
-    for i in range(start, len(lines)):
+    for i in range(end, len(lines)):
         depth += lines[i].count("{") - lines[i].count("}")
         if depth == 0 and lines[i].rstrip().endswith((";", "}")):
-            return "\n".join(lines[start : i + 1])
+            return range(start, i + 1)
     return None
 
 
@@ -138,7 +146,7 @@ def run_command(source: str, engine: str | None = None) -> list[str | Path]:
         *shlex.split(source),
         *chosen,
         "--endpoint",
-        "tcp://127.0.0.1:*",
+        "tcp://127.0.0.1:0",
     ]
 
 
@@ -188,8 +196,11 @@ def same(expected: Sequence[str], found: Sequence[str]) -> bool:
 
 
 def shape(lines: Sequence[str]) -> list[str]:
-    """The lines with every number and id replaced, and what repeats itself said once."""
-    plain = [re.sub(r"-?\d+(\.\d+)?", "N", re.sub(r"\b[0-9a-f]{8,32}\b", "ID", line)) for line in lines]
+    """The lines with every number and id replaced, and what repeats itself said once.
+
+    In a column a number with one digit more has one space less before it, which is no other text.
+    """
+    plain = [re.sub(r" *-?\d+(\.\d+)?", " N", re.sub(r"\b[0-9a-f]{8,32}\b", "ID", line)) for line in lines]
     return [line for line, _ in groupby(plain)]
 
 

@@ -7,6 +7,7 @@ import math
 import os
 import re
 import subprocess
+import tempfile
 import threading
 import time
 from collections.abc import Iterator
@@ -15,9 +16,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .lessons import ROOT, KitError
+from .terminal import READABLE
 
 # Nothing in the lab takes as long; a program that does is ended, so that a run always ends.
 LIMIT = 90.0
+# What macOS gives at the most; the lab needs some three thousand.
+ENOUGH_FILES = 10_240
 PINS = hasattr(os, "sched_setaffinity")
 
 
@@ -59,30 +63,46 @@ class Process:
 
     def __init__(self, command: list[str], cores: set[int]) -> None:
         self.name = " ".join(Path(word).name for word in command[:3])
+        self.errors = tempfile.TemporaryFile()  # noqa: SIM115
         with on(cores):
             self.process = subprocess.Popen(
                 command,
                 cwd=ROOT,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
+                stderr=self.errors,
                 text=True,
-                env={**os.environ, "PYTHONUNBUFFERED": "1"},
+                encoding="utf-8",
+                env={**os.environ, **READABLE},
                 preexec_fn=many_files if os.name == "posix" else None,
             )
 
     def line(self) -> str:
         """Its next line, or KitError if it ends or says nothing for too long."""
         assert self.process.stdout
-        watch = threading.Timer(LIMIT, self.process.kill)
+        late = threading.Event()
+
+        def too_late() -> None:
+            late.set()
+            self.process.kill()
+
+        watch = threading.Timer(LIMIT, too_late)
         watch.start()
         try:
             text = self.process.stdout.readline()
         finally:
             watch.cancel()
         if not text:
-            raise KitError(f"{self.name} ended, or was silent for {LIMIT:.0f} s; run it by itself to see why")
+            how = f"was silent for {LIMIT:.0f} s" if late.is_set() else "ended"
+            raise KitError(f"{self.name} {how}{self.last_words()}")
         return text.strip()
+
+    def last_words(self) -> str:
+        """The last line of what it wrote to stderr, where it says why it ended."""
+        self.process.wait()
+        self.errors.seek(0)
+        lines = self.errors.read().decode("utf-8", "replace").split("\n")
+        return next((f": {line.strip()}" for line in reversed(lines) if line.strip()), "")
 
     def spent(self) -> Spent:
         """What it has used so far; nan where the system does not say it exactly (Linux does)."""
@@ -102,15 +122,27 @@ class Process:
         self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):
             if pipe:
-                pipe.close()
+                try:
+                    pipe.close()
+                except BrokenPipeError:
+                    # A line for it that it did not live to read.
+                    pass
+        self.errors.close()
 
 
 def many_files() -> None:
     """A thousand clients need a thousand sockets, and many systems allow a program fewer files to begin with."""
     import resource
 
-    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    # macOS says that there is no limit, and refuses to be asked for that.
+    wanted = ENOUGH_FILES if most == resource.RLIM_INFINITY else min(most, ENOUGH_FILES)
+    if now == resource.RLIM_INFINITY or now >= wanted:
+        return
+    try:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
+    except (ValueError, OSError):
+        pass
 
 
 class Server(Process):
@@ -119,8 +151,12 @@ class Server(Process):
     def __init__(self, python: Path, script: Path, options: list[str], cores: set[int]) -> None:
         super().__init__([str(python), str(script), *options], cores)
         found: list[str] = []
-        while not found or not found[-1].startswith("listening"):
-            found.append(self.line())
+        try:
+            while not found or not found[-1].startswith("listening"):
+                found.append(self.line())
+        except KitError:
+            self.end()
+            raise
         addresses = [found[-1], *found[:-1]]
         self.endpoint = ",".join(match[0] for line in addresses if (match := re.search(r"tcp://\S+", line)))
 
@@ -131,8 +167,11 @@ class Client(Process):
     def ask(self, line: str) -> dict[str, Any]:
         """Its answer; what it prints before is under `said`."""
         assert self.process.stdin
-        self.process.stdin.write(line + "\n")
-        self.process.stdin.flush()
+        try:
+            self.process.stdin.write(line + "\n")
+            self.process.stdin.flush()
+        except OSError:
+            raise KitError(f"{self.name} ended{self.last_words()}") from None
         said = []
         while not (text := self.line()).startswith("{"):
             if text.startswith("failed: "):

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import ast
 import difflib
+import json
+import os
 import re
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
+# What a classroom without internet brings along: wheels and NuGet packages, from `kit.py pack`.
+PACKAGES = ROOT / "packages"
+WINDOWS = os.name == "nt"
+KIT = "py kit.py" if WINDOWS else "python3 kit.py"
+UNWRITABLE = "this folder cannot be written to: copy the kit to a folder of your own"
 
 
 class KitError(Exception):
@@ -21,6 +30,40 @@ class UsageError(KitError):
     """A wrong word on the command line."""
 
     code = 2
+
+
+def writable(folder: Path) -> bool:
+    """Tried, because what the permissions say is not the whole truth: a share, a stick, another user's folder."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def recall(path: Path) -> dict[str, Any]:
+    """What `keep` has kept; a file that is damaged is as good as none."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def keep(path: Path, text: str) -> None:
+    """Write a file whole or not at all: a full disk or a Ctrl-C must not leave half of it."""
+    new = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        new.write_text(text, encoding="utf-8")
+        new.replace(path)
+    except OSError:
+        # A note to ourselves: without it the next run only asks again.
+        try:
+            new.unlink(missing_ok=True)
+        except OSError:
+            pass
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,11 @@ def save(path: Path, figure: Any, title: str) -> None:
     path.write_text("\n".join(line.rstrip() for line in text.splitlines()) + "\n", encoding="utf-8")
 
 
-def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]], log: bool = False) -> None:
-    """A bar for each row from the top, as long as its middle value, with a line from the least to the greatest."""
+def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]]) -> None:
+    """A bar for each row from the top, as long as its middle value, with a line from the least to the greatest.
+
+    The axis begins at 0 and is linear: a bar says by its length how many times as much it stands for.
+    """
     figure, axes = pyplot.subplots(figsize=(10, 1.2 + 0.42 * len(rows)))
     for place, (label, (least, middle, greatest)) in enumerate(rows):
         hatched = not label.startswith("lesson") and colour(label) == OURS
@@ -57,8 +60,7 @@ def bars(path: Path, title: str, unit: str, rows: list[tuple[str, list[float]]],
     axes.set_yticks(range(len(rows)), [label for label, _ in rows])
     axes.invert_yaxis()
     axes.set_xlabel(unit)
-    if log:
-        axes.set_xscale("log")
+    axes.set_xlim(left=0)
     axes.set_title(title, fontsize=16, loc="left")
     save(path, figure, title)
 
@@ -149,7 +151,6 @@ def price(results: dict[str, Any], path: Path) -> None:
         "The price of waiting: a server that takes 10 ms",
         "microseconds of processor time of the client for each request",
         rows,
-        log=True,
     )
 
 

@@ -9,18 +9,24 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import sys
 import tomllib
 from pathlib import Path
 
-from .lessons import ROOT, KitError
-from .terminal import quietly, say, step
+from .lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from .terminal import Result, quietly, say, step
 
 VENV = ROOT / ".venv"
-CHOICE = ROOT / ".build" / "python.json"
+BUILD = ROOT / ".build"
+CHOICE = BUILD / "python.json"
 # The name to import, and the distribution's package, where they are not simply the name on PyPI.
 IMPORTS = {"pyzmq": "zmq", "pytest-timeout": "pytest_timeout", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
+# On a Mac /usr/bin/python3 is too old, or opens a window that offers developer tools.
+SYSTEM = [*(["/usr/bin/python3"] if sys.platform != "darwin" else []), "/usr/local/bin/python3"]
+# What pip says where no index answers, or does not hold a package.
+NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
 DEBIAN = {"pyzmq": "python3-zmq", "pillow": "python3-pil", "pyyaml": "python3-yaml"}
 
 
@@ -44,14 +50,43 @@ def name(requirement: str) -> str:
     return requirement.split(">")[0].split("=")[0].split("<")[0].split(";")[0].strip().lower()
 
 
+# Run by the interpreter in question: which of the packages it lacks. One that cannot be imported is not there, whatever
+# its folder says, and one that is too old for us is not either.
+LACKING = """
+import importlib, importlib.metadata, re, sys
+def lacks(package, module, limits):
+    try:
+        importlib.import_module(module)
+        have = numbers(importlib.metadata.version(package)) if limits else []
+    except Exception:
+        return True
+    return not all(have >= numbers(at) if how == ">=" else have < numbers(at) for how, at in limits)
+def numbers(version):
+    return [int(number) for number in re.findall(r"\\d+", version)[:3]]
+print("lacks:", *[each[0] for each in {needs!r} if lacks(*each)] if sys.version_info >= (3, 11) else ["Python"])
+"""
+
+
+def lacking(python: Path | str, requirements: list[str]) -> list[str]:
+    """The packages that this interpreter lacks, or has in a version that does not fit."""
+    needs = [
+        (name(need), IMPORTS.get(name(need), name(need).replace("-", "_")), re.findall(r"(>=|<)([\d.]+)", need))
+        for need in requirements
+    ]
+    result = quietly([python, "-c", LACKING.replace("{needs!r}", repr(needs))], limit=60)
+    # A package may print something of its own when it is imported.
+    said = re.search(r"^lacks:(.*)", result.output, re.MULTILINE)
+    return said[1].split() if said else [name(need) for need in requirements]
+
+
 def has(python: Path | str, requirements: list[str]) -> bool:
-    """True if this interpreter is recent enough and has every package."""
-    modules = [IMPORTS.get(name(need), name(need).replace("-", "_")) for need in requirements]
-    code = (
-        "import sys, importlib.util as u\n"
-        f"sys.exit(sys.version_info < (3, 11) or any(u.find_spec(m) is None for m in {modules!r}))"
-    )
-    return quietly([python, "-c", code], limit=20).ok
+    """True if this interpreter is recent enough and has every package, in a version that fits."""
+    return not lacking(python, requirements)
+
+
+def requirement(package: str) -> str:
+    """What pyproject.toml asks of a package, such as `websockets>=13`."""
+    return next((need for need in needs(*all_extras()) if name(need) == package), package)
 
 
 def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
@@ -67,10 +102,15 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
             f"no Python with {', '.join(map(name, required))} here, and no package index answers; with internet run: "
             f"{Path(sys.executable).name} -m pip install {' '.join(map(name, required))}"
         )
-    CHOICE.parent.mkdir(exist_ok=True)
-    choices = json.loads(CHOICE.read_text()) if CHOICE.exists() else {}
-    CHOICE.write_text(json.dumps({**choices, key: str(python)}))
+    keep(CHOICE, json.dumps({**recall(CHOICE), key: str(python)}))
     return python
+
+
+def found(*extras: str) -> Path | None:
+    """The interpreter that lessons run with, or would; sets up nothing."""
+    known = [path for path in recall(CHOICE).values() if isinstance(path, str)]
+    near = map(Path, [str(venv_python()), *reversed(known), sys.executable, *SYSTEM])
+    return next((python for python in near if python.exists() and has(python, needs(*extras))), None)
 
 
 def pip_environment() -> list[str]:
@@ -80,11 +120,8 @@ def pip_environment() -> list[str]:
 
 def remembered(key: str) -> Path | None:
     """What an earlier run with the same needs has settled on."""
-    try:
-        python = Path(json.loads(CHOICE.read_text())[key])
-    except (OSError, ValueError, KeyError):
-        return None
-    return python if python.exists() else None
+    python = recall(CHOICE).get(key)
+    return Path(python) if isinstance(python, str) and Path(python).exists() else None
 
 
 def venv_python() -> Path:
@@ -96,46 +133,67 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
     python = venv_python()
     if has(python, wanted):
         return python
-    made = not python.exists()
+    if not writable(BUILD):
+        say(UNWRITABLE)
+        return None
+    made = not quietly([python, "-c", ""], limit=60).ok
     if made and not make_venv():
         return None
+    for requirements in [wanted] if wanted == required else [wanted, required]:
+        result = install(python, requirements)
+        if result.ok and not has(python, required) and not made:
+            # Pip takes for whole what has lost a file.
+            say("a package in .venv is damaged: making it anew")
+            made = True
+            result = install(python, requirements) if make_venv() else result
+        if result.ok and has(python, requirements):
+            return python
+        if result.ok:
+            say(f"pip could not give {', '.join(lacking(python, requirements))}")
+        elif any(words in result.output for words in NOTHING):
+            say("pip found no package index, or not all of it there")
+        else:
+            say(f"pip could not: {result.first('ERROR', 'error', 'No module').removeprefix('ERROR: ')}")
+    if made:
+        remove(VENV)
+    return None
+
+
+def install(python: Path, requirements: list[str]) -> Result:
+    """Let pip install into .venv: from the folder that was brought along, or else from an index."""
     pip: list[str | Path] = [python, "-m", "pip"]
     if not quietly([*pip, "--version"], limit=60).ok:
         # A venv without pip of its own (Debian without python3-venv): the pip of this interpreter installs into it.
         pip = [Path(sys.executable), "-m", "pip", "--python", python]
     # One try and ten seconds: pip's own default goes on for minutes when no index can be reached.
-    install = [
-        *pip,
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--retries",
-        "0",
-        "--timeout",
-        "10",
-        "--prefer-binary",
-    ]
-    for requirements in [wanted] if wanted == required else [wanted, required]:
-        result = step(
-            f"installing {', '.join(map(name, requirements))} into .venv", [*install, *requirements], limit=600
-        )
-        if result.ok and has(python, requirements):
-            return python
-        say(f"pip could not: {result.first('ERROR', 'error', 'No module')}")
-    if made:
-        shutil.rmtree(VENV, ignore_errors=True)
-    return None
+    limits = ["--retries", "0", "--timeout", "10", "--prefer-binary"]
+    command = [*pip, "install", "--quiet", "--disable-pip-version-check", *limits, *requirements]
+    what = f"installing {', '.join(map(name, requirements))} into .venv"
+    if any(PACKAGES.glob("*.whl")):
+        result = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], limit=600)
+        if result.ok:
+            return result
+    return step(what, command, limit=600)
 
 
 def make_venv() -> bool:
     """Make .venv, with pip or, where the distribution left that out, without."""
     for option in ([], ["--without-pip"]):
+        # What a failed try leaves behind, or something else of this name, would look like an environment to the next.
+        remove(VENV)
         if quietly([sys.executable, "-m", "venv", *option, VENV], limit=120).ok:
             return True
-        # What a failed try leaves behind would look like a working environment to the next.
-        shutil.rmtree(VENV, ignore_errors=True)
+    remove(VENV)
     say("this Python cannot make a virtual environment (on Debian the package is python3-venv)")
     return False
+
+
+def remove(path: Path) -> None:
+    """A folder, or what is there in its place."""
+    if path.is_symlink() or path.is_file():
+        path.unlink()
+    else:
+        shutil.rmtree(path, ignore_errors=True)
 
 
 def from_this_machine(required: list[str]) -> Path | None:
@@ -144,8 +202,7 @@ def from_this_machine(required: list[str]) -> Path | None:
         "python3",
         "python",
         *(f"python3.{minor}" for minor in range(11, 20)),
-        "/usr/bin/python3",
-        "/usr/local/bin/python3",
+        *SYSTEM,
     ]
     found = [sys.executable, *(shutil.which(candidate) for candidate in names)]
     for python in dict.fromkeys(path for path in found if path):

@@ -8,12 +8,12 @@ import re
 import subprocess
 import threading
 import time
-from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from . import dotnet
-from .lessons import ROOT, KitError, Lesson
-from .terminal import later, say, show, uninterrupted
+from .lessons import ROOT, WINDOWS, KitError, Lesson
+from .terminal import GROUP, READABLE, ask_to_end, later, say, show, uninterrupted, wait
 
 # A server prints its ready line within this many seconds, or something is wrong with it.
 READY = 20.0
@@ -24,8 +24,9 @@ GOODBYE = 5.0
 class Side:
     """A running program whose lines appear behind its name."""
 
-    def __init__(self, name: str, command: list[str], env: Mapping[str, str]) -> None:
+    def __init__(self, name: str, command: list[str]) -> None:
         self.name = name
+        self.last = ""
         self.lines: queue.Queue[str | None] = queue.Queue()
         self.process = subprocess.Popen(
             command,
@@ -36,7 +37,8 @@ class Side:
             text=True,
             encoding="utf-8",
             errors="replace",
-            env={**os.environ, "PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "utf-8", **env},
+            env={**os.environ, **READABLE},
+            **(GROUP if WINDOWS else {}),
         )
         self.reader = threading.Thread(target=self.read, daemon=True)
         self.reader.start()
@@ -44,9 +46,20 @@ class Side:
     def read(self) -> None:
         assert self.process.stdout
         for line in self.process.stdout:
-            show(self.name, line.rstrip("\r\n"))
+            self.show_last()
+            if self.name == "client" and line.startswith("done: "):
+                # The end of the story: it waits for what the server has still to say.
+                self.last = line
+            else:
+                show(self.name, line.rstrip("\r\n"))
             self.lines.put(line)
         self.lines.put(None)
+
+    def show_last(self) -> None:
+        """Show the line that was held back, if there is one."""
+        if self.last:
+            show(self.name, self.last.rstrip("\r\n"))
+            self.last = ""
 
     def endpoints(self) -> dict[str, str]:
         """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""
@@ -66,15 +79,19 @@ class Side:
 
     def end(self) -> None:
         """End it if it still runs, and let its last lines appear."""
-        if self.process.poll() is None:
-            # SIGTERM on Linux and macOS; Windows knows only an end without asking.
-            self.process.terminate()
-            try:
-                self.process.wait(GOODBYE)
-            except subprocess.TimeoutExpired:
-                self.process.kill()
-                self.process.wait()
+        stop(self.process)
         self.reader.join(GOODBYE)
+
+
+def stop(process: subprocess.Popen[Any]) -> None:
+    """Ask a program to end if it still runs; what does not listen is ended all the same."""
+    if process.poll() is None:
+        ask_to_end(process)
+        try:
+            process.wait(GOODBYE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
 
 
 def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) -> list[str]:
@@ -84,7 +101,11 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
         kind = "python"
     if kind == "python":
         return [str(python), str(lesson.python / "client.py")]
-    choice = dotnet.choose_engine(engine)
+    try:
+        choice = dotnet.choose_engine(engine)
+    except dotnet.NoEngine as error:
+        say(f"{error}; running the Python client instead")
+        return [str(python), str(lesson.python / "client.py")]
     say(f"engine: {choice.name} ({choice.why})")
     unity = ["--unity"] if kind == "unity" else []
     return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]
@@ -96,13 +117,13 @@ def run(lesson: Lesson, python: Path, client: list[str], endpoint: str | None, s
     started: list[Side] = []
     try:
         with later():
-            started.append(Side("server", [str(python), str(lesson.python / "server.py"), *given, *server_options], {}))
+            started.append(Side("server", [str(python), str(lesson.python / "server.py"), *given, *server_options]))
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
         for name, address in started[0].endpoints().items():
             client += ["--set", f"{name}={address}"] if "--unity" in client else [f"--{name}", address]
         with later():
-            started.append(Side("client", client, {}))
-        return started[-1].process.wait()
+            started.append(Side("client", client))
+        return wait(started[-1].process)
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
         return 130
@@ -110,3 +131,23 @@ def run(lesson: Lesson, python: Path, client: list[str], endpoint: str | None, s
         with uninterrupted():
             for side in reversed(started):
                 side.end()
+            if started:
+                started[-1].show_last()
+
+
+def alone(command: list[str]) -> int:
+    """Run one program in this terminal, whose Ctrl-C reaches it as well; returns its exit code."""
+    process: subprocess.Popen[bytes] | None = None
+    try:
+        with later():
+            process = subprocess.Popen(command, cwd=ROOT, env={**os.environ, **READABLE})
+        return wait(process)
+    except KeyboardInterrupt:
+        return 130
+    finally:
+        if process:
+            with uninterrupted():
+                try:
+                    process.wait(GOODBYE / 5)
+                except subprocess.TimeoutExpired:
+                    stop(process)

@@ -12,9 +12,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import TextIO
+from typing import Any, TextIO
 
+# What asks a program to end. The last is Windows' own.
+ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 SCREEN = threading.Lock()
+# In a pipe Windows would use another encoding, and Python would keep the lines back.
+READABLE = {"PYTHONUNBUFFERED": "1", "PYTHONUTF8": "1", "PYTHONIOENCODING": "utf-8"}
+# Ctrl-C for a program and all that it starts is a signal for its group. Windows calls the group's signal Ctrl-Break.
+GROUP: dict[str, Any] = {"start_new_session": True}
+if sys.platform == "win32":
+    GROUP = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
 COLOURS = {"server": "36", "client": "33", "kit": "32", "error": "31"}
 
 
@@ -94,7 +102,8 @@ def quietly(
         output, _ = process.communicate(timeout=limit)
     except FileNotFoundError:
         return Result(127, f"{words[0]}: not found")
-    except PermissionError as error:
+    except OSError as error:
+        # It may not be run, or is no program at all.
         return Result(126, str(error))
     except BaseException as error:
         if process:
@@ -111,40 +120,67 @@ def spawn(
     """Start a program that `end` can end with all that it starts: dotnet and pip start others."""
     return subprocess.Popen(
         words,
-        env={**os.environ, **(env or {})},
+        env={**os.environ, **READABLE, **(env or {})},
         cwd=cwd,
         stdin=None if shown else subprocess.DEVNULL,
         stdout=None if shown else subprocess.PIPE,
         stderr=None if shown else subprocess.STDOUT,
-        start_new_session=True,
+        **GROUP,
     )
+
+
+def wait(process: subprocess.Popen[Any]) -> int:
+    """The exit code of a program; in slices, because on Windows a wait without a limit is deaf to Ctrl-C."""
+    while True:
+        try:
+            return process.wait(0.2)
+        except subprocess.TimeoutExpired:
+            pass
 
 
 def end(process: subprocess.Popen[bytes], limit: float = 5.0) -> None:
     """Pass Ctrl-C on to a program of `spawn`, wait for it to clear up, and end what is left of it and its own."""
     with uninterrupted():
-        # On Windows the console has sent the Ctrl-C to all programs already.
         signal_all(process, "SIGINT")
         try:
             process.wait(limit)
         except subprocess.TimeoutExpired:
-            process.kill()
+            pass
         signal_all(process, "SIGKILL")
+        process.kill()
         process.wait()
 
 
 def signal_all(process: subprocess.Popen[bytes], name: str) -> None:
-    """Signal a program of `spawn` and all that it started; does nothing on Windows."""
+    """Signal a program of `spawn` and all that it started."""
     if sys.platform != "win32":
         try:
             os.killpg(process.pid, getattr(signal, name))
         except (ProcessLookupError, PermissionError):
             pass
+    elif process.poll() is None:
+        if name == "SIGINT":
+            ask_to_end(process)
+        else:
+            command = ["taskkill", "/T", "/F", "/PID", str(process.pid)]
+            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def ask_to_end(process: subprocess.Popen[Any]) -> None:
+    """Ask a program to end: SIGTERM; on Windows Ctrl-Break, for which it needs the flags of GROUP."""
+    if sys.platform != "win32":
+        process.terminate()
+    elif process.poll() is None:
+        try:
+            process.send_signal(signal.CTRL_BREAK_EVENT)
+        except OSError:
+            # There is no console to send it through.
+            process.terminate()
 
 
 def interruptible() -> None:
     """Whatever asks us to end, `kill` and a closed terminal too, is a KeyboardInterrupt, so that we clear up."""
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+    for name in ENDS:
         # One that is ignored was ignored on purpose: nohup does so.
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN:
             signal.signal(getattr(signal, name), signal.default_int_handler)
@@ -173,7 +209,7 @@ def handling(how: Callable[[int, FrameType | None], None] | signal.Handlers) -> 
     """Inside, what asks us to end is handled like this; what is ignored stays so. Only the main thread may say that."""
     found = {}
     if threading.current_thread() is threading.main_thread():
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        for name in ENDS:
             number = getattr(signal, name, None)
             if number is not None and signal.getsignal(number) not in (signal.SIG_IGN, None):
                 found[number] = signal.signal(number, how)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +15,13 @@ from tests.programs import ROOT, Program
 
 PYTHON = Path(sys.executable)
 CLIENTS = ("python", "csharp", "unity")
+
+# A shell ignores Ctrl-C for what it starts in the background, and so would all that the tests start.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+# By which kit.py passes Ctrl-C on to pytest on Windows.
+if sys.platform == "win32":
+    signal.signal(signal.SIGBREAK, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -41,7 +49,10 @@ def engine(request: pytest.FixtureRequest) -> dotnet.Engine:
     """The engine of this run; skips where there is no .NET SDK."""
     if not dotnet.sdk():
         pytest.skip(dotnet.DOWNLOAD)
-    return dotnet.choose_engine(request.config.getoption("--engine"))
+    try:
+        return dotnet.choose_engine(request.config.getoption("--engine"))
+    except dotnet.NoEngine as error:
+        pytest.skip(str(error))
 
 
 @pytest.fixture(scope="session")
@@ -69,7 +80,7 @@ def start() -> Iterator[Callable[..., Program]]:
 def serve(start: Callable[..., Program]) -> Callable[..., tuple[Program, str]]:
     """serve("01_request_reply", "--delay", "1") starts a lesson's server on a free port: (program, endpoint)."""
 
-    def serve(key: str, *options: str, endpoint: str = "tcp://127.0.0.1:*", **environment: str) -> tuple[Program, str]:
+    def serve(key: str, *options: str, endpoint: str = "tcp://127.0.0.1:0", **environment: str) -> tuple[Program, str]:
         program = start(PYTHON, ROOT / "python" / key / "server.py", "--endpoint", endpoint, *options, **environment)
         return program, program.wait_for(r"^listening on (\S+)")[1]
 

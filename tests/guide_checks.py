@@ -22,7 +22,12 @@ SECTIONS = (
     "Next",
 )
 # Pure reference: nothing to run, to break or to ask.
-REFERENCE = {"glossary.md", "where_to_go_next.md"}
+REFERENCE = {"glossary.md", "questions.md", "where_to_go_next.md"}
+# What PowerShell 5.1, cmd, bash and zsh all take as it stands: programs, words, and text in double quotes.
+PROGRAMS = ("python3", "python", "dotnet", "git", "cd")
+WORD = r"[\w./:=,-]"
+PLAIN = rf"(?!\./){WORD}+(?: (?:{WORD}|\"[^\"$`%!\\~]*\")+)*"
+SHELLS = r"for (bash|zsh|cmd|PowerShell)\b.*:"
 
 # Mermaid ends a statement at a semicolon and takes `#name;` for a character.
 TEXT = r"(?:[^;#]|#\w+;)+"
@@ -54,6 +59,20 @@ def block_faults(block: guide.Block) -> list[str]:
     if block.kind in ("run", "like", "commands") and block.language:
         faults.append(f"{block.where}: what is printed or typed has no language")
     return faults
+
+
+def shell_faults(block: guide.Block) -> list[str]:
+    """Lines to type that some shell would read in another way; a block that says for which shell it is, may."""
+    lines = block.body.splitlines()
+    begins = (*PROGRAMS, "export ", "set ", "$env:")
+    typed = block.kind == "commands" or (not block.language and lines and lines[0].startswith(begins))
+    if not typed or re.match(SHELLS, block.source):
+        return []
+    return [
+        f"{block.where}: not for every shell: {line}"
+        for line in lines
+        if line and not (line.startswith(PROGRAMS) and re.fullmatch(PLAIN, line))
+    ]
 
 
 def stray_blocks(page: Path, text: str) -> list[str]:
@@ -175,8 +194,10 @@ def structure_faults(page: Path, text: str) -> list[str]:
     if not [target for target in targets(under.get("Next", "")) if target.partition("#")[0].endswith(".md")]:
         faults.append(f"{page.name}: Next names no page")
     if page.name not in REFERENCE:
-        questions = re.findall(r"^(\d+)\. +\*[^*]+\?\*\s+\S", under.get("Check yourself", ""), re.MULTILINE)
-        numbers = re.findall(r"^(\d+)\. ", under.get("Check yourself", ""), re.MULTILINE)
-        if len(questions) < 2 or questions != numbers:
-            faults.append(f"{page.name}: Check yourself needs questions like `1. *Why?* Because.`")
+        asked = under.get("Check yourself", "")
+        # The blank lines are what makes GitHub read the answer as markdown.
+        folded = r"\n   <details><summary>Answer</summary>\n\n   [^<]+\n\n   </details>(?:\n|$)"
+        questions = re.findall(rf"^(\d+)\. \*[^*]+\?\*{folded}", asked, re.MULTILINE)
+        if len(questions) < 2 or questions != re.findall(r"^(\d+)\. ", asked, re.MULTILINE):
+            faults.append(f"{page.name}: Check yourself needs questions like `1. *Why?*`, each with its answer folded")
     return faults

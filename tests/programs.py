@@ -8,10 +8,16 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import threading
 import time
+import uuid
 from collections.abc import Sequence
 from pathlib import Path
+
+import pytest
+
+from kitlib.terminal import GROUP, READABLE, ask_to_end
 
 ROOT = Path(__file__).resolve().parent.parent
 # Generous, since it only decides how long a broken program is waited for.
@@ -41,6 +47,27 @@ def steady_port() -> int:
     raise AssertionError("no free port")
 
 
+finds_processes = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="finds processes in /proc")
+
+
+class Mark:
+    """A word in the environment by which a program and all that it starts are found, and nothing of other people's."""
+
+    def __init__(self) -> None:
+        self.environment = {"KIT_TEST_MARK": str(uuid.uuid4())}
+
+    def processes(self) -> dict[int, str]:
+        """The number and the command of each process that has the mark."""
+        found = {}
+        for folder in Path("/proc").glob("[0-9]*"):
+            try:
+                if self.environment["KIT_TEST_MARK"].encode() in (folder / "environ").read_bytes():
+                    found[int(folder.name)] = (folder / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+            except OSError:
+                pass
+        return found
+
+
 class Program:
     """A running process. `lines` grows as it prints, stdout and stderr together."""
 
@@ -57,7 +84,8 @@ class Program:
             text=True,
             encoding="utf-8",
             errors="replace",
-            env={**os.environ, "PYTHONUNBUFFERED": "1", **environment},
+            env={**os.environ, **READABLE, **environment},
+            **(GROUP if sys.platform == "win32" else {}),
         )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -101,8 +129,15 @@ class Program:
         return code
 
     def stop(self, how: signal.Signals = signal.SIGTERM, limit: float = LIMIT) -> int:
-        """Ask it to end, as Ctrl-C (SIGINT) or a process manager (SIGTERM) would."""
-        self.process.send_signal(how)
+        """Ask it to end, as Ctrl-C (SIGINT) or a process manager (SIGTERM) would.
+
+        Windows has neither for another program: there it is Ctrl-Break, which servers take for Ctrl-C, and so end
+        with the same code; a program that does not ends with 0xC000013A.
+        """
+        if sys.platform == "win32":
+            ask_to_end(self.process)
+        else:
+            self.process.send_signal(how)
         return self.wait(limit)
 
     def kill(self) -> None:

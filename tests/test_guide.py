@@ -6,11 +6,14 @@ The last part breaks a copy of each page and sees that the checks notice.
 from __future__ import annotations
 
 import ast
+import contextlib
+import dataclasses
 import json
 import os
 import re
 import shlex
 import subprocess
+import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -38,6 +41,7 @@ EXPECTED_PAGES = {
     "devices.md",
     "troubleshooting.md",
     "glossary.md",
+    "questions.md",
     "where_to_go_next.md",
 }
 
@@ -92,7 +96,7 @@ def test_every_command_runs(block, serve, start, client_command, engine):
     for line in filter(None, block.body.splitlines()):
         words = shlex.split(line.split("  #")[0])
         if words[:2] == ["python3", "kit.py"]:
-            run_kit(words[2:], start, engine)
+            run_kit(words[2:], serve, start, engine)
         elif match := re.fullmatch(r"python/(\d\d_\w+)/server\.py", words[1] if len(words) > 1 else ""):
             assert words[0] == "python"
             server, _ = serve(match[1], *words[2:])
@@ -104,14 +108,24 @@ def test_every_command_runs(block, serve, start, client_command, engine):
             run_client("csharp", find(words[5]).key, words[6:], serve, start, client_command)
 
 
-def run_kit(words, start, engine):
-    if words[0] == "run":
-        words = [*words, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:*"]
+def run_kit(words, serve, start, engine):
+    if words[0] == "server":
+        server = start(PYTHON, ROOT / "kit.py", *words, "--endpoint", "tcp://127.0.0.1:0")
+        server.wait_for("^listening on ")
+        server.stop()
+        return
+    if words[0] == "client":
+        words = [*words, "--engine", engine.name, "--endpoint", serve(find(words[1]).key)[1]]
+    elif words[0] == "run":
+        words = [*words, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
     elif words[0] == "test":
         # This very run, or a part of it; only its words are checked.
         words = ["test", "--collect-only", "-q", *words[1:]]
     elif words[0] == "bench":
         # test_bench.py runs it; here only its words are checked.
+        words = [*words, "--help"]
+    elif words[0] == "unity":
+        # It needs a project; test_unity_install.py has some.
         words = [*words, "--help"]
     program = start(PYTHON, ROOT / "kit.py", *words)
     assert program.wait(240) in (0, 1), program.output
@@ -127,6 +141,28 @@ def run_client(kind, key, options, serve, start, client_command):
     program = start(*client_command(kind, key, endpoint, *options))
     assert program.wait(120) in (0, 1), program.output
     assert "Traceback" not in program.output
+
+
+@of("commands", "by hand")
+def test_a_command_means_the_same_to_every_shell(block):
+    assert checks.shell_faults(block) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_says_how_to_start_python_on_windows(page):
+    """There `python3` is most often the Microsoft Store's."""
+    typed = [block for block in BLOCKS if block.page == page and re.search("^python3 ", block.body, re.MULTILINE)]
+    assert not typed or re.search(r"\bOn\s+Windows\b.{1,20}`py`", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_notices_name_every_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = project["dependencies"] + [each for extra in project["optional-dependencies"].values() for each in extra]
+    for path in ROOT.glob("csharp-console/**/*.targets"):
+        wanted += re.findall(r'<PackageReference Include="([^"]+)"', path.read_text(encoding="utf-8"))
+    notices = (ROOT / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"[\w-]+", " ".join(re.findall(r"^\| ([^|]+)", notices, re.MULTILINE)).lower()))
+    assert {re.match(r"[\w-]+", each)[0].lower() for each in wanted} - listed == set()
 
 
 @of("diagram")
@@ -252,11 +288,13 @@ def test_a_script_of_yours_plays(tmp_path, console, serve):
     ids=lambda block: block.where,
 )
 def test_every_block_of_another_language_can_be_read(block):
-    {
-        "python": lambda text: compile(text, block.where, "exec"),
-        "json": json.loads,
-        "xml": ElementTree.fromstring,
-    }[block.language](block.body)
+    if block.language == "python":
+        compile(block.body, block.where, "exec")
+    elif block.language == "json":
+        json.loads(block.body)
+    else:
+        assert block.language == "xml"
+        ElementTree.fromstring(block.body)
 
 
 @each_page
@@ -315,6 +353,18 @@ def in_colour(prefix):
     return f"\033[{COLOURS[prefix[0].split()[0]]}m{prefix[0]}\033[0m"
 
 
+@pytest.mark.parametrize("name", ["price", "echo_32", "echo_230400"])
+def test_the_bars_of_a_plot_are_as_long_as_their_numbers(name):
+    """Twice as long is twice as much: an axis that is not linear, or does not begin at 0, is a picture that lies."""
+    svg = (ROOT / "img" / f"performance_{name}.svg").read_text(encoding="utf-8")
+    number = r"(\d+(?:\.\d+)?)"
+    bars = re.findall(rf'd="M {number} {number}\nL {number} \2\nL \3 {number}\nL \1 \4\nz\n" clip-path', svg)
+    values = [float(text.replace(",", "")) for text in re.findall(r">([\d,.]+)</text>", svg)][-len(bars) :]
+    lengths = [float(right) - float(left) for left, _, right, _ in bars]
+    assert len(bars) >= 2
+    assert [length / max(lengths) for length in lengths] == pytest.approx([v / max(values) for v in values], abs=0.01)
+
+
 # What only somebody who changes the kit meets.
 MAINTAINING = {"guide.py", "pictures.py", "terminal_picture.py", "unity_meta.py", "lab.py"}
 # What a server says that was told to make trouble.
@@ -345,17 +395,138 @@ def test_every_error_is_in_troubleshooting(text):
 
 
 def changed_words(text):
-    """The text with one word changed, for a word at its beginning, in its middle and at its end."""
-    words = list(re.finditer(r"[A-Za-z]{3,}", text))
+    """The text with one word changed, for a word at its beginning, in its middle and at its end; not in a comment."""
+    code = re.sub(r"(#|//).*", lambda comment: " " * len(comment[0]), text)
+    words = list(re.finditer(r"[A-Za-z]{3,}", code))
     for found in [words[0], words[len(words) // 2], words[-1]]:
         yield text[: found.start()] + found[0][::-1].swapcase() + text[found.end() :]
 
 
+def pasted(block):
+    """A reader's copy of the file, in which the definition was replaced by the text of the page."""
+    path, name = block.source.split()
+    text = (ROOT / path).read_text(encoding="utf-8")
+    return (pasted_python if path.endswith(".py") else pasted_csharp)(text, name, block.body)
+
+
+def pasted_python(text, name, body):
+    """The module with another definition in the place of one; it is found by the parser, and not by its lines."""
+    tree = ast.parse(text)
+    for parent in ast.walk(tree):
+        if not isinstance(parent, ast.Module | ast.ClassDef):
+            continue
+        for place, node in enumerate(parent.body):
+            if getattr(node, "name", "") == name:
+                parent.body[place : place + 1] = ast.parse(body).body
+                return ast.unparse(tree)
+    raise AssertionError(f"no {name}")
+
+
+def pasted_csharp(text, name, body):
+    """The file with all that belongs to a declaration replaced: from the end of what stands above it to its own end.
+
+    Comments go, as they mean nothing to the compiler, and so does the space between words.
+    """
+    code = re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE)
+    modifiers = r"(?:public|private|internal|protected)"
+    declared = re.search(rf"^[^\n=;(]*\b{modifiers}\b[^\n=;(]*\b{name}\b", code, re.MULTILINE)
+    above = max(code.rfind(end, 0, declared.start()) for end in ";{}") + 1
+    end, depth = declared.end(), 0
+    while depth or code[end - 1] not in ";}":
+        depth += {"{": 1, "}": -1}.get(code[end], 0)
+        end += 1
+    return " ".join((code[:above] + "\n" + re.sub(r"^\s*//.*\n", "", body, flags=re.MULTILINE) + code[end:]).split())
+
+
+def as_it_is(block):
+    text = (ROOT / block.source.split()[0]).read_text(encoding="utf-8")
+    if block.language == "python":
+        return ast.unparse(ast.parse(text))
+    return " ".join(re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE).split())
+
+
 @of("excerpt")
-def test_a_changed_word_of_an_excerpt_is_noticed(block):
+def test_an_excerpt_pasted_over_its_definition_gives_the_same_file(block):
+    assert pasted(block) == as_it_is(block)
     for body in changed_words(block.body):
-        page = f"<!-- excerpt: {block.source} -->\n```{block.language}\n{body}```\n"
-        assert [found.body for found in guide.blocks(block.page, page)] != [guide.excerpt(block.source)]
+        with contextlib.suppress(SyntaxError):
+            assert pasted(dataclasses.replace(block, body=body)) != as_it_is(block)
+
+
+PYTHON_DEFINITIONS = '''
+import functools
+
+@functools.lru_cache(
+    maxsize=1000,
+)
+@print
+def decorated(x):
+    return x
+
+@print
+class Thing:
+    """Has a method."""
+
+    @property
+    # Why it is one.
+    def method(self):
+        return 1
+
+    async def later(self):
+        return 2
+'''
+CSHARP_DEFINITIONS = """
+namespace N
+{
+    [Serializable]
+    public sealed class Thing
+    {
+        private int[] numbers = new int[3]; // ends in ]
+        [Obsolete("no"),
+         EditorBrowsable(EditorBrowsableState.Never)]
+        [Header("a [b]")]
+        // Why it is one.
+        public int Method()
+        {
+            return numbers[0];
+        }
+
+        private static readonly int[] Others =
+        {
+            1, 2,
+        };
+
+        [SerializeField] private string endpoint = "x";
+
+        /// <summary>Documentation [with] brackets [here]</summary>
+        public void Plain() { }
+    }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("language", "name", "first", "last"),
+    [
+        ("python", "decorated", "@functools.lru_cache(", "return x"),
+        ("python", "Thing", "@print", "return 2"),
+        ("python", "method", "@property", "return 1"),
+        ("python", "later", "async def later(self):", "return 2"),
+        ("csharp", "Thing", "[Serializable]", "}"),
+        ("csharp", "Method", '[Obsolete("no"),', "}"),
+        ("csharp", "Others", "private static readonly int[] Others =", "};"),
+        ("csharp", "endpoint", *['[SerializeField] private string endpoint = "x";'] * 2),
+        ("csharp", "Plain", *["public void Plain() { }"] * 2),
+    ],
+)
+def test_an_excerpt_begins_at_its_decorators_and_attributes(language, name, first, last):
+    text, lines_of = {
+        "python": (PYTHON_DEFINITIONS, guide.python_lines),
+        "csharp": (CSHARP_DEFINITIONS, guide.csharp_lines),
+    }[language]
+    found = lines_of(text, name)
+    assert found, f"no {name}"
+    assert [text.splitlines()[i].strip() for i in (found[0], found[-1])] == [first, last]
 
 
 @of("run", "like")
@@ -386,10 +557,42 @@ def test_a_transcript_is_renewed_from_a_run():
     client = transcript("like", "b 7", "...", "done: 8")
     assert guide.contradiction(client, ran) == ""
     assert guide.renewed(client, ran).splitlines() == ["b 1", "...", "done: 2"]
+    column = transcript("like", "naive    561 us", "pooled    99 us")
+    assert guide.contradiction(column, ["client | naive   1561 us", "client | pooled  360 us"]) == ""
+    assert guide.contradiction(column, ["client | naive   1561 ms", "client | pooled  360 us"])
     whole = transcript("run", "b 1", "b 3", "done: 2")
     assert guide.renewed(whole, ran).splitlines() == ["b 1", "b 2", "done: 2"]
     short = transcript("run", "b 1", "b 2", "...", "b 2", "done: 2")
     assert guide.renewed(short, ran).splitlines() == ["b 1", "b 2", "done: 2"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "kit.py run 1 --endpoint tcp://127.0.0.1:*",
+        "kit.py test -k one|two",
+        "kit.py list; kit.py doctor",
+        "kit.py list && kit.py doctor",
+        "kit.py run 1 --options='--count 3'",
+        'kit.py unity "C:\\My Game\\"',
+        'kit.py unity "~/My Game"',
+        "kit.py unity ~/MyGame",
+        'kit.py run 1 --options="--text $HOME"',
+        'kit.py run 1 --options="--text %PATH%"',
+        "kit.py run 1 # the first",
+        '"C:/My Kit/kit.py" run 1',
+        "export PIP_NO_INDEX=1",
+        "set PIP_NO_INDEX=1",
+        "$env:PIP_NO_INDEX = 1",
+        "PIP_NO_INDEX=1 kit.py run 1",
+        "./kit.py run 1",
+        "kit.py \\",
+    ],
+)
+def test_a_command_for_one_shell_alone_is_noticed(line):
+    block = guide.Block(ROOT / "README.md", 1, "commands", "", "", f"{line.replace('kit.py', 'python3 kit.py', 1)}\n")
+    assert checks.shell_faults(block) != []
+    assert checks.shell_faults(dataclasses.replace(block, kind="by hand", source="for zsh: because")) == []
 
 
 @of("diagram")
