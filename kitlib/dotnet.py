@@ -133,7 +133,7 @@ def ask_nuget(asked: str | None) -> Engine:
         if lessons.WINDOWS:
             # Pyzmq for Windows holds no libzmq that others could use. Not kept in mind: NuGet may answer next time.
             raise NoEngine(f"{why}, so there is no C# client here today")
-    if not restore(Engine("libzmq", ""), PATIENCE / 3).ok:
+    if not restore(Engine("libzmq", ""), PATIENCE / 2).ok:
         result = restore(Engine("libzmq", "", offline=True))
         if not result.ok:
             raise KitError(f"dotnet restore failed: {result.first(' error ')}")

@@ -16,7 +16,7 @@ from .lessons import ROOT, WINDOWS, KitError, Lesson
 from .terminal import GROUP, READABLE, ask_to_end, later, say, show, uninterrupted, wait
 
 # A server prints its ready line within this many seconds, or something is wrong with it.
-READY = 20.0
+READY = 60.0
 # The server is asked to end, and waited for this long.
 GOODBYE = 5.0
 

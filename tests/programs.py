@@ -21,7 +21,7 @@ from kitlib.terminal import GROUP, READABLE, ask_to_end
 
 ROOT = Path(__file__).resolve().parent.parent
 # Generous, since it only decides how long a broken program is waited for.
-LIMIT = 30.0
+LIMIT = 60.0
 
 
 def free_port() -> int:

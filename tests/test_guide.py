@@ -176,7 +176,7 @@ def compiled(engine):
     found = set()
     for project in [*ROOT.glob("csharp-console/**/*.csproj"), *ROOT.glob("tests/**/*.csproj")]:
         command = ["dotnet", "msbuild", project, *engine.properties, "-getItem:Compile"]
-        done = subprocess.run(command, capture_output=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=60)
+        done = subprocess.run(command, capture_output=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=200)
         found |= {Path(item["FullPath"]) for item in json.loads(done.stdout)["Items"]["Compile"]}
     return found
 
@@ -232,7 +232,7 @@ def build(folder, console, properties=""):
     )
     command = ["dotnet", "build", folder, "-p:NuGetAudit=false", "-v:quiet", "-nologo", "-clp:NoSummary;ErrorsOnly"]
     return subprocess.run(
-        command, capture_output=True, text=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=120
+        command, capture_output=True, text=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=280
     )
 
 

@@ -298,10 +298,10 @@ def test_what_comes_after_test_is_for_pytest(start):
     program = start(
         PYTHON, KIT, "test", "-k", "not_a_test or what_comes_after", "--collect-only", "-q", "--", "--no-header"
     )
-    assert program.wait(60) == 0
+    assert program.wait(120) == 0
     assert any(line.endswith("::test_what_comes_after_test_is_for_pytest") for line in program.lines)
     theirs = start(PYTHON, KIT, "test", "--", "--help")
-    assert theirs.wait(60) == 0
+    assert theirs.wait(120) == 0
     assert any(line.startswith("usage: ") and "file_or_dir" in line for line in theirs.lines)
 
 
@@ -494,7 +494,7 @@ def test_server_and_client_are_the_halves_of_run(kind, request, start):
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     engine = [] if kind == "python" else ["--engine", request.getfixturevalue("engine").name]
     client = start(PYTHON, KIT, "client", "1", "--client", kind, *engine, "--endpoint", endpoint, "--count", "3")
-    assert client.wait() == 0, client.output
+    assert client.wait(300) == 0, client.output
     assert client.lines[-1] == "done: 3 replies"
     refused = start(PYTHON, KIT, "client", "1", "--client", "python", "--cuont", "3")
     assert refused.wait() == 2

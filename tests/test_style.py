@@ -124,8 +124,10 @@ def test_a_lesson_is_whole(lesson):
 def tracked():
     if not shutil.which("git") or not (ROOT / ".git").exists():
         pytest.skip("not a git checkout")
-    names = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
-    return [ROOT / name for name in names if name and (ROOT / name).exists()]
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip(f"git does not list the files: {listed.stderr.splitlines()[0]}")
+    return [ROOT / name for name in listed.stdout.split("\n") if name and (ROOT / name).exists()]
 
 
 def test_no_binary_and_no_path_of_somebodys_machine_is_in_the_repository():

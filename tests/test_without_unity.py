@@ -100,7 +100,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
         shutil.copy(path, tmp_path)
     command = ["dotnet", "build", project, *engine.properties, "-warnaserror", "-o", tmp_path / "out"]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=280, env=environment)
     assert done.returncode == 0, done.stdout
     _, endpoint = serve("01_request_reply")
     done = subprocess.run(
