@@ -42,7 +42,7 @@ namespace NetMQExample.Terminal
             Console.WriteLine($"{Rounds} rounds of {Echoes} echoes of {TestCamera.Size} bytes each way, the middle of the rounds:");
             foreach (var (name, way) in new[] { ("naive", 0), ("pooled", 1) })
                 Console.WriteLine(FormattableString.Invariant(
-                    $"{name,-6} {Middle(rounds.Select(round => round[way].time)),5:F0} us and {Middle(rounds.Select(round => (double)round[way].bytes)),7:F0} new bytes for each"));
+                    $"{name,-6} {Middle(rounds.Select(round => round[way].time)):F0} us and {Middle(rounds.Select(round => (double)round[way].bytes)):F0} new bytes for each"));
             Console.WriteLine(FormattableString.Invariant(
                 $"pooled is {Middle(rounds.Select(round => round[0].time / round[1].time)):F2} times as fast"));
         }
