@@ -3,9 +3,10 @@
     python python/04_background_client/server.py       prints: listening on tcp://127.0.0.1:5554
     python python/04_background_client/client.py       or: dotnet run --project csharp-console -- 4
 
-Bytes: a request is two frames, [id][text], and so is its reply; all UTF-8. The client makes the id, a new one for each
-request and the same one for its retries. `hello` is answered with `world`, `echo TEXT` with TEXT, anything else with a
-text that begins with `error:`. A retry is answered from memory: what was done once is not done again.
+Bytes: a request is two frames, [id][text], and so is its reply; all UTF-8, at most 65,536 bytes each. The client makes
+the id, a new one for each request and the same one for its retries. `hello` is answered with `world`, `echo TEXT` with
+TEXT, anything else with a text that begins with `error:`, and so is what makes an exception in `answer`. A retry is
+answered from memory: what was done once is not done again.
 Trouble on command, at the Nth message that arrives: `--crash-on N` leaves without a reply, `--drop N` goes on without
 one, `--slow-on N --delay S` replies late, `--garbage-on N` and `--half-on N` reply with other bytes than agreed.
 Take home: this file. Its memory ends with the process; lesson 02 keeps it on disk.
