@@ -94,8 +94,7 @@ def test_ten_pictures(kind, serve, start, client_command):
 def test_jpeg(kind, serve, start, client_command):
     pytest.importorskip("PIL", reason="JPEG needs Pillow: pip install pillow")
     _, endpoint = serve(KEY)
-    command = client_command(kind, KEY, endpoint, "--count", "3")
-    client = start(*command, *(["--jpeg"]))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--jpeg"))
     assert client.wait() == 0, client.output
     for i, printed in enumerate(client.lines[1:4], 1):
         size = int(re.search(r"(\d+) bytes", printed)[1])

@@ -429,6 +429,16 @@ def test_a_wrong_field_is_said_once(
     assert not [line for line in play.lines if line.startswith("   at ") or "Exception" in line]
 
 
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_stop_while_a_client_is_being_made(runtime: str, editor: Callable[..., Any], silent: str) -> None:
+    """Lesson 03's logs a line in the middle of it: that must not fail, or the first of its sockets stays for ever."""
+    unity = editor(runtime, "keep", "3", silent, 2, "2 clients, stopped while they are made")
+    for i in range(10):
+        unity.play()
+        time.sleep(i / 200)
+        unity.stop()
+
+
 OTHERS = [lesson.key for lesson in lessons.lessons() if lesson.number > 1 and list(lesson.unity.glob("*.cs"))]
 
 

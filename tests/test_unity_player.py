@@ -82,6 +82,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "deltaTime is capped: True, unscaledDeltaTime: False",
     ]
     assert [line for line in play.lines if line in happened] == happened
+    assert play.lines.count("Application.runInBackground is now true") == 1
     assert "Can't add component 'Once' to renamed: it allows no second one" in play.lines
     assert "Habits.Start returns IEnumerator: it is left out, because the player runs no coroutines" in play.lines
     assert "System.InvalidOperationException: in a continuation" in play.lines

@@ -28,6 +28,9 @@ namespace NetMQExample.PlayTest
                 Debug.Log("a line");
                 Console.WriteLine($"shown: {text.GetComponent<TextMesh>().text}");
                 thing.AddComponent<Once>();
+                // Both want to go on in the background; it is said once.
+                new GameObject("client 1").AddComponent<HelloClient>();
+                new GameObject("client 2").AddComponent<HelloClient>();
                 Console.WriteLine($"a second one: {thing.AddComponent<Once>() == null}");
             });
             for (var i = 0; i < 3 || !sent; i++)

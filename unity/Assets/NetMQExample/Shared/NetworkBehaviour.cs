@@ -44,8 +44,18 @@ namespace NetMQExample
 
         /// <summary>Has something done in Update, and waits while much else is to be done there. For the network thread.
         /// </summary>
-        /// <param name="action">What may touch the scene.</param>
-        protected void InUpdate(Action action) => own.ForUpdate.Add(action, own.Stop.Token);
+        /// <param name="action">What may touch the scene; after Stop it is dropped.</param>
+        protected void InUpdate(Action action)
+        {
+            try
+            {
+                own.ForUpdate.Add(action, own.Stop.Token);
+            }
+            catch (OperationCanceledException)
+            {
+                // A client that logs while it is made must not be left half made: its next wait hears of the Stop.
+            }
+        }
 
         /// <summary>Has something made in Update, and waits for it. For the network thread.</summary>
         /// <param name="make">What may touch the scene.</param>
