@@ -34,6 +34,10 @@ class Listener:
         with contextlib.suppress(OSError, AssertionError):
             self.serve(peer)
 
+    def serve(self, peer):
+        """What a peer gets; it may end in an exception when the peer leaves."""
+        raise NotImplementedError
+
     def __exit__(self, *_):
         for each in self.open:
             with contextlib.suppress(OSError):

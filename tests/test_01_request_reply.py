@@ -15,7 +15,6 @@ from pathlib import Path
 import pytest
 import zmq
 
-from kitlib import dotnet
 from tests.bad_peers import ProtocolBreaker, zmtp_frame
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, free_port

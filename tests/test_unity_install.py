@@ -248,7 +248,7 @@ def test_a_file_that_is_open_for_a_moment_is_tried_again(
     ],
 )
 def test_the_last_line_fits_the_shell(system: str, python: str, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(unity_install.os, "name", system)
+    monkeypatch.setattr(os, "name", system)
     said = unity_install.command(python, "/kit/server.py")
     monkeypatch.undo()
     assert said == line

@@ -43,9 +43,11 @@ def programs(engine: dotnet.Engine, tmp_path_factory: pytest.TempPathFactory) ->
     framework = f"-p:LibraryFramework=net{(dotnet.sdk() or '').split('.')[0]}.0"
     own = ["-p:NetMQEngine=netmq", "-p:NuGetAudit=false", f"-p:ArtifactsPath={folder / 'artifacts'}"]
     play = ["-p:UseAppHost=true", "-p:GenerateDependencyFile=true"]
-    for project, more in (("csharp-console", []), ("tests/play", play)):
-        command = ["dotnet", "publish", ROOT / project, "-r", "win-x64", "--self-contained", "-o", folder / "bin"]
-        result = quietly([*command, framework, *own, *more], 300, dotnet.ENVIRONMENT)
+    projects: list[tuple[str, list[str]]] = [("csharp-console", []), ("tests/play", play)]
+    for project, more in projects:
+        publish: list[str | Path] = ["dotnet", "publish", ROOT / project, "-o", folder / "bin"]
+        windows = ["-r", "win-x64", "--self-contained", framework]
+        result = quietly([*publish, *windows, *own, *more], 300, dotnet.ENVIRONMENT)
         if any(code in result.output for code in (*dotnet.ABSENT, *dotnet.UNREACHABLE)):
             pytest.skip(f"NuGet gave no .NET for Windows: {result.first(' error ')}")
         assert result.ok, result.output
