@@ -193,7 +193,8 @@ def test_a_client_that_met_the_wrong_server_finds_the_right_one_later(kind, serv
                     pass
     serve(KEY, endpoint=endpoint)
     assert client.wait(25) == 0, client.output
-    assert client.lines[1:] == [
+    # NetMQ may have said before that it is connected, to the wrong one, and that it has lost it.
+    assert client.lines[-4:] == [
         "connected",
         "1: sent echo a, received a",
         "2: sent echo a, received a",
