@@ -183,8 +183,8 @@ namespace NetMQ
                 if (library != IntPtr.Zero) return library;
             }
             throw new DllNotFoundException("libzmq not found: " + (IsWindows
-                ? "pyzmq 26 and later brings no DLL on Windows; take NetMQ from NuGet (--engine netmq), or set LIBZMQ to "
-                    + "a libzmq.dll"
+                ? "pyzmq 26 and later brings no DLL on Windows; take NetMQ from NuGet (--engine netmq), or set LIBZMQ "
+                    + "to a libzmq.dll"
                 : "pip install pyzmq, or set LIBZMQ to the library's path"));
         }
 

@@ -160,7 +160,7 @@ namespace NetMQ
 
         private void Free()
         {
-            // Undelivered messages keep libzmq busy for their linger time, and neither Dispose nor Cleanup(false) waits.
+            // Undelivered messages keep libzmq busy for their linger time; neither Dispose nor Cleanup(false) waits.
             if (lingers) new Thread(Destroy) { IsBackground = true, Name = "NetMQ linger" }.Start();
             else Destroy();
         }

@@ -275,8 +275,8 @@ namespace NetMQ
         }
 
         /// <summary>
-        /// The handle, which stays valid until <see cref="Leave"/>, also when another thread disposes the socket: libzmq
-        /// ends the process when a socket is closed while it is in use.
+        /// The handle, which stays valid until <see cref="Leave"/>, also when another thread disposes the socket:
+        /// libzmq ends the process when a socket is closed while it is in use.
         /// </summary>
         internal IntPtr Enter()
         {

@@ -49,7 +49,7 @@ namespace NetMQ
                     }
                     while (true)
                     {
-                        // Looked for before: what its owner did before, such as removing it from a poller, ends this wait.
+                        // Looked for before the wait, which ends if the socket was first removed from a poller.
                         NetMQSocket? gone = null;
                         foreach (var socket in sockets) gone = socket.IsDisposed ? socket : gone;
                         var ready = Native.Instance.Poll(table, sockets.Count, (IntPtr)wait);

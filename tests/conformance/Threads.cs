@@ -1,7 +1,7 @@
 // What another thread may do to a socket in use, by mistake: it must end in an exception, and not the process.
 //
-// Only for the libzmq engine: in NetMQ who waits on a socket that was disposed waits for ever, and Cleanup and a constructor
-// can wait for each other.
+// Only for the libzmq engine: in NetMQ who waits on a socket that was disposed waits for ever, and Cleanup and a
+// constructor can wait for each other.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -88,6 +88,8 @@ namespace NetMQExample.Conformance
                 {
                     var thrown = Say.Thrown(() => new DealerSocket().Dispose());
                     Interlocked.Increment(ref made);
+                    // libzmq ends a closed socket a little later, and this loop does not wait for that.
+                    if (thrown is NetMQException { ErrorCode: ErrorCode.TooManyOpenSockets }) continue;
                     if (thrown != null) lock (kinds) kinds.Add(thrown.GetType().Name);
                 }
             }, TaskCreationOptions.LongRunning)).ToArray();

@@ -39,16 +39,17 @@ namespace NetMQExample
             {
                 // Meanwhile a socket would be refused.
                 if (!Cleaned())
-                    throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and cannot "
-                        + "start again: dispose every socket; on macOS take NetMQ 4.0.4.3, those before 4.0.4.1 never end");
+                    throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and "
+                        + "cannot start again: dispose every socket; "
+                        + "on macOS take NetMQ 4.0.4.3, those before 4.0.4.1 never end");
                 // On Windows NetMQ would use I/O completion ports, which outlive a domain reload in the Unity editor.
                 // Elsewhere this call does nothing. It only counts before the first socket.
                 if (users++ == 0) ForceDotNet.Force();
             }
         }
 
-        /// <summary>Leaves. The last user to leave ends NetMQ's background threads, and waits up to two seconds for them;
-        /// whether they ended, the next user hears.</summary>
+        /// <summary>Leaves. The last user to leave ends NetMQ's background threads, and waits up to two seconds for
+        /// them; if they do not end, the next user hears of it.</summary>
         public void Dispose()
         {
             lock (Gate)
@@ -64,8 +65,8 @@ namespace NetMQExample
             }
         }
 
-        // On a thread of its own, and without the lock: nobody can tell how long it takes. It waits until the disposed sockets
-        // are closed. Cleanup(false) does not, and leaves their connections open until the garbage collector finds them.
+        // On a thread of its own, and without the lock: nobody can tell how long it takes. It waits until the disposed
+        // sockets are closed. Cleanup(false) does not, and their connections stay open until a garbage collection.
         private static void Cleanup()
         {
             NetMQConfig.Cleanup();
@@ -76,8 +77,8 @@ namespace NetMQExample
             }
         }
 
-        // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never ends is
-        // waited for once.
+        // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never ends
+        // is waited for once.
         private static bool Cleaned()
         {
             while (cleaning != null)
