@@ -87,7 +87,15 @@ class Engine:
 
 def restore(engine: Engine, limit: float = PATIENCE) -> Result:
     # By force, because what an interrupted restore has left looks whole to the next one.
+    forget_damaged(engine)
     return quietly(["dotnet", "restore", CONSOLE, "--force", *engine.properties], limit, ENVIRONMENT)
+
+
+def forget_damaged(engine: Engine) -> None:
+    """NuGet reads what its last restore has written, even by force, and an empty file ends it."""
+    for path in (BUILD / engine.name / "obj").glob("*/project.assets.json"):
+        if not recall(path):
+            path.unlink(missing_ok=True)
 
 
 def choose_engine(asked: str | None = None, ask_again: bool = False) -> Engine:
@@ -195,6 +203,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
     # Until it has succeeded there is no stamp, and without one nothing that lies there is trusted: MSBuild takes even
     # an empty file for finished.
     stamp.unlink(missing_ok=True)
+    forget_damaged(engine)
     command: list[str | Path] = [
         "dotnet",
         "build",
