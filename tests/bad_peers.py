@@ -46,12 +46,14 @@ class Listener:
 
 
 class SlowLine(Listener):
-    """Hands everything on to a server and back, each byte `delay` seconds late."""
+    """A far server: hands everything on to a near one and back, as late as a line with this round trip does."""
 
-    def __init__(self, endpoint, delay):
-        self.port, self.delay = int(endpoint.rpartition(":")[2]), delay
+    def __init__(self, endpoint, round_trip):
+        self.port, self.round_trip = int(endpoint.rpartition(":")[2]), round_trip
 
     def serve(self, peer):
+        # To connect takes a round trip of its own.
+        time.sleep(self.round_trip)
         server = socket.create_connection(("127.0.0.1", self.port))
         self.open.append(server)
         threading.Thread(target=self.copy, args=(server, peer), daemon=True).start()
@@ -64,7 +66,7 @@ class SlowLine(Listener):
         while data:
             with contextlib.suppress(OSError):
                 data = source.recv(65536)
-                on_the_way.put((time.monotonic() + self.delay, data))
+                on_the_way.put((time.monotonic() + self.round_trip / 2, data))
                 continue
             on_the_way.put((0, b""))
             return

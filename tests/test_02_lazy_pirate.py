@@ -248,7 +248,7 @@ def test_a_relaxed_client_does_not_wait_for_ever_for_what_it_dropped(kind, start
 def test_a_far_server_is_reached_with_the_defaults(kind, way, pirate_server, start, client_command):
     """A round trip of 400 ms. A new connection takes several of them, so that a try of 0.5 s never succeeds."""
     _, endpoint = pirate_server()
-    with SlowLine(endpoint, 0.2) as line:
+    with SlowLine(endpoint, 0.4) as line:
         client = start(*client_command(kind, KEY, line.endpoint, "--count", "2", *way))
         assert client.wait() == 0, client.output
     assert replies(client) == received([1, 2])

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 import zmq
 
+from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, free_port, steady_port
-from tests.slow_line import slow_line
 
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -514,8 +514,8 @@ def test_the_wrong_server_first_in_the_other_modes(kind, mode, publish, serve, s
 def test_a_far_publisher_is_followed(kind, publish, follow):
     """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
     _, endpoint, snapshots = publish()
-    with slow_line(endpoint, 0.4) as far, slow_line(snapshots, 0.4) as far_snapshots:
-        client = follow(kind, far, far_snapshots, "--count", "30")
+    with SlowLine(endpoint, 0.4) as far, SlowLine(snapshots, 0.4) as far_snapshots:
+        client = follow(kind, far.endpoint, far_snapshots.endpoint, "--count", "30")
         assert client.wait() == 0, client.output
     assert client.wait_for(DONE)[1] == "30"
 
@@ -524,8 +524,8 @@ def test_a_far_publisher_is_followed(kind, publish, follow):
 @pytest.mark.parametrize("mode", [["--newest"], ["--listen", "pose/"]], ids=["newest", "listen"])
 def test_a_far_publisher_in_the_other_modes(kind, mode, publish, start, client_command):
     _, endpoint, _ = publish()
-    with slow_line(endpoint, 0.4) as far:
-        client = start(*client_command(kind, KEY, far, "--count", "5", *mode))
+    with SlowLine(endpoint, 0.4) as far:
+        client = start(*client_command(kind, KEY, far.endpoint, "--count", "5", *mode))
         assert client.wait() == 0, client.output
 
 

@@ -18,9 +18,9 @@ import pytest
 import zmq
 
 from kitlib import dotnet
+from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, steady_port
-from tests.slow_line import slow_line
 
 KEY = "04_background_client"
 FRAMES = r"frames: (\d+), the longest took (\d+) ms"
@@ -364,8 +364,8 @@ def test_what_is_printed_is_fit_for_a_terminal(kind, start, client_command, cont
 def test_a_far_server_answers(kind, serve, start, client_command):
     """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
     _, endpoint = serve(KEY)
-    with slow_line(endpoint, 0.4) as far:
-        client = start(*client_command(kind, KEY, far, "--count", "3"))
+    with SlowLine(endpoint, 0.4) as far:
+        client = start(*client_command(kind, KEY, far.endpoint, "--count", "3"))
         assert client.wait() == 0, client.output
     assert replies(client) == received(range(1, 4))
 
@@ -586,6 +586,8 @@ def test_large_messages_are_refused_and_not_kept(serve, context):
             dealer.poll(50)
     assert ask(context, endpoint, b"1", b"hello") == [b"1", b"world"]
     assert memory(server) < before + 150
+    # It prints after it has sent. A message that was taken would stand before this line, and have its number.
+    server.wait_for("sent b'world'")
     assert [line for line in server.lines if "sent" in line] == ["1: sent b'world'"]
 
 
