@@ -32,11 +32,13 @@ import argparse
 import io
 from pathlib import Path
 
-from kitlib import bench, doctor, dotnet, pack, python_setup, unity_install
 from kitlib import run as runner
 from kitlib.commands import Command, Half, PassingOn, split, start
 from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, find, lessons
+from kitlib.setup import doctor, dotnet, pack, python_setup
 from kitlib.terminal import coloured, end, interruptible, later, nobody_reads, say, spawn, wait
+from kitlib.unity import install as unity_install
+from lab import bench
 
 
 def commands() -> list[Command]:

@@ -12,8 +12,8 @@ import tomllib
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from . import lessons
-from .lessons import KIT, ROOT, KitError, UsageError, find
+from kitlib import lessons
+from kitlib.lessons import KIT, ROOT, KitError, UsageError, find
 
 
 class Command(argparse.ArgumentParser):

@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from . import dotnet
-from .lessons import ROOT, WINDOWS, KitError, Lesson
-from .terminal import GROUP, READABLE, ask_to_end, later, say, show, uninterrupted, wait
+from kitlib.lessons import ROOT, WINDOWS, KitError, Lesson
+from kitlib.setup import dotnet
+from kitlib.terminal import GROUP, READABLE, ask_to_end, later, say, show, uninterrupted, wait
 
 # A server prints its ready line within this many seconds, or something is wrong with it.
 READY = 60.0

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import dotnet
 from kitlib.lessons import KitError
+from kitlib.setup import dotnet
 from tests.programs import ROOT, Program
 
 PYTHON = Path(sys.executable)

@@ -1,0 +1,282 @@
+"""Keeps the README and the guide true.
+
+    python3 -m kitlib.docs.guide                   rewrites every excerpt, and every transcript that a run contradicts
+    python3 -m kitlib.docs.guide --excerpts        the excerpts alone, which takes no time
+    python3 -m kitlib.docs.guide docs/guide/X.md   these pages alone
+
+A fenced block says where it comes from in a comment on the line above it:
+
+    <!-- excerpt: python/01_request_reply/server.py answer -->   a function, class or method, by its name
+    <!-- run: 1 --client csharp --options='--count 1' -->        what `kit.py run` prints; `...` stands for any lines
+    <!-- like: 3 -->                                             the same, but numbers and ids differ from run to run
+    <!-- bench: echo of 32 B | a second, p50 us -->              a table of the kept run, or some columns
+    <!-- commands -->                                            one command a line, each of which a test starts
+    <!-- diagram -->                                             a sequence diagram, whose grammar a test checks
+    <!-- by hand: why -->                                        none of these, and counted
+
+`run` and `like` blocks without the prefixes `server |` and `client |` show the client alone. A transcript that is
+rewritten keeps as many lines before its first `...` and after its last one as it had; what stood between is gone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import difflib
+import functools
+import json
+import re
+import shlex
+import sys
+import tempfile
+import textwrap
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+from kitlib.lessons import ROOT, KitError, find
+from kitlib.terminal import quietly
+from lab import report
+
+BLOCK = re.compile(
+    r"(?:<!-- (?P<mark>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL
+)
+SIDES = ("server", "client")
+LIMIT = 240
+
+
+@dataclass(frozen=True)
+class Block:
+    """One fenced block of a page."""
+
+    page: Path
+    line: int
+    kind: str
+    source: str
+    language: str
+    body: str
+
+    @property
+    def where(self) -> str:
+        """The page and the line, for messages."""
+        return f"{self.page.relative_to(ROOT).as_posix()}:{self.line}"
+
+
+def pages() -> list[Path]:
+    """The README and every page of the guide."""
+    return [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
+
+
+def blocks(page: Path, text: str | None = None) -> Iterator[Block]:
+    """The blocks of a page, or of another text that stands for it."""
+    if text is None:
+        text = page.read_text(encoding="utf-8")
+    for found in BLOCK.finditer(text):
+        yield as_block(page, text, found)
+
+
+def as_block(page: Path, text: str, found: re.Match[str]) -> Block:
+    """What BLOCK found in a page."""
+    kind, _, source = (found["mark"] or "").partition(":")
+    line = text.count("\n", 0, found.start()) + 1
+    return Block(page, line, kind.strip(), source.strip(), found["language"], found["body"])
+
+
+def excerpt(source: str) -> str:
+    """The text of `path name`: a Python function or class, or a C# type or member, without its indentation."""
+    path, _, name = source.partition(" ")
+    text = (ROOT / path).read_text(encoding="utf-8")
+    found = (python_lines if path.endswith(".py") else csharp_lines)(text, name)
+    if found is None:
+        raise KitError(f"there is no {name} in {path}")
+    return textwrap.dedent("\n".join(text.splitlines()[found.start : found.stop])).rstrip() + "\n"
+
+
+def bench_table(source: str) -> str:
+    """A table of the kept run of `kit.py bench`: `title`, or `title | column, column` for these columns alone."""
+    title, _, columns = source.partition(" | ")
+    results = json.loads((ROOT / "lab" / "performance.json").read_text(encoding="utf-8"))
+    if title == "machine":
+        return "".join(f"{name}: {value}\n" for name, value in results["machine"].items())
+    return "".join(
+        f"{line.rstrip()}\n" for line in report.table(results, title, columns.split(", ") if columns else None)
+    )
+
+
+def python_lines(text: str, name: str) -> range | None:
+    """The lines of a function or class, counted from 0. It begins at its first decorator: who pastes it needs them."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) and node.name == name:
+            first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+            return range(first - 1, node.end_lineno or first)
+    return None
+
+
+def csharp_lines(text: str, name: str) -> range | None:
+    """From the attributes of the line that declares the name to its closing brace or semicolon, counted from 0."""
+    lines = text.splitlines()
+    attribute = r"\[[^\]]*\]\s*"
+    declares = re.compile(rf"^\s*({attribute})*(public|private|internal|protected)\b[^=;(]*\b{name}\b")
+    start = end = next((i for i, line in enumerate(lines) if declares.match(line)), None)
+    if start is None or end is None:
+        return None
+    # Attributes stand above it, and above them XML documentation, which is left out.
+    above = start
+    while above and not re.search(r"[;{}]|^\s*///|^\s*$", re.sub(r'"[^"]*"', "", lines[above - 1])):
+        above -= 1
+        if lines[above].lstrip().startswith("["):
+            start = above
+    depth = 0
+    for i in range(end, len(lines)):
+        depth += lines[i].count("{") - lines[i].count("}")
+        if depth == 0 and lines[i].rstrip().endswith((";", "}")):
+            return range(start, i + 1)
+    return None
+
+
+def run_command(source: str, engine: str | None = None) -> list[str | Path]:
+    """The words that start `kit.py run SOURCE`, on ports that are free."""
+    chosen = ["--engine", engine] if engine else []
+    return [
+        sys.executable,
+        ROOT / "kit.py",
+        "run",
+        *shlex.split(source),
+        *chosen,
+        "--endpoint",
+        "tcp://127.0.0.1:0",
+    ]
+
+
+@functools.cache
+def printed(source: str, engine: str | None = None) -> tuple[str, ...]:
+    """What `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
+    result = quietly(run_command(source, engine), LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
+    if result.code not in (0, 1):
+        raise KitError(f"`kit.py run {source}` ended with {result.code}: {result.output}")
+    return tuple(with_own_ports(result.output, source).splitlines())
+
+
+def with_own_ports(output: str, source: str) -> str:
+    """A run takes free ports. Its ready line names the lesson's own; what else listens has the port 100 higher."""
+    number = find(shlex.split(source)[0]).number
+    found = re.findall(r"\b(\w+) on tcp://127\.0\.0\.1:(\d+)", output)
+    ports = {port: str(number + (5550 if name == "listening" else 5650)) for name, port in found}
+    return re.sub(r"(?<=tcp://127\.0\.0\.1:)\d+", lambda port: ports.get(port[0], port[0]), output)
+
+
+def said(lines: Sequence[str], side: str) -> list[str]:
+    """What one side printed, without its prefix; the author's `...` stands for lines of both."""
+    return [re.sub(rf"^{side} \| ?", "", line) for line in lines if line == "..." or line.startswith(f"{side} |")]
+
+
+def has_prefixes(lines: Sequence[str]) -> bool:
+    """True if a transcript shows both sides."""
+    return any(line.startswith(tuple(f"{side} |" for side in SIDES)) for line in lines)
+
+
+def contradiction(block: Block, lines: Sequence[str]) -> str:
+    """How a transcript differs from what a run printed, or nothing. How the two sides mix does not count."""
+    form = shape if block.kind == "like" else list
+    shown = block.body.splitlines()
+    for side in SIDES if has_prefixes(shown) else ["client"]:
+        expected = form(said(shown, side) if has_prefixes(shown) else shown)
+        found = form(said(lines, side))
+        if not same(expected, found):
+            return "\n".join([f"the {side} prints something else:", *difflib.ndiff(expected, found)])
+    return ""
+
+
+def same(expected: Sequence[str], found: Sequence[str]) -> bool:
+    """True if the lines are equal, where a line `...` stands for any number of lines."""
+    pattern = "".join("(.*\n)*?" if line == "..." else re.escape(line) + "\n" for line in expected)
+    return re.fullmatch(pattern, "".join(f"{line}\n" for line in found)) is not None
+
+
+def shape(lines: Sequence[str]) -> list[str]:
+    """The lines with every number and id replaced, and what repeats itself said once.
+
+    In a column a number with one digit more has one space less before it, which is no other text.
+    """
+    plain = [re.sub(r" *-?\d+(\.\d+)?", " N", re.sub(r"\b[0-9a-f]{8,32}\b", "ID", line)) for line in lines]
+    return [line for line, _ in groupby(plain)]
+
+
+def renewed(block: Block, lines: Sequence[str]) -> str:
+    """The body of a transcript as this run prints it, shortened where the author has shortened it."""
+    old = block.body.splitlines()
+    new = [line for line in lines if has_prefixes([line])] if has_prefixes(old) else said(lines, "client")
+    if "..." in old:
+        before, after = old.index("..."), old[::-1].index("...")
+        if before + after < len(new):
+            new = [*new[:before], "...", *new[len(new) - after :]]
+    return "".join(f"{line}\n" for line in new)
+
+
+def rewritten(page: Path, transcripts: bool = False) -> str:
+    """The page with every excerpt as its file has it now, and with its transcripts as a run prints them."""
+    text = page.read_text(encoding="utf-8")
+
+    def replace(found: re.Match[str]) -> str:
+        this = as_block(page, text, found)
+        body = this.body
+        if this.kind == "excerpt":
+            body = excerpt(this.source)
+        elif this.kind == "bench":
+            body = bench_table(this.source)
+        elif this.kind in ("run", "like") and transcripts:
+            print(f"{this.where}: {this.kind} {this.source}", flush=True)
+            lines = printed(this.source)
+            if why := contradiction(this, lines):
+                print(why)
+                body = renewed(this, lines)
+        start, end = (place - found.start() for place in found.span("body"))
+        return found[0][:start] + body + found[0][end:]
+
+    return BLOCK.sub(replace, text)
+
+
+@contextmanager
+def new_journal() -> Iterator[None]:
+    """Lesson 02 counts on from what its journal holds; inside, it begins at 0, and what was there comes back."""
+    with tempfile.TemporaryDirectory(dir=ROOT, prefix=".journal-") as kept:
+        own = list(ROOT.glob("*.sqlite3*"))
+        for path in own:
+            path.rename(Path(kept) / path.name)
+        try:
+            yield
+        finally:
+            for path in ROOT.glob("*.sqlite3*"):
+                path.unlink()
+            for path in own:
+                (Path(kept) / path.name).rename(path)
+
+
+def main() -> None:
+    """Rewrite the pages of the command line, or all."""
+    parser = argparse.ArgumentParser(description="Rewrites the excerpts and transcripts of the README and the guide.")
+    parser.add_argument("pages", nargs="*", type=Path, metavar="PAGE", help="these pages alone")
+    parser.add_argument("--excerpts", action="store_true", help="leave the transcripts, each of which takes a run")
+    options = parser.parse_args()
+    by_hand = []
+    for page in [path.resolve() for path in options.pages] or pages():
+        with new_journal():
+            new = rewritten(page, transcripts=not options.excerpts)
+        if new != page.read_text(encoding="utf-8"):
+            page.write_text(new, encoding="utf-8", newline="\n")
+            print(f"{page.relative_to(ROOT).as_posix()}: rewritten")
+        by_hand += [block for block in blocks(page) if block.kind == "by hand"]
+    for each in by_hand:
+        print(f"{each.where}: by hand: {each.source}")
+    print(f"{len(by_hand)} blocks by hand")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KitError as error:
+        sys.exit(str(error))
+    except KeyboardInterrupt:
+        sys.exit(130)

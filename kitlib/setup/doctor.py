@@ -1,0 +1,90 @@
+"""One table of what is on this machine, each missing thing with its cure."""
+
+from __future__ import annotations
+
+import errno
+import shutil
+import socket
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, lessons, writable
+from kitlib.setup import dotnet, python_setup
+from kitlib.terminal import coloured, quietly
+
+# Where an emulator of Android listens, and where every adb looks for one.
+ANDROID = (5554, 5555)
+Row = tuple[bool, str, str]
+
+
+def rows(python: Path | None) -> Iterator[Row]:
+    """(fine, what, finding) for each thing a lesson may need."""
+    yield True, "Python", f"{sys.version.split()[0]} ({sys.executable})"
+    fine = writable(ROOT / ".build")
+    yield fine, "folder", str(ROOT) if fine else UNWRITABLE
+    if python is None:
+        yield False, "pyzmq", f"missing; `{KIT} run 1` installs it, or says what to run"
+    else:
+        code = "import zmq; print(zmq.__version__, 'with libzmq', zmq.zmq_version())"
+        yield True, "pyzmq", f"{quietly([python, '-c', code], 20).output.strip()} ({python})"
+        for lesson in lessons():
+            for need in python_setup.needs(lesson.key)[len(python_setup.needs()) :]:
+                name, there = python_setup.name(need), python_setup.has(python, [need])
+                cure = "" if there else f"; missing: `{KIT} run {lesson.number}` installs it"
+                yield there, name, f"for lesson {lesson.number:02}{cure}"
+    yield from csharp_rows()
+    mono = quietly(["mono", "--version"], 20)
+    yield (
+        mono.ok,
+        "Mono",
+        mono.first("version") if mono.ok else "missing; only the Play/Stop tests use it (Debian: mono-devel)",
+    )
+    for lesson in lessons():
+        yield port_row(lesson.number)
+
+
+def csharp_rows() -> Iterator[Row]:
+    """The .NET SDK, and what stands behind NetMQ's names."""
+    sdk = dotnet.sdk()
+    if not sdk:
+        yield False, ".NET SDK", f"{dotnet.DOWNLOAD}; until then the Python clients run"
+        return
+    yield True, ".NET SDK", sdk
+    try:
+        engine = dotnet.choose_engine(ask_again=True)
+    except KitError as error:
+        yield False, "engine", str(error)
+        return
+    cure = "" if engine.name == "netmq" else "; the offline engine serves all lessons, and NetMQ needs NuGet"
+    yield engine.name == "netmq", "NetMQ", f"{engine.why}{cure}"
+    yield True, "engine", engine.name
+
+
+def port_row(number: int) -> Row:
+    """Whether the lesson's own port can be listened on."""
+    port = 5550 + number
+    with socket.socket() as probe:
+        # As libzmq listens; on Windows the option would mean sharing a taken port.
+        if sys.platform != "win32":
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError as error:
+            reserved = error.errno in (errno.EACCES, 10013)
+            why = "the system reserves it (netsh int ipv4 show excludedportrange protocol=tcp)" if reserved else "taken"
+            if port in ANDROID and not reserved:
+                why += ", perhaps by Android's emulator or adb"
+            cure = "" if reserved else "end what holds it, or "
+            return False, f"port {port}", f"{why}; {cure}use `{KIT} run {number} --endpoint tcp://127.0.0.1:0`"
+    return True, f"port {port}", "free"
+
+
+def show(python: Path | None) -> None:
+    """Print the table; `python` is the interpreter that the lessons use, if there is one."""
+    # All of it first: what asks NuGet says so, and not in the middle of the table.
+    for fine, what, finding in list(rows(python)):
+        mark = coloured("ok", "kit") if fine else coloured("--", "error")
+        print(f"{mark}  {what:10} {finding}", flush=True)
+    if shutil.which("dotnet") is None and sys.platform.startswith("linux"):
+        print("    a distribution may have it as a package: dotnet-sdk-8.0 or later")

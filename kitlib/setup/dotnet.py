@@ -1,0 +1,244 @@
+"""The C# side: the .NET SDK, the choice of engine, and a build that is made again only when a file has changed."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import re
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+from kitlib import lessons
+from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from kitlib.terminal import Result, quietly, say, step
+
+BUILD = ROOT / ".build"
+CONSOLE = ROOT / "csharp-console"
+SUPPORT = ROOT / "csharp-support"
+ENGINES = ("netmq", "libzmq")
+PROPS = BUILD / "engine.props"
+INSTALLER = "https://dotnet.microsoft.com/download"
+DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
+# No server that stays behind after a build, no telemetry, no greeting; and NuGet asks twice at most.
+ENVIRONMENT = {
+    "DOTNET_NOLOGO": "1",
+    "DOTNET_CLI_TELEMETRY_OPTOUT": "1",
+    "DOTNET_CLI_UI_LANGUAGE": "en",
+    "MSBUILDDISABLENODEREUSE": "1",
+    "UseSharedCompilation": "false",
+    "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
+    "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
+}
+# What NuGet says when it does not hold a package, or cannot be reached at all.
+ABSENT = ("NU1101", "NU1102", "NU1103")
+UNREACHABLE = ("NU1301", "NU1801")
+NO_SOURCE = "dotnet nuget add source https://api.nuget.org/v3/index.json -n nuget.org"
+# The first restore on a Windows machine has to wait for the virus scanner.
+PATIENCE = 180 if lessons.WINDOWS else 60
+# Where the installers put dotnet: a terminal that was open before does not have it on its PATH yet.
+PLACES = {
+    "win32": Path(os.environ.get("PROGRAMFILES", "C:/Program Files"), "dotnet"),
+    "darwin": Path("/usr/local/share/dotnet"),
+}
+if sys.platform in PLACES and PLACES[sys.platform].exists() and not shutil.which("dotnet"):
+    os.environ["PATH"] += f"{os.pathsep}{PLACES[sys.platform]}"
+
+
+class NoEngine(KitError):
+    """Nothing that can stand behind NetMQ's names, at the moment."""
+
+
+@functools.cache
+def sdk() -> str | None:
+    """The version of the newest .NET SDK, or None where there is none of 8 or later."""
+    if not shutil.which("dotnet"):
+        return None
+    versions = re.findall(r"^(\d+)\.(\S+)", quietly(["dotnet", "--list-sdks"], 60, ENVIRONMENT).output, re.MULTILINE)
+    recent = [(int(major), f"{major}.{rest}") for major, rest in versions if int(major) >= 8]
+    return max(recent)[1] if recent else None
+
+
+@dataclass(frozen=True)
+class Engine:
+    """What NetMQ's names mean in this build, and why."""
+
+    name: str
+    why: str
+    # True where NuGet cannot even give .NET Standard's reference assembly: the SDK's own framework serves then.
+    offline: bool = False
+    # The folder of packages that was brought along, if they come from there and nowhere else.
+    source: str = ""
+
+    @property
+    def properties(self) -> list[str]:
+        # Without NuGet its list of vulnerable packages cannot be had either, and asking for it takes long.
+        audit = ["-p:NuGetAudit=false"] if self.offline or self.source else []
+        source = [f"-p:RestoreSources={self.source}"] if self.source else []
+        return [f"-p:NetMQEngine={self.name}", f"-p:LibraryFramework={self.framework}", *audit, *source]
+
+    @property
+    def framework(self) -> str:
+        return f"net{(sdk() or '').split('.')[0]}.0" if self.offline else "netstandard2.1"
+
+
+def restore(engine: Engine, limit: float = PATIENCE) -> Result:
+    # By force, because what an interrupted restore has left looks whole to the next one.
+    forget_damaged(engine)
+    return quietly(["dotnet", "restore", CONSOLE, "--force", *engine.properties], limit, ENVIRONMENT)
+
+
+def forget_damaged(engine: Engine) -> None:
+    """NuGet reads what its last restore has written, even by force, and an empty file ends it."""
+    for path in (BUILD / engine.name / "obj").glob("*/project.assets.json"):
+        if not recall(path):
+            path.unlink(missing_ok=True)
+
+
+def choose_engine(asked: str | None = None, ask_again: bool = False) -> Engine:
+    """NetMQ from NuGet; where NuGet cannot give it, the offline engine. `asked` overrides."""
+    memory = BUILD / "engine.json"
+    settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.upper().startswith("NUGET"))
+    targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")
+    brought = sorted(path.name for path in PACKAGES.glob("*.nupkg"))
+    key = hashlib.sha256(json.dumps([settings, targets, brought, asked, sdk()]).encode()).hexdigest()
+    known = recall(memory)
+    if known.pop("key", "") == key and not ask_again:
+        try:
+            return Engine(**known)
+        except TypeError:
+            pass
+    if not writable(BUILD):
+        raise KitError(UNWRITABLE)
+    try:
+        ElementTree.parse(PROPS)
+    except (OSError, ElementTree.ParseError):
+        # A damaged one would end every restore; the build writes it anew.
+        PROPS.unlink(missing_ok=True)
+    engine = ask_nuget(asked)
+    keep(memory, json.dumps({"key": key, **engine.__dict__}))
+    return engine
+
+
+def ask_nuget(asked: str | None) -> Engine:
+    """A restore shows what the folder of packages or NuGet can give."""
+    why = "asked for with --engine"
+    if asked != "libzmq":
+        if any(PACKAGES.glob("*.nupkg")):
+            brought = Engine("netmq", f"from the folder {PACKAGES.name}", source=str(PACKAGES))
+            if restore(brought).ok:
+                return brought
+        say(f"asking NuGet for NetMQ ({PATIENCE} s at the most) …")
+        result = restore(Engine("netmq", ""))
+        if result.ok:
+            return Engine("netmq", "NuGet, or its store on this machine, has it")
+        why = refusal(result)
+        if asked == "netmq":
+            raise KitError(f"{why}; without --engine netmq the offline engine is used")
+        if lessons.WINDOWS:
+            # Pyzmq for Windows holds no libzmq that others could use. Not kept in mind: NuGet may answer next time.
+            raise NoEngine(f"{why}, so there is no C# client here today")
+    if not restore(Engine("libzmq", ""), PATIENCE / 2).ok:
+        result = restore(Engine("libzmq", "", offline=True))
+        if not result.ok:
+            raise KitError(f"dotnet restore failed: {result.first(' error ')}")
+        return Engine("libzmq", why, offline=True)
+    return Engine("libzmq", why)
+
+
+def refusal(result: Result) -> str:
+    """Why a restore gave no NetMQ, in a few words; any other failure of the restore is not hidden."""
+    if "NU1100" in result.output:
+        return f"no source of NuGet's holds NetMQ (with internet: {NO_SOURCE})"
+    if any(code in result.output for code in ABSENT):
+        return "NuGet does not hold NetMQ"
+    if result.code == 124 or any(code in result.output for code in UNREACHABLE):
+        return "NuGet cannot be reached"
+    raise KitError(f"dotnet restore failed: {result.first(' error ')}")
+
+
+def libzmq(python: Path) -> str:
+    """The libzmq that this interpreter's pyzmq brought along, or nothing: the system's then."""
+    code = (
+        "import pathlib, zmq; site = pathlib.Path(zmq.__file__).parent.parent\n"
+        "found = [f for g in ('pyzmq.libs/libzmq*', 'zmq/.dylibs/libzmq*', 'zmq/libzmq*') for f in site.glob(g)]\n"
+        "print(found[0] if found else '')"
+    )
+    result = quietly([python, "-c", code], 60)
+    return result.output.strip() if result.ok else ""
+
+
+def fingerprint(engine: Engine, library: str, sources: list[Path]) -> str:
+    """Changes when a source file, the SDK, the engine or the place of libzmq does."""
+    digest = hashlib.sha256(f"{sdk()} {engine.properties} {library}".encode())
+    for folder in sources:
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in (".cs", ".csproj", ".props", ".targets") and not {"bin", "obj"} & set(path.parts):
+                digest.update(f"{path}{path.stat().st_mtime_ns}{path.stat().st_size}".encode())
+    return digest.hexdigest()
+
+
+def outputs(folder: Path) -> str:
+    """What a build has made: a full disk, or a hand, may have taken from it since."""
+    return " ".join(sorted(f"{path.name}={path.stat().st_size}" for path in folder.glob("*") if path.is_file()))
+
+
+def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
+    """Build a project with an engine, if anything changed since the last time; returns its .dll."""
+    library = libzmq(python)
+    dll = BUILD / engine.name / "bin" / project.name / "release" / f"{project.name}.dll"
+    stamp = BUILD / engine.name / f"{project.name}.stamp"
+    now = fingerprint(engine, library, [CONSOLE, SUPPORT, project, ROOT / "unity" / "Assets" / "NetMQExample"])
+    known = recall(stamp)
+    whole = known.get("outputs") == outputs(dll.parent)
+    if whole and known.get("sources") == now:
+        return dll
+    if not writable(BUILD):
+        raise KitError(UNWRITABLE)
+    if project == CONSOLE:
+        record_choice(engine, library)
+    # Until it has succeeded there is no stamp, and without one nothing that lies there is trusted: MSBuild takes even
+    # an empty file for finished.
+    stamp.unlink(missing_ok=True)
+    forget_damaged(engine)
+    command: list[str | Path] = [
+        "dotnet",
+        "build",
+        project,
+        *engine.properties,
+        f"-p:Libzmq={library}",
+        "-v:quiet",
+        "-clp:NoSummary",
+        *([] if whole else ["--no-incremental", "--force"]),
+    ]
+    result = step(f"building {project.name} with {engine.name}", command, 300, ENVIRONMENT)
+    if not result.ok:
+        raise KitError(failure(result))
+    keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
+    return dll
+
+
+def failure(result: Result) -> str:
+    """Why a build has failed: in one line where it is not the code."""
+    if any(words in result.output for words in ("No space left", "not enough space")):
+        return "the disk is full: the C# build needs some 50 MB in .build"
+    if "MSB3021" in result.output or "MSB3027" in result.output:
+        return "the C# build cannot replace a file that is in use: end the client that still runs"
+    return f"the C# build failed:\n{result.output.strip()}"
+
+
+def record_choice(engine: Engine, library: str) -> None:
+    """Where Directory.Build.props looks, so that a plain `dotnet run` builds what kit.py builds."""
+    text = (
+        "<Project><PropertyGroup>\n"
+        f"  <NetMQEngine Condition=\"'$(NetMQEngine)' == ''\">{engine.name}</NetMQEngine>\n"
+        f"  <LibraryFramework Condition=\"'$(LibraryFramework)' == ''\">{engine.framework}</LibraryFramework>\n"
+        f"  <Libzmq>{library}</Libzmq>\n"
+        "</PropertyGroup></Project>\n"
+    )
+    if not PROPS.exists() or PROPS.read_text(encoding="utf-8", errors="replace") != text:
+        keep(PROPS, text)

@@ -1,0 +1,76 @@
+"""Fills a folder with what a room without internet needs; beside kit.py, as `packages`, it is used by itself."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from kitlib.lessons import KIT, KitError, lessons
+from kitlib.setup import dotnet, python_setup
+from kitlib.terminal import say, step
+
+# The tags that pip knows a system's wheels by, newer ones first.
+SYSTEMS = {
+    "windows": ["win_amd64"],
+    "macos": ["macosx_14_0_arm64", "macosx_11_0_arm64", "macosx_10_15_universal2", "macosx_10_9_universal2"],
+    "linux": ["manylinux_2_28_x86_64", "manylinux_2_26_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"],
+}
+HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
+NOTE = """For a room without internet: packages for NetMQExample, {system}, Python {python}.
+
+On every machine install Python {python} and the .NET SDK, 8 or later; fetch their installers from
+    https://www.python.org/downloads/
+    {installer}
+Copy the kit to a folder there and this folder into it, under the name `packages`. Then: {kit} run 1
+"""
+
+
+def pack(folder: Path, system: str | None, version: str | None) -> None:
+    """Fetch everything that the lessons need."""
+    if not dotnet.sdk():
+        raise KitError(dotnet.DOWNLOAD)
+    system, version = system or HERE, version or f"{sys.version_info[0]}.{sys.version_info[1]}"
+    folder.mkdir(parents=True, exist_ok=True)
+    wheels(folder, system, version)
+    nuget(folder)
+    note = NOTE.format(system=system, python=version, installer=dotnet.INSTALLER, kit=KIT)
+    (folder / "READ_ME.txt").write_text(note, encoding="utf-8")
+    say(f"{folder} is ready; its READ_ME.txt says what to do with it")
+
+
+def wheels(folder: Path, system: str, version: str) -> None:
+    """The Python packages of all lessons, by the pip of .venv or of this interpreter."""
+    needs = python_setup.needs(*(lesson.key for lesson in lessons()))
+    own = python_setup.venv_python()
+    tags = [word for tag in SYSTEMS[system] for word in ("--platform", tag)]
+    command: list[str | Path] = [
+        own if own.exists() else Path(sys.executable),
+        "-m",
+        "pip",
+        "download",
+        "--quiet",
+        "--dest",
+        folder,
+    ]
+    command += ["--disable-pip-version-check", "--only-binary=:all:", "--python-version", version, *tags, *needs]
+    result = step(f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version}", command, 600)
+    if not result.ok:
+        raise KitError(f"pip could not fetch them: {result.first('ERROR', 'No module')}")
+
+
+def nuget(folder: Path) -> None:
+    """What a restore of the C# client takes from NuGet, NetMQ and all that comes with it."""
+    store = os.environ.get("NUGET_PACKAGES") or Path.home() / ".nuget" / "packages"
+    with tempfile.TemporaryDirectory() as fetched:
+        properties = dotnet.Engine("netmq", "").properties
+        command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]
+        # What this machine has already need not come over the net again.
+        command += [f"-p:RestoreAdditionalProjectSources={store}", f"-p:ArtifactsPath={Path(fetched) / 'made'}"]
+        result = step("fetching NetMQ from NuGet", command, dotnet.PATIENCE, dotnet.ENVIRONMENT)
+        if not result.ok:
+            raise KitError(f"{dotnet.refusal(result)}: {folder} has no C# client")
+        for package in Path(fetched).glob("*/*/*.nupkg"):
+            shutil.copy(package, folder)

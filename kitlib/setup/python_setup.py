@@ -1,0 +1,232 @@
+"""An interpreter that has what a lesson needs, on whatever machine this is.
+
+In this order: .venv filled by pip; an interpreter that has the packages already; as root on Debian or Ubuntu, the
+distribution's packages; otherwise one line that says what to run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import shutil
+import sys
+import tomllib
+from pathlib import Path
+
+from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from kitlib.terminal import Result, quietly, say, step
+
+VENV = ROOT / ".venv"
+BUILD = ROOT / ".build"
+CHOICE = BUILD / "python.json"
+# The name to import, and the distribution's package, where they are not simply the name on PyPI.
+IMPORTS = {"pyzmq": "zmq", "pytest-timeout": "pytest_timeout", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
+# On a Mac /usr/bin/python3 is too old, or opens a window that offers developer tools.
+SYSTEM = [*(["/usr/bin/python3"] if sys.platform != "darwin" else []), "/usr/local/bin/python3"]
+# What pip says where no index answers, or does not hold a package.
+NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
+DEBIAN = {"pyzmq": "python3-zmq", "pillow": "python3-pil", "pyyaml": "python3-yaml"}
+
+
+def needs(*extras: str) -> list[str]:
+    """The requirements of pyproject.toml: the core and the named extras, if there are such extras."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    found = list(project["dependencies"])
+    for extra in extras:
+        found += project["optional-dependencies"].get(extra, [])
+    return list(dict.fromkeys(found))
+
+
+def all_extras() -> list[str]:
+    """Every extra that pyproject.toml names: what the whole of the tests can use."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return list(project["optional-dependencies"])
+
+
+def name(requirement: str) -> str:
+    """`pyzmq` of `pyzmq>=24`."""
+    return requirement.split(">")[0].split("=")[0].split("<")[0].split(";")[0].strip().lower()
+
+
+# Run by the interpreter in question: which of the packages it lacks. One that cannot be imported is not there, whatever
+# its folder says, and one that is too old for us is not either.
+LACKING = """
+import importlib, importlib.metadata, re, sys
+def lacks(package, module, limits):
+    try:
+        importlib.import_module(module)
+        have = numbers(importlib.metadata.version(package)) if limits else []
+    except Exception:
+        return True
+    return not all(have >= numbers(at) if how == ">=" else have < numbers(at) for how, at in limits)
+def numbers(version):
+    return [int(number) for number in re.findall(r"\\d+", version)[:3]]
+print("lacks:", *[each[0] for each in {needs!r} if lacks(*each)] if sys.version_info >= (3, 11) else ["Python"])
+"""
+
+
+def lacking(python: Path | str, requirements: list[str]) -> list[str]:
+    """The packages that this interpreter lacks, or has in a version that does not fit."""
+    needs = [
+        (name(need), IMPORTS.get(name(need), name(need).replace("-", "_")), re.findall(r"(>=|<)([\d.]+)", need))
+        for need in requirements
+    ]
+    result = quietly([python, "-c", LACKING.replace("{needs!r}", repr(needs))], limit=60)
+    # A package may print something of its own when it is imported.
+    said = re.search(r"^lacks:(.*)", result.output, re.MULTILINE)
+    return said[1].split() if said else [name(need) for need in requirements]
+
+
+def has(python: Path | str, requirements: list[str]) -> bool:
+    """True if this interpreter is recent enough and has every package, in a version that fits."""
+    return not lacking(python, requirements)
+
+
+def requirement(package: str) -> str:
+    """What pyproject.toml asks of a package, such as `websockets>=13`."""
+    return next((need for need in needs(*all_extras()) if name(need) == package), package)
+
+
+def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
+    """The interpreter to run the lessons with; sets it up if need be. `optional` extras are nice to have."""
+    required, wanted = needs(*extras), needs(*extras, *optional)
+    key = hashlib.sha256(json.dumps([wanted, sys.version, pip_environment()]).encode()).hexdigest()
+    known = remembered(key)
+    if known and has(known, required):
+        return known
+    python = from_pip(required, wanted) or from_this_machine(required) or from_debian(required, wanted)
+    if python is None:
+        raise KitError(
+            f"no Python with {', '.join(map(name, required))} here, and no package index answers; with internet run: "
+            f"{Path(sys.executable).name} -m pip install {' '.join(map(name, required))}"
+        )
+    keep(CHOICE, json.dumps({**recall(CHOICE), key: str(python)}))
+    return python
+
+
+def found(*extras: str) -> Path | None:
+    """The interpreter that lessons run with, or would; sets up nothing."""
+    known = [path for path in recall(CHOICE).values() if isinstance(path, str)]
+    near = map(Path, [str(venv_python()), *reversed(known), sys.executable, *SYSTEM])
+    return next((python for python in near if python.exists() and has(python, needs(*extras))), None)
+
+
+def pip_environment() -> list[str]:
+    """The settings a user may have made for pip: a change of them is a reason to ask again."""
+    return sorted(f"{key}={value}" for key, value in os.environ.items() if key.startswith("PIP_"))
+
+
+def remembered(key: str) -> Path | None:
+    """What an earlier run with the same needs has settled on."""
+    python = recall(CHOICE).get(key)
+    return Path(python) if isinstance(python, str) and Path(python).exists() else None
+
+
+def venv_python() -> Path:
+    return VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def from_pip(required: list[str], wanted: list[str]) -> Path | None:
+    """.venv, filled by pip; None when there is no pip, no venv module or no index that answers."""
+    python = venv_python()
+    if has(python, wanted):
+        return python
+    if not writable(BUILD):
+        say(UNWRITABLE)
+        return None
+    made = not quietly([python, "-c", ""], limit=60).ok
+    if made and not make_venv():
+        return None
+    for requirements in [wanted] if wanted == required else [wanted, required]:
+        result = install(python, requirements)
+        if result.ok and not has(python, required) and not made:
+            # Pip takes for whole what has lost a file.
+            say("a package in .venv is damaged: making it anew")
+            made = True
+            result = install(python, requirements) if make_venv() else result
+        if result.ok and has(python, requirements):
+            return python
+        if result.ok:
+            say(f"pip could not give {', '.join(lacking(python, requirements))}")
+        elif any(words in result.output for words in NOTHING):
+            say("pip found no package index, or not all of it there")
+        else:
+            say(f"pip could not: {result.first('ERROR', 'error', 'No module').removeprefix('ERROR: ')}")
+    if made:
+        remove(VENV)
+    return None
+
+
+def install(python: Path, requirements: list[str]) -> Result:
+    """Let pip install into .venv: from the folder that was brought along, or else from an index."""
+    pip: list[str | Path] = [python, "-m", "pip"]
+    if not quietly([*pip, "--version"], limit=60).ok:
+        # A venv without pip of its own (Debian without python3-venv): the pip of this interpreter installs into it.
+        pip = [Path(sys.executable), "-m", "pip", "--python", python]
+    # One try and ten seconds: pip's own default goes on for minutes when no index can be reached.
+    limits = ["--retries", "0", "--timeout", "10", "--prefer-binary"]
+    command = [*pip, "install", "--quiet", "--disable-pip-version-check", *limits, *requirements]
+    what = f"installing {', '.join(map(name, requirements))} into .venv"
+    if any(PACKAGES.glob("*.whl")):
+        result = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], limit=600)
+        if result.ok:
+            return result
+    return step(what, command, limit=600)
+
+
+def make_venv() -> bool:
+    """Make .venv, with pip or, where the distribution left that out, without."""
+    for option in ([], ["--without-pip"]):
+        # What a failed try leaves behind, or something else of this name, would look like an environment to the next.
+        remove(VENV)
+        if quietly([sys.executable, "-m", "venv", *option, VENV], limit=120).ok:
+            return True
+    remove(VENV)
+    say("this Python cannot make a virtual environment (on Debian the package is python3-venv)")
+    return False
+
+
+def remove(path: Path) -> None:
+    """A folder, or what is there in its place."""
+    if path.is_symlink() or path.is_file():
+        path.unlink()
+    else:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def from_this_machine(required: list[str]) -> Path | None:
+    """An interpreter that has the packages already."""
+    names = [
+        "python3",
+        "python",
+        *(f"python3.{minor}" for minor in range(11, 20)),
+        *SYSTEM,
+    ]
+    found = [sys.executable, *(shutil.which(candidate) for candidate in names)]
+    for python in dict.fromkeys(path for path in found if path):
+        if has(python, required):
+            say(f"using {python}, which has {', '.join(map(name, required))}")
+            return Path(python)
+    return None
+
+
+def from_debian(required: list[str], wanted: list[str]) -> Path | None:
+    """The distribution's packages, for its own python3."""
+    python = Path("/usr/bin/python3")
+    if os.name == "nt" or not shutil.which("apt-get") or os.geteuid() != 0 or not python.exists():
+        return None
+    env = {"DEBIAN_FRONTEND": "noninteractive"}
+    for requirements in [wanted] if wanted == required else [wanted, required]:
+        packages = [DEBIAN.get(name(need), f"python3-{name(need)}") for need in requirements]
+        command = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
+        what = f"installing {', '.join(packages)} with apt"
+        # The lists may be missing or old on a machine where nobody has installed anything yet.
+        result = step(what, command, limit=300, env=env)
+        if not result.ok and step("apt-get update", ["apt-get", "update"], limit=120, env=env).ok:
+            result = step(what, command, limit=300, env=env)
+        if result.ok and has(python, required):
+            return python
+        say(f"apt could not: {result.first('E:')}")
+    return None

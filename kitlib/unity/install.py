@@ -1,0 +1,279 @@
+"""Puts the lessons' scripts and NetMQ's DLLs into a user's own Unity project.
+
+Nothing is written before everything is at hand and nothing stands in the way: an interrupted run leaves no half.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import re
+import shutil
+import time
+import urllib.error
+import urllib.request
+import zipfile
+from pathlib import Path
+
+from kitlib.lessons import ROOT, KitError, find
+from kitlib.setup import dotnet, python_setup
+from kitlib.terminal import say
+from kitlib.unity.meta import END, FOLDER, IMPORTERS, PACKAGE, assets, behaviours, guid, meta_of
+from kitlib.unity.project import (
+    TARGET,
+    advice,
+    all_packages,
+    check_moved,
+    elsewhere,
+    find_project,
+    has_netmq,
+    has_scripts,
+    packages_of,
+)
+
+# The three DLLs of NetMQ inside Unity: package, version, and the file in it.
+LIBRARIES = (
+    ("NetMQ", "4.0.4.3", "lib/netstandard2.1/NetMQ.dll"),
+    ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
+    ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
+)
+NUGET = "https://api.nuget.org/v3-flatcontainer"
+PLUGINS = f"{TARGET}/Plugins"
+# A stand-in for System.ServiceModel.Primitives, which NetMQ.dll names: two of them do not compile.
+STUB = "ServiceModel"
+# What this command wrote, and so may write again. Unity ignores names that begin with a dot.
+RECORD = f"{TARGET}/.kit.json"
+
+# validateReferences: NetMQ.dll names System.ServiceModel.Primitives, of which STUB has a part.
+LIBRARY_META = """fileFormatVersion: 2
+guid: {guid}
+PluginImporter:
+  externalObjects: {{}}
+  serializedVersion: 2
+  iconMap: {{}}
+  executionOrder: {{}}
+  defineConstraints: []
+  isPreloaded: 0
+  isOverridable: 0
+  isExplicitlyReferenced: 0
+  validateReferences: 0
+  platformData:
+  - first:
+      : Any
+    second:
+      enabled: 0
+      settings:
+        Exclude Editor: 0
+        Exclude WebGL: 1
+  - first:
+      Any:
+    second:
+      enabled: 1
+      settings: {{}}
+  - first:
+      Editor: Editor
+    second:
+      enabled: 1
+      settings:
+        DefaultValueInitialized: true
+  - first:
+      WebGL: WebGL
+    second:
+      enabled: 0
+      settings: {{}}
+  userData:
+  assetBundleName:
+  assetBundleVariant:
+"""
+
+
+def install(project: Path, lesson: str | None = None, force: bool = False) -> None:
+    """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not."""
+    root = find_project(project)
+    manifest = packages_of(root)
+    if has_scripts(root, manifest):
+        # Unity reads no link.xml in a package. Without our .meta, whose GUID the package's own file has.
+        files = {f"{TARGET}/link.xml": (PACKAGE / "link.xml").read_bytes()}
+    else:
+        files = {**scripts(lesson), **notices()}
+        if elsewhere(root, "System.ServiceModel.Primitives.dll"):
+            files = {name: data for name, data in files.items() if not name.startswith(f"{TARGET}/{STUB}")}
+    check_moved(root, files)
+    if has_netmq(root, all_packages(root, manifest)):
+        say("NetMQ is in this project already: its DLLs are left as they are")
+    else:
+        files |= {
+            name: data
+            for name, data in libraries().items()
+            if not elsewhere(root, Path(name.removesuffix(".meta")).name)
+        }
+    write(root, files, force)
+    for line in [*advice(root), *next_steps(root, lesson)]:
+        say(line)
+
+
+def scripts(lesson: str | None) -> dict[str, bytes]:
+    """The files to copy, with their .meta: all of the package, or what one lesson takes home."""
+    chosen = assets() if lesson is None else take_home(find(lesson).unity)
+    found: dict[str, bytes] = {}
+    for path in chosen:
+        name = f"{TARGET}/{path.relative_to(PACKAGE).as_posix()}".removesuffix("/.")
+        if path.is_file():
+            found[name] = path.read_bytes()
+        if meta_of(path).exists():
+            found[f"{name}.meta"] = meta_of(path).read_bytes()
+    return found
+
+
+def take_home(folder: Path) -> list[Path]:
+    """A lesson's scripts, the earlier scripts that they use, and what IL2CPP must know."""
+    if not folder.is_dir():
+        raise KitError(f"lesson {folder.name} has no Unity scripts")
+    chosen = sorted(folder.glob("*.cs"))
+    others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < folder.name]
+    others += sorted(PACKAGE.glob("Shared/*.cs"))
+    for path in chosen:  # It grows meanwhile: what is used may use others.
+        code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
+        chosen += [other for other in others if other not in chosen and uses(code, other.stem)]
+    chosen += sorted(path for path in (PACKAGE / STUB).iterdir() if path.suffix in (".cs", ".asmdef"))
+    folders = sorted({path.parent for path in chosen})
+    # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
+    return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml", PACKAGE / "NetMQExample.asmdef"]
+
+
+def notices() -> dict[str, bytes]:
+    """The licences, which go where the files go."""
+    found: dict[str, bytes] = {}
+    for source, name in (("LICENSE", "LICENSE.md"), ("THIRD-PARTY-NOTICES.md", "THIRD-PARTY-NOTICES.md")):
+        found[f"{TARGET}/{name}"] = (ROOT / source).read_bytes()
+        found[f"{TARGET}/{name}.meta"] = f"fileFormatVersion: 2\nguid: {guid(name)}\n{IMPORTERS['.md']}{END}".encode()
+    return found
+
+
+def uses(code: str, name: str) -> bool:
+    """True if the code names this class: `e.Message` does not name the class Message."""
+    return re.search(rf"(?<![\w.]){name}\b", code) is not None
+
+
+def libraries() -> dict[str, bytes]:
+    """The DLLs with their import settings."""
+    found = {f"{PLUGINS}.meta": f"fileFormatVersion: 2\nguid: {guid('Plugins')}\n{FOLDER}".encode()}
+    for package, version, inside in LIBRARIES:
+        name = inside.rsplit("/", 1)[1]
+        found[f"{PLUGINS}/{name}"] = library(package, version, inside)
+        found[f"{PLUGINS}/{name}.meta"] = LIBRARY_META.format(guid=guid(f"Plugins/{name}")).encode()
+    return found
+
+
+def library(package: str, version: str, inside: str) -> bytes:
+    """One DLL: from NuGet's folder on this machine, put there by dotnet if there is one, or from NuGet itself."""
+    here = nuget_folder() / package.lower() / version / inside
+    if not here.exists() and dotnet.sdk():
+        say(f"asking NuGet for {package} …")
+        result = dotnet.restore(dotnet.Engine("netmq", ""))
+        if not result.ok:
+            why = dotnet.refusal(result)
+            raise KitError(f"{why}: nothing was copied; docs/guide/unity_project.md has other routes")
+    return here.read_bytes() if here.exists() else download(package, version, inside)
+
+
+def nuget_folder() -> Path:
+    return Path(os.environ.get("NUGET_PACKAGES") or Path.home() / ".nuget" / "packages")
+
+
+def download(package: str, version: str, inside: str) -> bytes:
+    name = package.lower()
+    say(f"downloading {package} {version} from NuGet …")
+    try:
+        with urllib.request.urlopen(f"{NUGET}/{name}/{version}/{name}.{version}.nupkg", timeout=20) as answer:
+            return zipfile.ZipFile(io.BytesIO(answer.read())).read(inside)
+    except (OSError, urllib.error.URLError, zipfile.BadZipFile, KeyError) as error:
+        raise KitError(f"NuGet gave no {package} {version} ({error}): nothing was copied") from None
+
+
+def write(root: Path, files: dict[str, bytes], force: bool) -> None:
+    """All of them or none."""
+    record = read_record(root)
+    # Unity writes .meta files itself, and other files may refer to what they say: one that exists stays.
+    wanted = {n: d for n, d in files.items() if not (n.endswith(".meta") and (root / n).exists())}
+    news = {n: d for n, d in wanted.items() if not (root / n).exists() or digest((root / n).read_bytes()) != digest(d)}
+    changed = [n for n in news if (root / n).exists() and digest((root / n).read_bytes()) != record.get(n)]
+    if changed and not force:
+        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        raise KitError(f"{changed[0]}{more} was changed in your project: nothing was copied; --force overwrites it")
+    # On Windows a file that is read-only cannot be replaced: version control makes them so until they are checked out.
+    if locked := [name for name in news if (root / name).exists() and not os.access(root / name, os.W_OK)]:
+        raise KitError(f"{locked[0]} is read-only: nothing was copied; check it out first, or clear the attribute")
+    # In the project, and so on the same disk: what can fail fails before the first file is moved to its place. Not by
+    # tempfile, whose folders on Windows are for one account alone, and so would be the files that are moved out of it.
+    stage = root / f".netmqexample-{os.getpid()}"
+    try:
+        stage.mkdir()
+        for number, data in enumerate(news.values()):
+            (stage / str(number)).write_bytes(data)
+        for name in news:
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+        for number, name in enumerate(news):
+            replace(stage / str(number), root / name)
+        if news:
+            record |= {name: digest(data) for name, data in news.items()}
+            (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
+    except OSError as error:
+        raise KitError(f"could not write into {root}: {error}") from None
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+    for name in news:
+        if not name.endswith(".meta"):
+            say(f"wrote {name}")
+    same = sum(not name.endswith(".meta") for name in files.keys() - news.keys())
+    if same:
+        say(f"{same} files were there already")
+
+
+def replace(source: Path, target: Path) -> None:
+    """Move a file; on Windows a virus scanner or Unity's importer may have the old one open for a moment."""
+    for wait in (0.2, 0.2, 0.0):
+        try:
+            os.replace(source, target)
+            return
+        except PermissionError:
+            if not wait:
+                raise
+            time.sleep(wait)
+
+
+def read_record(root: Path) -> dict[str, str]:
+    try:
+        record: dict[str, str] = json.loads((root / RECORD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return record
+
+
+def digest(data: bytes) -> str:
+    """Git may have changed the ends of the lines, which is no change."""
+    return hashlib.sha256(data.replace(b"\r\n", b"\n")).hexdigest()
+
+
+def next_steps(root: Path, lesson: str | None) -> list[str]:
+    """What to type and to press now."""
+    key = find(lesson or "1").key
+    # The one that kit.py runs the lessons with; the terminal may be in any folder.
+    python = python_setup.interpreter(key)
+    first = next((path.stem for path in behaviours(PACKAGE / key)), "of the lesson")
+    scene = f"{TARGET}/{key}/{key}.unity"
+    there = f"open {scene}" if (root / scene).exists() else f"add the component {first} to any GameObject"
+    return [
+        f"next, in a terminal: {command(python, ROOT / 'python' / key / 'server.py')}",
+        f"then, in Unity: wait for the import, {there}, and press Play",
+    ]
+
+
+def command(*words: str | Path) -> str:
+    """A line for the terminal. To PowerShell what begins with a quotation mark is a text, unless & comes first."""
+    quoted = [f'"{word}"' if " " in str(word) else str(word) for word in words]
+    if os.name == "nt" and quoted[0].startswith('"'):
+        return f"& {' '.join(quoted)}   (in a command prompt without the &)"
+    return " ".join(quoted)

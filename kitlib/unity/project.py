@@ -1,0 +1,108 @@
+"""A user's own Unity project: where it is, what it has already, and what in it is in the way."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from kitlib.lessons import KitError
+from kitlib.terminal import say
+from kitlib.unity.meta import PACKAGE
+
+# Where the kit's files go in it.
+TARGET = "Assets/NetMQExample"
+
+
+def find_project(path: Path) -> Path:
+    """The Unity project that PATH is, or is inside of."""
+    if '"' in str(path):
+        # On Windows "C:\My Game\" arrives so, with all that follows: a backslash takes the quotation mark its meaning.
+        raise KitError(f"the path is {path}: leave out the backslash before the quotation mark")
+    for folder in [path.resolve(), *path.resolve().parents]:
+        version = folder / "ProjectSettings" / "ProjectVersion.txt"
+        if (folder / "Assets").is_dir() and version.is_file():
+            check_version(version.read_text(encoding="utf-8"))
+            return folder
+    reason = "there is no such folder" if not path.exists() else "no Assets folder beside a ProjectSettings folder"
+    raise KitError(f"{path} is no Unity project: {reason}; give the folder that Unity Hub shows")
+
+
+def check_version(text: str) -> None:
+    """A KitError if this Unity is too old for NetMQ."""
+    found = re.search(r"^m_EditorVersion: (\d+)\.(\d+)", text, re.MULTILINE)
+    if found and (int(found[1]), int(found[2])) < (2021, 2):
+        raise KitError(
+            f"this project is for Unity {found[1]}.{found[2]}; NetMQ needs 2021.2 or later (.NET Standard 2.1)"
+        )
+
+
+def packages_of(root: Path) -> dict[str, str]:
+    """The packages that the project names, with their versions."""
+    path = root / "Packages" / "manifest.json"
+    if not path.exists():
+        return {}
+    try:
+        dependencies: dict[str, str] = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
+    except (ValueError, AttributeError) as error:
+        raise KitError(f"{path} is no valid manifest: {error}") from None
+    return dependencies
+
+
+def all_packages(root: Path, manifest: dict[str, str]) -> set[str]:
+    """Also the packages that other packages bring along: Unity writes them down once it has opened the project."""
+    try:
+        lock = json.loads((root / "Packages" / "packages-lock.json").read_text(encoding="utf-8-sig"))
+        brought = set(lock["dependencies"])
+    except (OSError, ValueError, KeyError, TypeError):
+        brought = set()
+    brought |= {path.name.split("@")[0] for path in (root / "Library" / "PackageCache").glob("org.nuget.netmq@*")}
+    return brought | set(manifest)
+
+
+def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
+    """True if the package is there by another route; a second copy would not compile."""
+    if (root / TARGET).resolve() == PACKAGE.resolve():
+        return True
+    name = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))["name"]
+    if name in manifest:
+        say(f"the scripts come from {name} in Packages/manifest.json: they are not copied")
+    return name in manifest
+
+
+def has_netmq(root: Path, packages: set[str]) -> bool:
+    """True if NetMQ is there by another route; two copies of one library do not compile."""
+    return "org.nuget.netmq" in packages or bool(elsewhere(root, "NetMQ.dll"))
+
+
+def elsewhere(root: Path, name: str) -> list[Path]:
+    """The files of this name in the project, but for those in the kit's own folder."""
+    found = [path for folder in ("Assets", "Packages") for path in (root / folder).rglob(name)]
+    return [path for path in found if not path.is_relative_to(root / TARGET)]
+
+
+def check_moved(root: Path, scripts: dict[str, bytes]) -> None:
+    """A KitError if a script that was moved inside the project, its .meta with it, would be there twice."""
+    for name, meta in scripts.items():
+        if not name.endswith(".cs.meta"):
+            continue
+        ours = re.search(rb"^guid: \S+", meta, re.MULTILINE)
+        for other in elsewhere(root, Path(name).name):
+            if ours and ours[0] in other.read_bytes():
+                moved, target = (str(path).removesuffix(".meta") for path in (other.relative_to(root).as_posix(), name))
+                raise KitError(
+                    f"{moved} is {target}, moved: nothing was copied, because two of them do not compile; "
+                    "move it back with its .meta, or delete it"
+                )
+
+
+def advice(root: Path) -> list[str]:
+    """What in the project's settings keeps the scripts from compiling."""
+    settings = root / "ProjectSettings" / "ProjectSettings.asset"
+    if not settings.exists():
+        return []
+    text = settings.read_text(encoding="utf-8", errors="replace")
+    # 3 is NET_Unity_4_8 in UnityEditor.ApiCompatibilityLevel; 6 is NET_Standard, which new projects have.
+    if re.search(r"^  apiCompatibilityLevelPerPlatform:\n(    \w+: \d+\n)*    \w+: 3$", text, re.MULTILINE):
+        return ["set Project Settings, Player, Api Compatibility Level to .NET Standard 2.1: it is .NET Framework"]
+    return []

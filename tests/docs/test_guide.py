@@ -1,0 +1,667 @@
+"""The README and the guide are true: excerpts, transcripts, commands, links, pictures and programs, each compared.
+
+The last part breaks a copy of each page and sees that the checks notice.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import dataclasses
+import json
+import os
+import re
+import shlex
+import subprocess
+import tomllib
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from kitlib.docs import guide, pictures, terminal_picture
+from kitlib.lessons import find, lessons
+from kitlib.setup import dotnet
+from kitlib.terminal import COLOURS
+from tests.conftest import PYTHON
+from tests.docs import guide_checks as checks
+from tests.programs import ROOT
+
+GUIDE = ROOT / "docs" / "guide"
+PAGES = guide.pages()
+BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
+# Blocks that nothing compares, all pages together. One more wants a reason better than haste.
+BY_HAND = 19
+EXPECTED_PAGES = {
+    *(f"{lesson.key}.md" for lesson in lessons()),
+    "start_here.md",
+    "unity_project.md",
+    "without_unity.md",
+    "performance.md",
+    "choosing.md",
+    "devices.md",
+    "troubleshooting.md",
+    "glossary.md",
+    "questions.md",
+    "where_to_go_next.md",
+}
+
+
+def of(*kinds):
+    return pytest.mark.parametrize(
+        "block", [block for block in BLOCKS if block.kind in kinds], ids=lambda block: block.where
+    )
+
+
+each_page = pytest.mark.parametrize("page", sorted({*PAGES, *ROOT.glob("*.md")}), ids=lambda page: page.name)
+each_guide_page = pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.parent == GUIDE], ids=lambda page: page.name
+)
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.where)
+def test_every_block_says_where_it_comes_from(block):
+    assert checks.block_faults(block) == []
+
+
+@each_page
+def test_there_is_no_block_that_is_not_checked(page):
+    assert checks.stray_blocks(page, page.read_text(encoding="utf-8")) == []
+
+
+def test_blocks_by_hand_are_counted():
+    by_hand = [f"{block.where}: {block.source}" for block in BLOCKS if block.kind == "by hand"]
+    assert len(by_hand) == BY_HAND, "\n".join(by_hand)
+
+
+@of("bench")
+def test_a_table_is_what_the_kept_run_has(block):
+    assert block.body == guide.bench_table(block.source), "python3 -m kitlib.docs.guide --excerpts rewrites it"
+
+
+@of("excerpt")
+def test_an_excerpt_is_what_its_file_has(block):
+    assert block.body == guide.excerpt(block.source), "python3 -m kitlib.docs.guide rewrites it"
+
+
+@of("run", "like")
+@pytest.mark.timeout(300)
+def test_a_transcript_is_what_a_run_prints(block, engine):
+    difference = guide.contradiction(block, guide.printed(block.source, engine.name))
+    assert not difference, f"{difference}\npython3 -m kitlib.docs.guide rewrites it"
+
+
+@of("commands")
+@pytest.mark.timeout(300)
+def test_every_command_runs(block, serve, start, client_command, engine):
+    for line in filter(None, block.body.splitlines()):
+        words = shlex.split(line.split("  #")[0])
+        if words[:2] == ["python3", "kit.py"]:
+            run_kit(words[2:], serve, start, engine)
+        elif match := re.fullmatch(r"python/(\d\d_\w+)/server\.py", words[1] if len(words) > 1 else ""):
+            assert words[0] == "python"
+            server, _ = serve(match[1], *words[2:])
+            assert server.stop() in (0, -15)
+        elif match := re.fullmatch(r"python/(\d\d_\w+)/client\.py", words[1] if len(words) > 1 else ""):
+            run_client("python", match[1], words[2:], serve, start, client_command)
+        else:
+            assert words[:5] == ["dotnet", "run", "--project", "csharp-console", "--"], f"unknown command: {line}"
+            run_client("csharp", find(words[5]).key, words[6:], serve, start, client_command)
+
+
+def run_kit(words, serve, start, engine):
+    if words[0] == "server":
+        server = start(PYTHON, ROOT / "kit.py", *words, "--endpoint", "tcp://127.0.0.1:0")
+        server.wait_for("^listening on ")
+        server.stop()
+        return
+    if words[0] == "client":
+        words = [*words, "--engine", engine.name, "--endpoint", serve(find(words[1]).key)[1]]
+    elif words[0] == "run":
+        words = [*words, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
+    elif words[0] == "test":
+        # This very run, or a part of it; only its words are checked.
+        words = ["test", "--collect-only", "-q", *words[1:]]
+    elif words[0] == "bench":
+        # test_bench.py runs it; here only its words are checked.
+        words = [*words, "--help"]
+    elif words[0] == "unity":
+        # It needs a project; test_unity_install.py has some.
+        words = [*words, "--help"]
+    program = start(PYTHON, ROOT / "kit.py", *words)
+    assert program.wait(240) in (0, 1), program.output
+    assert "Traceback" not in program.output
+
+
+def run_client(kind, key, options, serve, start, client_command):
+    _, endpoint = serve(key)
+    if options[:1] == ["--unity"]:
+        # The endpoint is the test's own.
+        kind, pairs = "unity", zip(options[1::2], options[2::2], strict=True)
+        options = [word for name, value in pairs if name != "--endpoint" for word in (name, value)]
+    program = start(*client_command(kind, key, endpoint, *options))
+    assert program.wait(120) in (0, 1), program.output
+    assert "Traceback" not in program.output
+
+
+@of("commands", "by hand")
+def test_a_command_means_the_same_to_every_shell(block):
+    assert checks.shell_faults(block) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_says_how_to_start_python_on_windows(page):
+    """There `python3` is most often the Microsoft Store's."""
+    typed = [block for block in BLOCKS if block.page == page and re.search("^python3 ", block.body, re.MULTILINE)]
+    assert not typed or re.search(r"\bOn\s+Windows\b.{1,20}`py`", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_notices_name_every_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = project["dependencies"] + [each for extra in project["optional-dependencies"].values() for each in extra]
+    for path in ROOT.glob("*.targets"):
+        wanted += re.findall(r'<PackageReference Include="([^"]+)"', path.read_text(encoding="utf-8"))
+    notices = (ROOT / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"[\w-]+", " ".join(re.findall(r"^\| ([^|]+)", notices, re.MULTILINE)).lower()))
+    assert {re.match(r"[\w-]+", each)[0].lower() for each in wanted} - listed == set()
+
+
+@of("diagram")
+def test_a_diagram_is_one_that_mermaid_draws(block):
+    assert checks.diagram_faults(block.body) == []
+
+
+@pytest.fixture(scope="module")
+def compiled(engine):
+    """Every C# file that a project of the repository compiles, as MSBuild lists them."""
+    found = set()
+    for project in [*ROOT.glob("csharp-*/**/*.csproj"), *ROOT.glob("lab/**/*.csproj"), *ROOT.glob("tests/**/*.csproj")]:
+        command = ["dotnet", "msbuild", project, *engine.properties, "-getItem:Compile"]
+        done = subprocess.run(command, capture_output=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=200)
+        found |= {Path(item["FullPath"]) for item in json.loads(done.stdout)["Items"]["Compile"]}
+    return found
+
+
+def test_every_csharp_excerpt_is_of_a_file_that_is_compiled(compiled):
+    sources = {
+        ROOT / block.source.split()[0] for block in BLOCKS if block.language == "csharp" and block.kind == "excerpt"
+    }
+    assert sources
+    assert not sources - compiled
+
+
+# What stands round a fragment: the names that it may use besides its own.
+SURROUNDINGS = """
+using System; using System.Collections.Generic; using System.Linq; using System.Threading; using System.Threading.Tasks;
+using NetMQ; using NetMQ.Sockets; using NetMQExample; using UnityEngine;
+{usings}
+class Fragment{number} : MonoBehaviour
+{{
+    RequestSocket socket = null; BackgroundClient client = null; string[] args = null;
+{body}
+}}
+"""
+DECLARATION = r"(?:\[\w|public |private |protected |internal |static |readonly |async |void |IEnumerator )"
+
+
+def surrounded(block, number):
+    """A file that the fragment can be compiled in: a member of a MonoBehaviour, or statements of a method."""
+    usings = re.findall(r"^using [\w.= ]+;$", block.body, re.MULTILINE)
+    body = re.sub(r"^using [\w.= ]+;$", "", block.body, flags=re.MULTILINE)
+    body = f'#line {block.line + 2} "{block.page.name}"\n{body}\n#line default'
+    if not re.search(rf"^{DECLARATION}", body, re.MULTILINE):
+        body = f"async Task Statements() {{\n{body}\nawait Task.CompletedTask; }}"
+    fresh = [using for using in usings if using not in SURROUNDINGS]
+    return SURROUNDINGS.format(usings="\n".join(fresh), number=number, body=body)
+
+
+def build(folder, console, properties=""):
+    """Build the C# files of a folder against the lessons' assembly."""
+    references = "".join(f'<Reference Include="{dll}" />' for dll in Path(console[1]).parent.glob("*.dll"))
+    (folder / "fragments.csproj").write_text(
+        f"""<Project Sdk="Microsoft.NET.Sdk">
+  <PropertyGroup>
+    <TargetFramework>net$(BundledNETCoreAppTargetFrameworkVersion)</TargetFramework>
+    <LangVersion>9.0</LangVersion>
+    <Optimize>false</Optimize>
+    {properties}
+  </PropertyGroup>
+  <ItemGroup>{references}</ItemGroup>
+</Project>
+""",
+        encoding="utf-8",
+    )
+    command = ["dotnet", "build", folder, "-p:NuGetAudit=false", "-v:quiet", "-nologo", "-clp:NoSummary;ErrorsOnly"]
+    return subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=280
+    )
+
+
+def compile_fragments(folder, blocks, console):
+    """Compile C# blocks that are no excerpts; returns the errors."""
+    for number, block in enumerate(blocks):
+        (folder / f"Fragment{number}.cs").write_text(surrounded(block, number), encoding="utf-8")
+    done = build(folder, console)
+    return "" if done.returncode == 0 else done.stdout + done.stderr
+
+
+def test_every_other_csharp_block_compiles(tmp_path, console):
+    blocks = [block for block in BLOCKS if block.language == "csharp" and block.kind != "excerpt"]
+    assert compile_fragments(tmp_path, blocks, console) == ""
+
+
+# What Unity does with a script: puts it on an object, calls it frame by frame, and disables it at Stop.
+PLAY = """
+var player = new UnityPlayer.Player(typeof(MyClient).Assembly);
+player.Begin(() =>
+{
+    var thing = new UnityEngine.GameObject("mine");
+    thing.SetActive(false);
+    var script = (UnityEngine.MonoBehaviour)thing.AddComponent(typeof(MyClient));
+    UnityPlayer.Inspector.Set(new[] { script }, "endpoint", args[0]);
+    thing.SetActive(true);
+});
+player.Run(System.TimeSpan.FromSeconds(2.5), () => false);
+player.Stop();
+"""
+
+
+def test_a_script_of_yours_plays(tmp_path, console, serve):
+    """The component that lesson 04's page gives a Unity developer to begin with."""
+    (block,) = [each for each in BLOCKS if "test_a_script_of_yours_plays" in each.source]
+    (tmp_path / "MyClient.cs").write_text(block.body, encoding="utf-8")
+    (tmp_path / "Program.cs").write_text(PLAY, encoding="utf-8")
+    done = build(tmp_path, console, "<OutputType>Exe</OutputType>")
+    assert done.returncode == 0, done.stdout + done.stderr
+    _, endpoint = serve("04_background_client")
+    done = subprocess.run(
+        ["dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), endpoint], capture_output=True, text=True, timeout=60
+    )
+    said = (done.stdout + done.stderr).splitlines()
+    # One at once, one after a second, one after two; and no error at Stop.
+    assert said == ["where to?"] * len(said), said
+    assert 2 <= len(said) <= 3
+
+
+@pytest.mark.parametrize(
+    "block",
+    [block for block in BLOCKS if block.language not in ("", "csharp", "mermaid") and block.kind != "excerpt"],
+    ids=lambda block: block.where,
+)
+def test_every_block_of_another_language_can_be_read(block):
+    if block.language == "python":
+        compile(block.body, block.where, "exec")
+    elif block.language == "json":
+        json.loads(block.body)
+    else:
+        assert block.language == "xml"
+        ElementTree.fromstring(block.body)
+
+
+@each_page
+def test_every_link_and_picture_exists(page):
+    assert checks.link_faults(page, page.read_text(encoding="utf-8")) == []
+
+
+@each_guide_page
+def test_a_page_has_its_sections(page):
+    assert checks.structure_faults(page, page.read_text(encoding="utf-8")) == []
+
+
+def test_every_page_is_there_and_can_be_reached_from_the_readme():
+    found, todo = set(), [ROOT / "README.md"]
+    while todo:
+        page = todo.pop()
+        found.add(page)
+        for target in checks.targets(page.read_text(encoding="utf-8")):
+            path = Path(os.path.normpath(page.parent / target.partition("#")[0]))
+            if path.suffix == ".md" and path.exists() and path not in found:
+                todo.append(path)
+    assert {page.name for page in found if page.parent == GUIDE} == EXPECTED_PAGES
+    assert set(PAGES) <= found
+
+
+def test_every_lesson_has_a_diagram_and_a_row_in_the_readme():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for lesson in lessons():
+        assert f"docs/guide/{lesson.key}.md" in readme, lesson.key
+        assert [block for block in BLOCKS if block.page == lesson.guide and block.kind == "diagram"], lesson.key
+
+
+def test_every_picture_is_what_its_command_draws():
+    drawn = (ROOT / "img" / "architecture.svg").read_text(encoding="utf-8")
+    assert drawn == pictures.architecture(), "python3 -m kitlib.docs.pictures draws it"
+
+
+@pytest.mark.timeout(300)
+def test_the_picture_of_a_terminal_is_what_a_run_prints(engine):
+    svg = terminal_picture.PICTURE.read_text(encoding="utf-8")
+    command, *lines = terminal_picture.lines_of(svg)
+    assert command == f"$ python3 kit.py run {terminal_picture.RUN}"
+    assert pictured(lines, engine) == "", "python3 -m kitlib.docs.terminal_picture draws it"
+    # In colour, as `show` prints it.
+    assert svg == terminal_picture.draw(command[2:], [re.sub(r"^\w+ +\|", in_colour, line) for line in lines])
+    for number in range(len(lines)):
+        assert pictured([*lines[:number], lines[number] + " more", *lines[number + 1 :]], engine)
+
+
+def pictured(lines, engine):
+    shown = guide.Block(terminal_picture.PICTURE, 1, "like", "", "", "".join(f"{line}\n" for line in lines))
+    return guide.contradiction(shown, guide.printed(terminal_picture.RUN, engine.name))
+
+
+def in_colour(prefix):
+    return f"\033[{COLOURS[prefix[0].split()[0]]}m{prefix[0]}\033[0m"
+
+
+@pytest.mark.parametrize("name", ["price", "echo_32", "echo_230400"])
+def test_the_bars_of_a_plot_are_as_long_as_their_numbers(name):
+    """Twice as long is twice as much: an axis that is not linear, or does not begin at 0, is a picture that lies."""
+    svg = (ROOT / "img" / f"performance_{name}.svg").read_text(encoding="utf-8")
+    number = r"(\d+(?:\.\d+)?)"
+    bars = re.findall(rf'd="M {number} {number}\nL {number} \2\nL \3 {number}\nL \1 \4\nz\n" clip-path', svg)
+    values = [float(text.replace(",", "")) for text in re.findall(r">([\d,.]+)</text>", svg)][-len(bars) :]
+    lengths = [float(right) - float(left) for left, _, right, _ in bars]
+    assert len(bars) >= 2
+    assert [length / max(lengths) for length in lengths] == pytest.approx([v / max(values) for v in values], abs=0.01)
+
+
+# What only somebody who changes the kit meets.
+MAINTAINING = {"guide.py", "pictures.py", "terminal_picture.py", "unity_meta.py", "lab.py"}
+# What a server says that was told to make trouble.
+ON_PURPOSE = {": left without a reply"}
+
+
+def error_texts():
+    """The longest piece of each text that ends kit.py or a server. One about a wrong word explains itself."""
+    found = {}
+    for path in [*ROOT.glob("kitlib/*.py"), *ROOT.glob("python/0*/server.py")]:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("KitError", "sys.exit"):
+                constants = [
+                    part.value for said in node.args for part in ast.walk(said) if isinstance(part, ast.Constant)
+                ]
+                texts = [text for text in constants if isinstance(text, str) and " " in text]
+                if texts and path.name not in MAINTAINING and texts[-1] not in ON_PURPOSE:
+                    found[max(texts, key=len).strip(" ;:\n")] = path.name
+    return [pytest.param(text, id=f"{name}: {text}") for text, name in found.items()]
+
+
+@pytest.mark.parametrize("text", error_texts())
+def test_every_error_is_in_troubleshooting(text):
+    assert text in re.sub(r"\s+", " ", (GUIDE / "troubleshooting.md").read_text(encoding="utf-8"))
+
+
+# From here on: what the checks above would notice.
+
+
+def changed_words(text):
+    """The text with one word changed, for a word at its beginning, in its middle and at its end; not in a comment."""
+    code = re.sub(r"(#|//).*", lambda comment: " " * len(comment[0]), text)
+    words = list(re.finditer(r"[A-Za-z]{3,}", code))
+    for found in [words[0], words[len(words) // 2], words[-1]]:
+        yield text[: found.start()] + found[0][::-1].swapcase() + text[found.end() :]
+
+
+def pasted(block):
+    """A reader's copy of the file, in which the definition was replaced by the text of the page."""
+    path, name = block.source.split()
+    text = (ROOT / path).read_text(encoding="utf-8")
+    return (pasted_python if path.endswith(".py") else pasted_csharp)(text, name, block.body)
+
+
+def pasted_python(text, name, body):
+    """The module with another definition in the place of one; it is found by the parser, and not by its lines."""
+    tree = ast.parse(text)
+    for parent in ast.walk(tree):
+        if not isinstance(parent, ast.Module | ast.ClassDef):
+            continue
+        for place, node in enumerate(parent.body):
+            if getattr(node, "name", "") == name:
+                parent.body[place : place + 1] = ast.parse(body).body
+                return ast.unparse(tree)
+    raise AssertionError(f"no {name}")
+
+
+def pasted_csharp(text, name, body):
+    """The file with all that belongs to a declaration replaced: from the end of what stands above it to its own end.
+
+    Comments go, as they mean nothing to the compiler, and so does the space between words.
+    """
+    code = re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE)
+    modifiers = r"(?:public|private|internal|protected)"
+    declared = re.search(rf"^[^\n=;(]*\b{modifiers}\b[^\n=;(]*\b{name}\b", code, re.MULTILINE)
+    above = max(code.rfind(end, 0, declared.start()) for end in ";{}") + 1
+    end, depth = declared.end(), 0
+    while depth or code[end - 1] not in ";}":
+        depth += {"{": 1, "}": -1}.get(code[end], 0)
+        end += 1
+    return " ".join((code[:above] + "\n" + re.sub(r"^\s*//.*\n", "", body, flags=re.MULTILINE) + code[end:]).split())
+
+
+def as_it_is(block):
+    text = (ROOT / block.source.split()[0]).read_text(encoding="utf-8")
+    if block.language == "python":
+        return ast.unparse(ast.parse(text))
+    return " ".join(re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE).split())
+
+
+@of("excerpt")
+def test_an_excerpt_pasted_over_its_definition_gives_the_same_file(block):
+    assert pasted(block) == as_it_is(block)
+    for body in changed_words(block.body):
+        with contextlib.suppress(SyntaxError):
+            assert pasted(dataclasses.replace(block, body=body)) != as_it_is(block)
+
+
+PYTHON_DEFINITIONS = '''
+import functools
+
+@functools.lru_cache(
+    maxsize=1000,
+)
+@print
+def decorated(x):
+    return x
+
+@print
+class Thing:
+    """Has a method."""
+
+    @property
+    # Why it is one.
+    def method(self):
+        return 1
+
+    async def later(self):
+        return 2
+'''
+CSHARP_DEFINITIONS = """
+namespace N
+{
+    [Serializable]
+    public sealed class Thing
+    {
+        private int[] numbers = new int[3]; // ends in ]
+        [Obsolete("no"),
+         EditorBrowsable(EditorBrowsableState.Never)]
+        [Header("a [b]")]
+        // Why it is one.
+        public int Method()
+        {
+            return numbers[0];
+        }
+
+        private static readonly int[] Others =
+        {
+            1, 2,
+        };
+
+        [SerializeField] private string endpoint = "x";
+
+        /// <summary>Documentation [with] brackets [here]</summary>
+        public void Plain() { }
+    }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("language", "name", "first", "last"),
+    [
+        ("python", "decorated", "@functools.lru_cache(", "return x"),
+        ("python", "Thing", "@print", "return 2"),
+        ("python", "method", "@property", "return 1"),
+        ("python", "later", "async def later(self):", "return 2"),
+        ("csharp", "Thing", "[Serializable]", "}"),
+        ("csharp", "Method", '[Obsolete("no"),', "}"),
+        ("csharp", "Others", "private static readonly int[] Others =", "};"),
+        ("csharp", "endpoint", *['[SerializeField] private string endpoint = "x";'] * 2),
+        ("csharp", "Plain", *["public void Plain() { }"] * 2),
+    ],
+)
+def test_an_excerpt_begins_at_its_decorators_and_attributes(language, name, first, last):
+    text, lines_of = {
+        "python": (PYTHON_DEFINITIONS, guide.python_lines),
+        "csharp": (CSHARP_DEFINITIONS, guide.csharp_lines),
+    }[language]
+    found = lines_of(text, name)
+    assert found, f"no {name}"
+    assert [text.splitlines()[i].strip() for i in (found[0], found[-1])] == [first, last]
+
+
+@of("run", "like")
+def test_a_changed_line_of_a_transcript_is_noticed(block):
+    lines = block.body.splitlines()
+    ran = [line if guide.has_prefixes(lines) else f"client | {line}" for line in lines if line != "..."]
+    assert not guide.contradiction(block, ran)
+    shapes = [guide.shape([line]) for line in ran]
+    for number, line in enumerate(ran):
+        # How often the same happens is not compared where only the shape is.
+        if block.kind == "run" or shapes.count(shapes[number]) == 1:
+            assert guide.contradiction(block, [*ran[:number], line + " more", *ran[number + 1 :]]), line
+            assert guide.contradiction(block, [*ran[:number], *ran[number + 1 :]]), line
+
+
+def test_a_transcript_is_renewed_from_a_run():
+    ran = ["kit    | x", "server | a 1", "client | b 1", "server | a 2", "client | b 2", "client | done: 2"]
+
+    def transcript(kind, *lines):
+        return guide.Block(ROOT / "README.md", 1, kind, "1", "", "".join(f"{line}\n" for line in lines))
+
+    silent = transcript("run", "client | b 1", "client | b 2", "client | done: 2")
+    assert guide.contradiction(silent, ran).startswith("the server prints something else")
+    assert guide.renewed(silent, ran).splitlines() == ran[1:]
+    wrong = transcript("run", "server | a 1", "client | c 1", "...", "client | done: 2")
+    assert "- c 1" in guide.contradiction(wrong, ran)
+    assert guide.renewed(wrong, ran).splitlines() == ["server | a 1", "client | b 1", "...", "client | done: 2"]
+    client = transcript("like", "b 7", "...", "done: 8")
+    assert guide.contradiction(client, ran) == ""
+    assert guide.renewed(client, ran).splitlines() == ["b 1", "...", "done: 2"]
+    column = transcript("like", "naive    561 us", "pooled    99 us")
+    assert guide.contradiction(column, ["client | naive   1561 us", "client | pooled  360 us"]) == ""
+    assert guide.contradiction(column, ["client | naive   1561 ms", "client | pooled  360 us"])
+    whole = transcript("run", "b 1", "b 3", "done: 2")
+    assert guide.renewed(whole, ran).splitlines() == ["b 1", "b 2", "done: 2"]
+    short = transcript("run", "b 1", "b 2", "...", "b 2", "done: 2")
+    assert guide.renewed(short, ran).splitlines() == ["b 1", "b 2", "done: 2"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "kit.py run 1 --endpoint tcp://127.0.0.1:*",
+        "kit.py test -k one|two",
+        "kit.py list; kit.py doctor",
+        "kit.py list && kit.py doctor",
+        "kit.py run 1 --options='--count 3'",
+        'kit.py unity "C:\\My Game\\"',
+        'kit.py unity "~/My Game"',
+        "kit.py unity ~/MyGame",
+        'kit.py run 1 --options="--text $HOME"',
+        'kit.py run 1 --options="--text %PATH%"',
+        "kit.py run 1 # the first",
+        '"C:/My Kit/kit.py" run 1',
+        "export PIP_NO_INDEX=1",
+        "set PIP_NO_INDEX=1",
+        "$env:PIP_NO_INDEX = 1",
+        "PIP_NO_INDEX=1 kit.py run 1",
+        "./kit.py run 1",
+        "kit.py \\",
+    ],
+)
+def test_a_command_for_one_shell_alone_is_noticed(line):
+    block = guide.Block(ROOT / "README.md", 1, "commands", "", "", f"{line.replace('kit.py', 'python3 kit.py', 1)}\n")
+    assert checks.shell_faults(block) != []
+    assert checks.shell_faults(dataclasses.replace(block, kind="by hand", source="for zsh: because")) == []
+
+
+@of("diagram")
+def test_a_diagram_that_does_not_draw_is_noticed(block):
+    for line in block.body.splitlines()[1:]:
+        if line.strip() not in ("end", "autonumber"):
+            assert checks.diagram_faults(block.body.replace(line, line.replace(" ", " ;", 99), 1)), line
+    assert checks.diagram_faults(block.body + "    loop for ever\n")
+    assert checks.diagram_faults(block.body + "    end\n")
+    assert checks.diagram_faults(re.sub(r"participant \w+", "participant Nobody", block.body, count=1))
+
+
+@each_page
+def test_a_changed_link_is_noticed(page):
+    text = page.read_text(encoding="utf-8")
+    faults = checks.link_faults(page, text)
+    good = {target for target in checks.targets(text) if not any(target in fault for fault in faults)}
+    for target in [target for target in good if not target.startswith("http")]:
+        for other in (target + "x", "x" + target):
+            changed = re.sub(rf"([(\"]){re.escape(target)}(?=[)\" ])", lambda found, o=other: found[1] + o, text)
+            assert len(checks.link_faults(page, changed)) > len(faults), other
+
+
+@each_guide_page
+def test_a_missing_section_is_noticed(page):
+    text = page.read_text(encoding="utf-8")
+    for title in ["Next"] if page.name in checks.REFERENCE else checks.SECTIONS:
+        assert checks.structure_faults(page, text.replace(f"\n## {title}\n", f"\n## Not {title}\n"))
+    assert checks.structure_faults(page, text.replace("**You will learn**", "You learn"))
+
+
+def test_the_headings_are_named_as_on_github():
+    text = "# A [link](x.md): `code.py`!\n## Same\n## Same\n## Same\n```\n# no\n```\n## Größe, 3 µs\n## A  b_c\n"
+    assert checks.anchors(text) == {"a-link-codepy", "same", "same-1", "same-2", "größe-3-µs", "a--b_c"}
+
+
+def test_links_are_found_in_every_form():
+    text = (
+        '[a](a.md) ![b](b.svg "title") <img src="c.svg" alt="c"> <a href="d.md#e">x</a> `[no](no.md)`\n'
+        '<picture><source media="x" srcset="f.svg, g.svg 2x"><img alt="h" src="h.svg"></picture>\n[i]: i.md\n'
+    )
+    found = checks.targets(text)
+    assert sorted(found) == ["a.md", "b.svg", "c.svg", "d.md#e", "f.svg", "g.svg", "h.svg", "i.md"]
+    assert (
+        len(checks.link_faults(ROOT / "README.md", '![](img/architecture.svg) <img src="img/architecture.svg">')) == 2
+    )
+    assert checks.link_faults(ROOT / "README.md", "[a](kit.py) [b](python) [c](../x.md) [d](readme.md) [e](#none)") == [
+        "README.md: there is no ../x.md",
+        "README.md: there is no readme.md",
+        "README.md: there is no such heading: #none",
+    ]
+
+
+def test_a_block_that_kitlib_does_not_see_is_noticed():
+    page = ROOT / "README.md"
+    assert checks.stray_blocks(page, "1. a\n\n   ```\n   x\n   ```\n") != []
+    assert checks.stray_blocks(page, "~~~\nx\n~~~\n") != []
+    assert checks.stray_blocks(page, "<!-- run: 1 -->\n```\nx\n```\n") == []
+    for text in ("```\nx\n```\n", "<!-- by hand -->\n```\nx\n```\n", "<!-- diagram -->\n```\nx\n```\n"):
+        (block,) = guide.blocks(page, text)
+        assert checks.block_faults(block) != []
+
+
+def test_a_csharp_block_that_does_not_compile_is_noticed(tmp_path, console):
+    blocks = [
+        guide.Block(GUIDE / "x.md", 7, "by hand", "why", "csharp", body)
+        for body in ("void Update()\n{\n    socket.SendFrame(missing);\n}\n", "using System;\n\nvar x = args.Lenth;\n")
+    ]
+    errors = compile_fragments(tmp_path, blocks, console)
+    assert re.search(r"x\.md\(11,.*'missing'", errors)
+    assert re.search(r"x\.md\(11,.*'Lenth'", errors)

@@ -1,0 +1,122 @@
+"""The page "Using it without Unity": its programs are built and run as they stand there, with the files it names."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from kitlib.docs import guide
+from kitlib.lessons import lessons
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.programs import ROOT
+
+PAGE = ROOT / "docs" / "guide" / "without_unity.md"
+PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
+OFFLINE_ENGINE = ROOT / "csharp-support" / "libzmq-engine" / "NetMQ.csproj"
+
+
+def program(language):
+    """The page's one program in a language."""
+    (found,) = [block for block in guide.blocks(PAGE) if block.language == language]
+    return found.body
+
+
+def table():
+    """Each lesson's key, with the C# files, the Python files and the server's files to take."""
+    rows = re.findall(
+        r"^\| \[\d\d\]\((\d\d_\w+)\.md\) \|(.*)\|(.*)\|(.*)\|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    return [(key, *(re.findall(r"`(\w+\.\w+)`", cell) for cell in cells)) for key, *cells in rows]
+
+
+def test_the_readme_says_how_many_files_to_copy():
+    """One server or client, or a class with all that it needs."""
+    words = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+    counts = [len(files) for row in table() for files in row[1:]]
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"Copy its files, {words[min(counts)]} to {words[max(counts)]} on each side" in readme
+
+
+def scripts(names):
+    return [next(PACKAGE.glob(f"[0-9]*/{name}")) for name in names]
+
+
+def test_the_table_has_every_lesson():
+    assert [row[0] for row in table()] == [lesson.key for lesson in lessons()]
+
+
+@pytest.mark.parametrize("row", table(), ids=lambda row: row[0])
+def test_the_files_to_take_need_no_others(row):
+    key, csharp, client, server = row
+    others = {path.stem for path in PACKAGE.glob("[0-9]*/*.cs")} - {name.removesuffix(".cs") for name in csharp}
+    for path in scripts(csharp):
+        code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
+        assert "UnityEngine" not in code, path.name
+        assert not [name for name in others if re.search(rf"(?<![\w.]){name}\b", code)], path.name
+    folder = ROOT / "python" / key
+    for names in (client, server):
+        for name in names:
+            nodes = ast.walk(ast.parse((folder / name).read_text(encoding="utf-8")))
+            used = {f"{node.module}.py" for node in nodes if isinstance(node, ast.ImportFrom)}
+            assert not [other for other in used - set(names) if (folder / other).exists()], name
+
+
+PYTHON_FILES = [path for lesson in lessons() for path in sorted(lesson.python.glob("*.py"))]
+
+
+@pytest.mark.parametrize(
+    "path",
+    [path for path in PYTHON_FILES if "Take home" in path.read_text(encoding="utf-8")],
+    ids=lambda path: str(path.relative_to(ROOT)),
+)
+def test_what_a_header_says_to_take_home_runs_there(path, tmp_path):
+    """A file with the others that the sentence names, and nothing else, in an empty folder: each of them starts."""
+    text = path.read_text(encoding="utf-8")
+    if "numpy" in text:
+        pytest.importorskip("numpy", reason="lesson 05 needs numpy: pip install numpy")
+    said = re.search(r"Take home: (.*?)\.(\s|$)", ast.get_docstring(ast.parse(text)), re.DOTALL)[1]
+    for name in {path.name, *re.findall(r"\w+\.py", said)}:
+        shutil.copy(path.parent / name, tmp_path)
+    for copied in list(tmp_path.glob("*.py")):
+        done = subprocess.run([PYTHON, copied.name, "--help"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+
+
+def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
+    """With every C# file of the table beside it, so that all of them are seen to compile without Unity."""
+    project = tmp_path / "MyProgram.csproj"
+    text = program("xml")
+    if engine.name == "libzmq":
+        package = re.search(r"<PackageReference.*/>", text)[0]
+        text = text.replace(package, f'<ProjectReference Include="{OFFLINE_ENGINE}" />')
+    project.write_text(text, encoding="utf-8")
+    (tmp_path / "Program.cs").write_text(program("csharp"), encoding="utf-8")
+    for path in {path for _, csharp, _, _ in table() for path in scripts(csharp)}:
+        shutil.copy(path, tmp_path)
+    command = ["dotnet", "build", project, *engine.properties, "-warnaserror", "-o", tmp_path / "out"]
+    environment = {**os.environ, **dotnet.ENVIRONMENT}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=280, env=environment)
+    assert done.returncode == 0, done.stdout
+    _, endpoint = serve("01_request_reply")
+    done = subprocess.run(
+        ["dotnet", tmp_path / "out" / "MyProgram.dll", endpoint], capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout == "World\n", done.stdout + done.stderr
+
+
+def test_the_python_program_runs(tmp_path, serve):
+    pytest.importorskip("numpy")
+    (tmp_path / "program.py").write_text(program("python"), encoding="utf-8")
+    for name in next(client for key, _, client, _ in table() if key == "05_messages"):
+        shutil.copy(ROOT / "python" / "05_messages" / name, tmp_path)
+    _, endpoint = serve("05_messages")
+    command = [PYTHON, tmp_path / "program.py", endpoint]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    said = re.search(r"answers where the bright pixel is: `(.*)`", PAGE.read_text(encoding="utf-8"))[1]
+    assert done.stdout == f"{said}\n", done.stdout + done.stderr

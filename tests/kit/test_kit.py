@@ -1,0 +1,732 @@
+"""kit.py as a person meets it: on a copy of the repository, as a process, on machines with and without things."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import re
+import shlex
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import kit
+from kitlib import commands, lessons, terminal
+from kitlib import run as runner
+from kitlib.lessons import KitError
+from kitlib.setup import doctor, dotnet, python_setup
+from kitlib.terminal import Result
+from tests.conftest import PYTHON
+from tests.programs import ROOT, Mark, finds_processes
+
+KIT = ROOT / "kit.py"
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """What a fresh clone holds."""
+    clone = tmp_path / "clone"
+    skipped = shutil.ignore_patterns(".git", ".build", ".venv", "__pycache__", ".*_cache")
+    shutil.copytree(ROOT, clone, ignore=skipped)
+    return clone
+
+
+@pytest.fixture
+def bare_python(tmp_path):
+    """An interpreter with nothing installed."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "bare"], check=True, timeout=120)
+    return tmp_path / "bare" / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def test_list_names_every_lesson_of_the_folders(start):
+    program = start(PYTHON, KIT, "list")
+    assert program.wait() == 0
+    folders = sorted(path.name for path in (ROOT / "python").iterdir() if (path / "server.py").exists())
+    assert [line.split()[0] for line in program.lines] == folders
+
+
+@pytest.mark.parametrize("client", ["python", "csharp"])
+def test_run_shows_both_sides_and_ends_with_the_clients_code(client, engine, start):
+    program = start(
+        PYTHON, KIT, "run", "1", "--client", client, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"
+    )
+    assert program.wait(300) == 0, program.output
+    assert "client | done: 10 replies" in program.lines
+    assert program.lines.count("server | sent World") == 10
+    failing = start(
+        PYTHON,
+        KIT,
+        "run",
+        "01",
+        "--client",
+        client,
+        "--engine",
+        engine.name,
+        "--endpoint",
+        "tcp://127.0.0.1:0",
+        "--server=--delay 30",
+        "--options=--patience 0.2",
+    )
+    assert failing.wait(300) == 1, failing.output
+    assert any(line.startswith("client | gave up") for line in failing.lines)
+
+
+def test_a_second_build_happens_only_after_a_change(engine, copy, start):
+    command = [PYTHON, copy / "kit.py", "run", "1", "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
+    first, second = start(*command), None
+    assert first.wait(300) == 0, first.output
+    assert "building" in first.output
+    second = start(*command)
+    assert second.wait(300) == 0
+    assert "building" not in second.output
+    assert "installing" not in second.output
+    assert "asking NuGet" not in second.output
+    script = copy / "unity" / "Assets" / "NetMQExample" / "01_request_reply" / "HelloRequester.cs"
+    script.write_text(
+        script.read_text(encoding="utf-8").replace("TrySendFrame(Slice, text)", 'TrySendFrame(Slice, "Bye")'),
+        encoding="utf-8",
+    )
+    third = start(*command)
+    assert third.wait(300) == 0
+    assert "building" in third.output
+    assert "client | 1: sent Hello, received error: expected Hello, got 3 bytes beginning b'Bye'" in third.lines
+
+
+class Stopped:
+    """kit.py in a terminal of its own, and everything that it started, found by a mark in the environment."""
+
+    def __init__(self, words, folder, **env):
+        self.mark = Mark()
+        self.output = folder / "printed.txt"
+        with self.output.open("w") as file:
+            self.process = subprocess.Popen(
+                [str(word) for word in words], cwd=ROOT, stdin=subprocess.DEVNULL, stdout=file,
+                stderr=subprocess.STDOUT, start_new_session=True,
+                env={**os.environ, "PYTHONUNBUFFERED": "1", **env, **self.mark.environment},
+            )  # fmt: skip
+
+    def running(self):
+        """The command of each process that has the mark."""
+        return list(self.mark.processes().values())
+
+    def wait_for(self, what, limit=120):
+        deadline = time.monotonic() + limit
+        while not what():
+            assert time.monotonic() < deadline, self.printed
+            assert self.process.poll() is None, self.printed
+            time.sleep(0.02)
+
+    @property
+    def printed(self):
+        return self.output.read_text(encoding="utf-8", errors="replace")
+
+    def stop(self, how):
+        """Ctrl-C in a terminal is SIGINT for kit.py and all programs beside it; SIGTERM is for kit.py alone."""
+        if how == signal.SIGINT:
+            os.killpg(self.process.pid, how)
+        else:
+            self.process.send_signal(how)
+        code = self.process.wait(60)
+        assert self.running() == []
+        assert "Traceback" not in self.printed
+        return code
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.mark.processes():
+            os.kill(process, signal.SIGKILL)
+        self.process.wait()
+
+
+@finds_processes
+@pytest.mark.parametrize("how", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_ctrl_c_in_a_run_leaves_nothing_running(how, tmp_path, serve):
+    words = ["run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", "--server=--delay 300"]
+    with Stopped([PYTHON, KIT, *words, "--options=--patience 300"], tmp_path) as run:
+        run.wait_for(lambda: "client | asking" in run.printed)
+        assert len(run.running()) == 3
+        assert run.stop(getattr(signal, how)) == 130
+        endpoint = re.search(r"listening on (\S+)", run.printed)[1]
+    # The port is free again.
+    assert serve("01_request_reply", endpoint=endpoint)[1] == endpoint
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends a Ctrl-C in another way")
+def test_ctrl_c_while_a_program_is_being_started_ends_it(monkeypatch):
+    started = []
+
+    class Interrupted(subprocess.Popen):
+        def __init__(self, *words, **options):
+            super().__init__(*words, **options)
+            started.append(self)
+            # The worst moment: it runs, and who asked for it does not know it yet.
+            os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(subprocess, "Popen", Interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            terminal.quietly([sys.executable, "-c", "import time; time.sleep(60)"], 60)
+        assert started[0].poll() is not None
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        started[0].kill()
+
+
+@finds_processes
+def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy, bare_python, tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        # An index that accepts connections and never answers.
+        index = f"http://127.0.0.1:{silent.getsockname()[1]}/simple"
+        env = {"PIP_NO_INDEX": "0", "PIP_FIND_LINKS": "", "PIP_INDEX_URL": index}
+        with Stopped([bare_python, copy / "kit.py", "run", "1", "--client", "python"], tmp_path, **env) as run:
+            run.wait_for(lambda: any(" pip " in line and "install" in line for line in run.running()))
+            assert run.stop(signal.SIGINT) == 130
+    again = [bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0"]
+    done = subprocess.run(again, capture_output=True, text=True, timeout=120)
+    assert "client | done: 10 replies" in done.stdout, done.stdout
+
+
+@finds_processes
+def test_ctrl_c_in_the_build_leaves_nothing_running(engine, copy, tmp_path):
+    words = ["run", "1", "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
+    with Stopped([PYTHON, copy / "kit.py", *words], tmp_path) as run:
+        run.wait_for(
+            lambda: "building" in run.printed and any("/csc" in line or "nodemode" in line for line in run.running())
+        )
+        assert run.stop(signal.SIGINT) == 130
+
+
+SLOW_TEST = """
+import subprocess, sys, time
+def test_slow():
+    deaf = "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); time.sleep(300)"
+    started = subprocess.Popen([sys.executable, "-c", deaf])
+    try:
+        print("started", flush=True)
+        started.wait()
+    finally:
+        time.sleep(1)
+        print("cleared up", flush=True)
+"""
+
+
+@finds_processes
+def test_ctrl_c_in_the_tests_lets_the_running_test_clear_up(tmp_path):
+    (tmp_path / "test_slow.py").write_text(SLOW_TEST, encoding="utf-8")
+    words = ["test", "-s", "-p", "no:cacheprovider", "--confcutdir", tmp_path, tmp_path / "test_slow.py"]
+    with Stopped([PYTHON, KIT, *words], tmp_path) as run:
+        run.wait_for(lambda: "started" in run.printed)
+        assert len(run.running()) >= 3
+        assert run.stop(signal.SIGINT) == 130
+        assert "cleared up" in run.printed
+
+
+def test_a_second_ctrl_c_does_not_stop_the_clearing_up():
+    with terminal.uninterrupted():
+        signal.raise_signal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
+def refused(start, *words):
+    """The one line that answers wrong words."""
+    program = start(PYTHON, KIT, *words)
+    assert program.wait() == 2
+    assert len(program.lines) == 1, program.output
+    return program.lines[0].removeprefix("kit    | ")
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        ("rum 1", "there is no command 'rum'; did you mean run?"),
+        ("2", f"there is no command '2'; did you mean `{lessons.KIT} run 2`?"),
+        ("--nonsense", r"there is no command '--nonsense'; there are: run, server, client, test, "),
+        ("run", f".* required: LESSON; `{lessons.KIT} run --help` shows how$"),
+        ("run 99", "there is no lesson 99; there are: 01_request_reply, 02_lazy_pirate, "),
+        ("run 0", "there is no lesson 0; there are: 01_request_reply, "),
+        ("run request", r"there is no lesson request; did you mean 01_request_reply\?$"),
+        ("run lazy_pirat", r"there is no lesson lazy_pirat; did you mean 02_lazy_pirate\?$"),
+        ("run 2_lasy_pirate", r"there is no lesson 2_lasy_pirate; did you mean 02_lazy_pirate\?$"),
+        ("run 1 --clinet python", r"run takes no '--clinet'; did you mean --client\?$"),
+        ("run 1 --count 3", r"run takes no '--count'; what the client takes goes into --options="),
+        ("run 1 more", r"run takes no 'more'; what the client takes"),
+        ("run 1 --client c#", r"argument --client: invalid choice: 'c#' \(choose from .*csharp.*--help` shows how$"),
+        ("run 1 --endpoint", r"argument --endpoint: expected one argument; .*--help` shows how$"),
+        ("run 1 --options='x", r"--options 'x: a quotation mark in it is not closed"),
+        ("unity", f".* required: PATH; `{lessons.KIT} unity --help` shows how$"),
+        ("unity My Game", r"unity takes no 'Game'; a path with a space"),
+        ("list all", f"list takes no 'all'; `{lessons.KIT} list --help` shows what it takes$"),
+    ],
+)
+def test_a_wrong_word_is_answered_in_one_line_with_the_cure(words, answer, start):
+    assert re.match(answer, refused(start, *words.split()))
+
+
+@pytest.mark.parametrize("words", [[], ["--help"], ["-h"], ["help"]])
+def test_the_help_names_every_command(words, start):
+    program = start(PYTHON, KIT, *words)
+    # Nothing was asked for, so nothing was done.
+    assert program.wait() == (0 if words else 2)
+    for command in kit.commands():
+        assert f"    {lessons.KIT} {command.name} " in program.output
+
+
+@pytest.mark.parametrize("name", [command.name for command in kit.commands()])
+@pytest.mark.parametrize("option", ["--help", "-h"])
+def test_every_command_explains_itself_with_examples_that_it_takes(name, option, start):
+    program = start(PYTHON, KIT, name, option)
+    assert program.wait() == 0
+    command = next(command for command in kit.commands() if command.name == name)
+    assert command.description in program.output
+    examples = re.findall(rf"^  {re.escape(lessons.KIT)} {name}\b(.*?)(?:   .*)?$", program.output, re.MULTILINE)
+    assert examples
+    for example in examples:
+        if "--help" not in example:
+            command.parse(shlex.split(example))
+
+
+def test_what_comes_after_test_is_for_pytest(start):
+    program = start(
+        PYTHON, KIT, "test", "-k", "not_a_test or what_comes_after", "--collect-only", "-q", "--", "--no-header"
+    )
+    assert program.wait(120) == 0
+    assert any(line.endswith("::test_what_comes_after_test_is_for_pytest") for line in program.lines)
+    theirs = start(PYTHON, KIT, "test", "--", "--help")
+    assert theirs.wait(120) == 0
+    assert any(line.startswith("usage: ") and "file_or_dir" in line for line in theirs.lines)
+
+
+class Screen(io.StringIO):
+    def __init__(self, terminal):
+        super().__init__()
+        self.terminal = terminal
+
+    def isatty(self):
+        return self.terminal
+
+
+@pytest.mark.parametrize(
+    ("on_terminal", "env", "colour"),
+    [
+        (True, {}, True),
+        (False, {}, False),
+        (True, {"NO_COLOR": "1"}, False),
+        (True, {"NO_COLOR": ""}, True),
+        (True, {"TERM": "dumb"}, False),
+    ],
+)
+def test_colour_is_for_terminals_that_want_it(on_terminal, env, colour, monkeypatch):
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    for name, value in env.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(terminal, "windows_console", lambda _: True)
+    assert ("\033" in terminal.coloured("kit", "kit", Screen(on_terminal))) == colour
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
+@pytest.mark.parametrize("on_terminal", ["stdout", "stderr"])
+def test_an_error_is_coloured_where_the_errors_go(on_terminal, monkeypatch, tmp_path):
+    import pty
+
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    ours, its = pty.openpty()
+    with (tmp_path / "file").open("w+b") as file:
+        streams = {"stdout": file, "stderr": file, on_terminal: its}
+        assert subprocess.run([PYTHON, KIT, "rum"], **streams, timeout=30).returncode == 2
+        os.close(its)
+        file.seek(0)
+        printed = os.read(ours, 1000) if on_terminal == "stderr" else file.read()
+    os.close(ours)
+    assert b"did you mean run?" in printed
+    assert (b"\033[31m" in printed) == (on_terminal == "stderr")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs head")
+def test_who_stops_reading_is_not_answered_with_a_traceback():
+    command = f"'{PYTHON}' '{KIT}' run 1 --client python --endpoint 'tcp://127.0.0.1:0' | head -2"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=60)
+    assert len(done.stdout.splitlines()) == 2
+    assert done.stderr == ""
+
+
+def test_a_server_that_cannot_start_ends_the_run(serve, start):
+    _, endpoint = serve("01_request_reply")
+    program = start(PYTHON, KIT, "run", "1", "--client", "python", "--endpoint", endpoint)
+    assert program.wait() == 1
+    said = f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
+    assert f"server | {said}" in program.lines
+    assert "Traceback" not in program.output
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs symbolic links")
+def test_without_a_dotnet_sdk_the_python_client_runs(tmp_path, start):
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    (tools / "python3").symlink_to(PYTHON)
+    program = start(PYTHON, KIT, "run", "1", "--endpoint", "tcp://127.0.0.1:0", PATH=str(tools))
+    assert program.wait(120) == 0, program.output
+    assert any("no .NET SDK 8 or later here: get it from" in line for line in program.lines)
+    assert "client | done: 10 replies" in program.lines
+
+
+def test_without_an_index_an_interpreter_that_has_pyzmq_serves(copy, bare_python, tmp_path, start):
+    env = {
+        "PIP_NO_INDEX": "1",
+        "PIP_FIND_LINKS": str(tmp_path),
+        "PATH": f"{PYTHON.parent}{os.pathsep}{os.environ['PATH']}",
+    }
+    program = start(
+        bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", **env
+    )
+    assert program.wait(120) == 0, program.output
+    assert re.search(r"kit    \| using \S+, which has pyzmq", program.output)
+    # What did not help is no error: the first screen of a newcomer has no such word.
+    assert "ERROR" not in program.output
+    assert not (copy / ".venv").exists()
+    again = start(
+        bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", **env
+    )
+    assert again.wait(120) == 0
+    assert not any("using" in line or "pip" in line for line in again.lines)
+
+
+def test_with_an_index_a_venv_is_made(copy, bare_python, start):
+    links = os.environ.get("PIP_FIND_LINKS", "")
+    if not any(Path(links).glob("pyzmq-*.whl")):
+        pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with pyzmq")
+    program = start(bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0")
+    assert program.wait(300) == 0, program.output
+    assert "kit    | installing pyzmq into .venv …" in program.lines
+    assert (copy / ".venv").exists()
+
+
+def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
+    monkeypatch.setattr(python_setup, "CHOICE", tmp_path / "python.json")
+    for way in ("from_pip", "from_this_machine", "from_debian"):
+        monkeypatch.setattr(python_setup, way, lambda *_: None)
+    with pytest.raises(KitError, match=r"with internet run: \S+ -m pip install pyzmq pytest pytest-timeout$"):
+        python_setup.interpreter("tests")
+
+
+def test_a_venv_without_pip_is_filled_by_the_pip_outside(monkeypatch, tmp_path):
+    links = os.environ.get("PIP_FIND_LINKS", "")
+    if not any(Path(links).glob("pyzmq-*.whl")):
+        pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with pyzmq")
+    monkeypatch.setattr(python_setup, "VENV", tmp_path / "venv")
+    real = terminal.quietly
+
+    def as_on_debian(command, *rest, **named):
+        # Debian's python3 without python3-venv: the venv module is there, ensurepip is not.
+        if "venv" in command and "--without-pip" not in command:
+            return Result(1, "ensurepip is not available")
+        return real(command, *rest, **named)
+
+    monkeypatch.setattr(python_setup, "quietly", as_on_debian)
+    python = python_setup.from_pip(["pyzmq"], ["pyzmq"])
+    assert python is not None
+    assert python_setup.has(python, ["pyzmq"])
+    assert not python_setup.has(python, ["pip"])
+
+
+@pytest.mark.parametrize(
+    ("output", "why"),
+    [
+        ("error NU1101: Unable to find package NetMQ.", "NuGet does not hold NetMQ"),
+        (
+            "error NU1100: Unable to resolve 'NetMQ'",
+            "no source of NuGet's holds NetMQ (with internet: dotnet nuget add source ",
+        ),
+        ("error NU1102: Unable to find package NetMQ with version (>= 4.0.4.3)", "NuGet does not hold NetMQ"),
+        ("error NU1301: Unable to load the service index", "NuGet cannot be reached"),
+    ],
+)
+def test_a_refusal_of_nuget_is_named(output, why):
+    assert dotnet.refusal(Result(1, output)).startswith(why)
+
+
+def test_another_failure_of_the_restore_is_not_taken_for_a_refusal():
+    with pytest.raises(KitError, match="MSB4025"):
+        dotnet.refusal(Result(1, "x.csproj : error MSB4025: The project file could not be loaded."))
+
+
+def test_a_restore_that_hangs_counts_as_unreachable():
+    assert dotnet.refusal(Result(124, "dotnet did not end within 60 s")) == "NuGet cannot be reached"
+
+
+def test_doctor_names_each_thing_once(start):
+    program = start(PYTHON, KIT, "doctor")
+    assert program.wait(200) == 0, program.output
+    for what in ("Python", "pyzmq", ".NET SDK", "Mono", "port 5551"):
+        assert len([line for line in program.lines if re.match(rf"(ok|--)  {re.escape(what)} ", line)]) == 1, what
+
+
+def test_a_lesson_is_found_by_number_and_name():
+    assert {lessons.find(text).key for text in ("1", "01", "01_request_reply")} == {"01_request_reply"}
+
+
+def own_run(copy, python, *words):
+    """The words that run lesson 01 in the copy."""
+    return [python, copy / "kit.py", "run", "1", "--endpoint", "tcp://127.0.0.1:0", *words]
+
+
+def test_the_version_is_said(start):
+    program = start(PYTHON, KIT, "--version")
+    assert program.wait() == 0
+    assert re.fullmatch(r"NetMQExample \d+\.\d+\.\d+, Python 3\.\d+\S*, .+", program.output)
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_server_and_client_are_the_halves_of_run(kind, request, start):
+    if kind == "csharp":
+        request.getfixturevalue("console")
+    mark = Mark()
+    server = start(PYTHON, KIT, "server", "1", "--endpoint", "tcp://127.0.0.1:0", **mark.environment)
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    engine = [] if kind == "python" else ["--engine", request.getfixturevalue("engine").name]
+    client = start(PYTHON, KIT, "client", "1", "--client", kind, *engine, "--endpoint", endpoint, "--count", "3")
+    assert client.wait(300) == 0, client.output
+    assert client.lines[-1] == "done: 3 replies"
+    refused = start(PYTHON, KIT, "client", "1", "--client", "python", "--cuont", "3")
+    assert refused.wait() == 2
+    server.stop(signal.SIGINT)
+    assert "Traceback" not in server.output
+    assert mark.processes() == {}
+
+
+LATE_SERVER = """
+import signal, sys, time
+def late(*_):
+    print("sent World", flush=True)
+    sys.exit()
+signal.signal(signal.SIGTERM, late)
+print("listening on tcp://127.0.0.1:5551", flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGTERM")
+def test_the_last_line_is_the_clients(copy, start):
+    """A server prints what it did after the client has heard of it."""
+    lesson = copy / "python" / "01_request_reply"
+    (lesson / "server.py").write_text(LATE_SERVER, encoding="utf-8")
+    (lesson / "client.py").write_text("print('1: sent Hello')\nprint('done: 1 replies')\n", encoding="utf-8")
+    program = start(PYTHON, copy / "kit.py", "run", "1", "--client", "python")
+    assert program.wait(120) == 0, program.output
+    assert program.lines[-3:] == ["client | 1: sent Hello", "server | sent World", "client | done: 1 replies"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows sends a Ctrl-C in another way")
+def test_ctrl_c_while_the_modules_load_shows_no_traceback():
+    code = f"""
+import os, runpy, signal, sys
+class Moment:
+    def find_spec(self, name, *_):
+        if name == "lab.bench":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Moment())
+sys.path.insert(0, {str(ROOT)!r})
+sys.argv = ["kit.py", "list"]
+runpy.run_path({str(KIT)!r}, run_name="__main__")
+"""
+    done = subprocess.run([PYTHON, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no shell that ignores Ctrl-C for others")
+def test_the_tests_can_be_started_in_the_background():
+    """There a shell ignores Ctrl-C for all that is started, and the tests that press it would wait in vain."""
+    words = f"'{PYTHON}' -m pytest -q -p no:cacheprovider tests/test_kit.py -k 'second_ctrl_c or ctrl_c_in_a_run'"
+    done = subprocess.run(
+        ["sh", "-c", f"trap '' INT; exec {words}"], cwd=ROOT, capture_output=True, text=True, timeout=200
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def test_in_a_pipe_the_output_is_utf_8_on_every_system(start):
+    """As on Windows, where a pipe has the encoding of the system."""
+    program = start(PYTHON, KIT, "run", "grüße…", PYTHONIOENCODING="cp1252", PYTHONUTF8="0")
+    assert program.wait() == 2
+    assert "there is no lesson grüße…;" in program.output
+
+
+def test_a_backslash_in_an_option_is_part_of_a_path_on_windows(monkeypatch):
+    words = r"""--journal C:\Users\me\x.sqlite3 --name "C:\My Game" --send 'add 1'"""
+    monkeypatch.setattr(lessons, "WINDOWS", True)
+    split = commands.split(words, "--server")
+    assert split == ["--journal", r"C:\Users\me\x.sqlite3", "--name", r"C:\My Game", "--send", "add 1"]
+    monkeypatch.setattr(lessons, "WINDOWS", False)
+    assert commands.split(r"--name My\ Game '#1'", "--server") == ["--name", "My Game", "#1"]
+
+
+@pytest.mark.parametrize("damage", [b"", b"\0\0\0", b"[1]", b'{"a": ', b'{"a": 1}', b"\xff\xfe"])
+def test_a_damaged_memory_is_as_good_as_none(damage, copy, start):
+    (copy / ".build").mkdir()
+    (copy / ".build" / "python.json").write_bytes(damage)
+    for _ in range(2):
+        program = start(*own_run(copy, PYTHON, "--client", "python"))
+        assert program.wait(120) == 0, program.output
+        assert "Traceback" not in program.output
+
+
+@pytest.mark.timeout(600)
+def test_what_a_full_disk_leaves_of_a_build_is_built_again(engine, copy, start):
+    """Empty files: .NET's own builds take them for finished."""
+    command = own_run(copy, PYTHON, "--engine", engine.name)
+    first = start(*command)
+    assert first.wait(300) == 0, first.output
+    build = copy / ".build"
+    made = [path for path in build.rglob("*") if path.suffix in (".dll", ".json", ".props", ".targets", ".cache")]
+    assert {"csharp-console.dll", "UnityEngine.dll", "engine.json", "engine.props", "project.assets.json"} <= {
+        path.name for path in made
+    }
+    for path in made:
+        path.write_bytes(b"")
+    again = start(*command)
+    assert again.wait(300) == 0, again.output
+    assert again.lines[-1] == "client | done: 10 replies"
+    # A build that was interrupted had no time for its stamp.
+    for path in [*build.rglob("*.stamp"), *build.rglob("UnityEngine.dll")]:
+        path.write_bytes(b"")
+    third = start(*command)
+    assert third.wait(300) == 0, third.output
+
+
+@pytest.mark.parametrize(
+    ("output", "line"),
+    [
+        ("x.targets(1,1): error MSB3021: Unable to copy file. No space left on device", "the disk is full: "),
+        ('error MSB3027: Could not copy. The file is locked by: ".NET Host (4711)"', "the C# build cannot replace"),
+    ],
+)
+def test_a_build_that_fails_for_no_fault_of_the_code_says_why_in_one_line(output, line):
+    said = dotnet.failure(Result(1, f"first\n{output}\nlast"))
+    assert said.startswith(line)
+    assert "\n" not in said
+
+
+def has_wheels():
+    links = os.environ.get("PIP_FIND_LINKS", "")
+    if not any(Path(links).glob("pyzmq-*.whl")):
+        pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with pyzmq")
+    return Path(links)
+
+
+def test_a_damaged_venv_is_made_anew(copy, bare_python, start):
+    has_wheels()
+    command = own_run(copy, bare_python, "--client", "python")
+    assert start(*command).wait(300) == 0
+    libraries = [path for path in (copy / ".venv").rglob("_zmq*") if path.suffix in (".so", ".pyd")]
+    assert libraries
+    for path in libraries:
+        path.unlink()
+    without_library = start(*command)
+    assert without_library.wait(300) == 0, without_library.output
+    assert "kit    | a package in .venv is damaged: making it anew" in without_library.lines
+    shutil.rmtree(copy / ".venv")
+    (copy / ".venv").write_text("no folder", encoding="utf-8")
+    with_a_file = start(*command)
+    assert with_a_file.wait(300) == 0, with_a_file.output
+    assert (copy / ".venv" / "pyvenv.cfg").exists()
+
+
+def test_a_folder_that_cannot_be_written_to_is_named_in_one_line(engine, copy, start):
+    """The tests may be root's, who may write anywhere; a file in the folder's place stops even him."""
+    (copy / ".build").write_text("", encoding="utf-8")
+    program = start(*own_run(copy, PYTHON, "--engine", engine.name))
+    assert program.wait(120) == 1, program.output
+    assert program.lines[-1] == f"kit    | {lessons.UNWRITABLE}"
+    python = start(*own_run(copy, PYTHON, "--client", "python"))
+    assert python.wait(120) == 0, python.output
+    assert "Traceback" not in program.output + python.output
+
+
+def test_a_package_is_there_if_it_can_be_imported_and_is_not_too_old(tmp_path, monkeypatch):
+    """As on Debian 12: its websockets 10 has none of what we import."""
+    for package, version, code in (("old_one", "10.4", ""), ("broken", "3.0", "import nothing_of_this_name")):
+        (tmp_path / f"{package}-{version}.dist-info").mkdir()
+        (tmp_path / f"{package}-{version}.dist-info" / "METADATA").write_text(f"Name: {package}\nVersion: {version}\n")
+        (tmp_path / f"{package}.py").write_text(f"print('I talk')\n{code}\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    wanted = ["old_one>=9", "old_one>=10.4,<11", "old_one>=13", "old_one<10", "broken", "absent", "pyzmq>=24"]
+    assert python_setup.lacking(PYTHON, wanted) == ["old_one", "old_one", "broken", "absent"]
+
+
+def without_nuget(monkeypatch, tmp_path, output="error NU1301: Unable to load the service index"):
+    monkeypatch.setattr(dotnet, "BUILD", tmp_path)
+    monkeypatch.setattr(dotnet, "PROPS", tmp_path / "engine.props")
+    monkeypatch.setattr(dotnet, "PACKAGES", tmp_path / "packages")
+    monkeypatch.setattr(dotnet, "sdk", lambda: "10.0.100")
+    monkeypatch.setattr(dotnet, "restore", lambda *_: Result(1, output) if output else Result(0, ""))
+
+
+def test_windows_has_no_libzmq_for_the_offline_engine(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(lessons, "WINDOWS", True)
+    without_nuget(monkeypatch, tmp_path)
+    for _ in range(2):
+        command = runner.client_command("csharp", lessons.find("1"), PYTHON, None)
+        assert command == [str(PYTHON), str(lessons.find("1").python / "client.py")]
+        said = capsys.readouterr().out.splitlines()
+        assert said[-1] == (
+            "kit    | NuGet cannot be reached, so there is no C# client here today; running the Python client instead"
+        )
+        # Asked again the next time.
+        assert not (tmp_path / "engine.json").exists()
+    without_nuget(monkeypatch, tmp_path, output="")
+    assert dotnet.choose_engine().name == "netmq"
+
+
+def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
+    def refuse_with(number):
+        def bind(*_):
+            raise OSError(number, "no")
+
+        monkeypatch.setattr(socket.socket, "bind", bind)
+
+    refuse_with(errno.EACCES)
+    assert "the system reserves it (netsh " in doctor.port_row(1)[2]
+    refuse_with(errno.EADDRINUSE)
+    assert doctor.port_row(1)[2].startswith("taken; end what holds it")
+    assert doctor.port_row(4)[2].startswith("taken, perhaps by Android's emulator or adb; ")
+
+
+@pytest.mark.timeout(600)
+def test_a_room_without_internet_runs_from_what_was_packed(copy, engine, bare_python, tmp_path, start):
+    links = has_wheels()
+    if engine.name != "netmq":
+        pytest.skip("NuGet has no NetMQ that could be packed")
+    if os.environ.get("PIP_NO_INDEX") and not any(links.glob("numpy-*.whl")):
+        pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with numpy")
+    packed = start(PYTHON, copy / "kit.py", "pack", copy / "packages")
+    assert packed.wait(300) == 0, packed.output
+    names = " ".join(path.name.lower() for path in (copy / "packages").iterdir())
+    for needed in ("pyzmq-", "numpy-", "pillow-", "netmq.", "asyncio.", "nacl.net.", "read_me.txt"):
+        assert needed in names, names
+    assert dotnet.INSTALLER in (copy / "packages" / "READ_ME.txt").read_text(encoding="utf-8")
+    nowhere = {"HTTPS_PROXY": "http://127.0.0.1:9", "HTTP_PROXY": "http://127.0.0.1:9", "NO_PROXY": ""}
+    room = {**nowhere, "PIP_NO_INDEX": "", "PIP_FIND_LINKS": "", "NUGET_PACKAGES": str(tmp_path / "store")}
+    program = start(*own_run(copy, bare_python), **room)
+    assert program.wait(300) == 0, program.output
+    assert "kit    | engine: netmq (from the folder packages)" in program.lines
+    assert program.lines[-1] == "client | done: 10 replies"
+    assert "asking NuGet" not in program.output
+
+
+def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
+    """Where nothing fits, pip says so; what is asked of it is what matters."""
+    program = start(PYTHON, KIT, "pack", tmp_path, "--system", "windows", "--python", "3.13", PIP_NO_INDEX="1")
+    code = program.wait(300)
+    assert "for windows, Python 3.13 …" in program.output
+    assert "Traceback" not in program.output
+    assert code == 0 or re.search(r"kit    \| (pip could not fetch them|no .NET SDK)", program.output), program.output

@@ -1,0 +1,387 @@
+"""kit.py unity PATH: what it copies into a project, and what it never does."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from kitlib.docs import guide
+from kitlib.lessons import ROOT, KitError, lessons
+from kitlib.setup import dotnet, python_setup
+from kitlib.terminal import Result
+from kitlib.unity import install as unity_install
+from kitlib.unity.meta import PACKAGE
+
+TARGET = "Assets/NetMQExample"
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A Unity project as Unity Hub makes it, as far as this matters."""
+    root = tmp_path / "My Game"
+    for folder in ("Assets", "Packages", "ProjectSettings"):
+        (root / folder).mkdir(parents=True)
+    (root / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 2022.3.10f1\n")
+    (root / "Packages" / "manifest.json").write_text('{"dependencies": {"com.unity.ugui": "1.0.0"}}')
+    return root
+
+
+@pytest.fixture(autouse=True)
+def python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which Python the lessons run with is not the question here."""
+    monkeypatch.setattr(python_setup, "interpreter", lambda *extras: Path("KIT/.venv/bin/python"))
+
+
+@pytest.fixture
+def nuget(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A NuGet folder with stand-ins of the three DLLs: what is copied does not depend on what is in them."""
+    folder = tmp_path / "packages"
+    for package, version, inside in unity_install.LIBRARIES:
+        path = folder / package.lower() / version / inside
+        path.parent.mkdir(parents=True)
+        path.write_bytes(b"MZ " + package.encode())
+    monkeypatch.setenv("NUGET_PACKAGES", str(folder))
+    yield folder
+
+
+def listing(root: Path) -> dict[str, bytes]:
+    return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def test_copies_everything_with_its_meta(project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    unity_install.install(project, None, False)
+    files = listing(project / TARGET)
+    for path in PACKAGE.rglob("*.cs"):
+        assert files[path.relative_to(PACKAGE).as_posix()] == path.read_bytes()
+    for name in files:
+        assert name.endswith(".meta") or name.startswith(".") or f"{name}.meta" in files, f"{name} has no .meta"
+    assert files["Plugins/NetMQ.dll"] == b"MZ NetMQ"
+    settings = files["Plugins/NetMQ.dll.meta"].decode()
+    assert "validateReferences: 0" in settings and "Exclude WebGL: 1" in settings
+    guids = re.findall(rb"^guid: (.+)$", b"\n".join(d for n, d in files.items() if n.endswith(".meta")), re.MULTILINE)
+    assert len(guids) == len(set(guids))
+    printed = capsys.readouterr().out
+    assert "wrote Assets/NetMQExample/Plugins/NetMQ.dll" in printed
+    assert str(ROOT / "python" / "01_request_reply" / "server.py") in printed
+    assert "press Play" in printed
+    assert not list(project.glob(".netmqexample-*"))
+
+
+def test_the_page_shows_what_is_printed(
+    project: Path, nuget: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = ROOT / "docs" / "guide" / "unity_project.md"
+    (shown,) = [block.body for block in guide.blocks(page) if "test_the_page_shows_what_is_printed" in block.source]
+    kit = tmp_path / "KIT"
+    licences = unity_install.notices()
+    monkeypatch.setattr(unity_install, "ROOT", kit)
+    monkeypatch.setattr(unity_install, "notices", lambda: licences)
+    unity_install.install(project, "4", False)
+    printed = capsys.readouterr().out.replace("\\", "/")
+    assert printed.replace(f"{tmp_path.as_posix()}/", "") == shown
+
+
+def test_again_changes_nothing(project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    unity_install.install(project, None, False)
+    before = listing(project)
+    capsys.readouterr()
+    unity_install.install(project, None, False)
+    assert listing(project) == before
+    assert "wrote" not in capsys.readouterr().out
+
+
+def test_a_newer_kit_replaces_what_it_wrote(project: Path, nuget: Path) -> None:
+    unity_install.install(project, None, False)
+    dll = nuget / "netmq" / unity_install.LIBRARIES[0][1] / "lib" / "netstandard2.1" / "NetMQ.dll"
+    dll.write_bytes(b"MZ newer")
+    unity_install.install(project, None, False)
+    assert (project / TARGET / "Plugins" / "NetMQ.dll").read_bytes() == b"MZ newer"
+
+
+def test_never_overwrites_a_changed_file(project: Path, nuget: Path) -> None:
+    unity_install.install(project, None, False)
+    mine = project / TARGET / "01_request_reply" / "HelloClient.cs"
+    mine.write_text("// mine\n")
+    (project / TARGET / "01_request_reply" / "HelloRequester.cs").unlink()
+    before = listing(project)
+    with pytest.raises(KitError, match=r"HelloClient\.cs was changed .* --force") as error:
+        unity_install.install(project, None, False)
+    assert "\n" not in str(error.value)
+    assert listing(project) == before
+    unity_install.install(project, None, True)
+    assert mine.read_bytes() == (PACKAGE / "01_request_reply" / "HelloClient.cs").read_bytes()
+
+
+def test_keeps_a_meta_file_that_unity_wrote(project: Path, nuget: Path) -> None:
+    unity_install.install(project, None, False)
+    meta = project / TARGET / "01_request_reply" / "HelloClient.cs.meta"
+    meta.write_text("guid: 00000000000000000000000000000001\n")
+    unity_install.install(project, None, True)
+    assert "0001" in meta.read_text()
+
+
+@pytest.mark.parametrize("key", [lesson.key for lesson in lessons() if lesson.unity.is_dir()])
+def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path) -> None:
+    unity_install.install(project, key[:2], False)
+    copied = {path.name for path in (project / TARGET).rglob("*.cs")}
+    assert copied >= {path.name for path in (PACKAGE / key).glob("*.cs")}
+    assert "NetMQLifetime.cs" in copied
+    assert (project / TARGET / "NetMQExample.asmdef").exists(), "the game's own assemblies could not refer to them"
+    assert not list((project / TARGET).rglob("*.unity"))
+    if key.startswith("01"):
+        assert copied == {
+            "BufferManager.cs",
+            "HelloClient.cs",
+            "HelloRequester.cs",
+            "NetMQLifetime.cs",
+            "NetworkBehaviour.cs",
+        }
+    # Whatever class of the kit a copied file uses has come along.
+    stems = {path.stem for path in PACKAGE.glob("[0-9]*/*.cs") if path.parent.name <= key}
+    stems |= {path.stem for path in PACKAGE.glob("Shared/*.cs")}
+    for path in (project / TARGET).rglob("*.cs"):
+        words = set(re.findall(r"(?<![\w.])\w+", re.sub(r"//.*", "", path.read_text(encoding="utf-8"))))
+        assert {f"{stem}.cs" for stem in stems & words} <= copied
+
+
+def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
+    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-3"}}')
+    unity_install.install(project, None, False)
+    assert not (project / TARGET / "Plugins").exists()
+
+
+@pytest.mark.parametrize("where", ["packages-lock.json", "PackageCache"])
+def test_a_netmq_that_another_package_brings_is_seen(where: str, project: Path, nuget: Path) -> None:
+    """manifest.json does not name it; Unity writes down what it has resolved."""
+    if where == "PackageCache":
+        (project / "Library" / "PackageCache" / "org.nuget.netmq@4.0.2-1234").mkdir(parents=True)
+    else:
+        brought = {"dependencies": {"org.nuget.netmq": {"version": "4.0.2", "depth": 1, "source": "registry"}}}
+        (project / "Packages" / where).write_text(json.dumps(brought))
+    unity_install.install(project, "4", False)
+    assert not (project / TARGET / "Plugins").exists()
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "{}"])
+def test_a_damaged_lock_is_none(text: str, project: Path, nuget: Path) -> None:
+    (project / "Packages" / "packages-lock.json").write_text(text)
+    unity_install.install(project, "4", False)
+    assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
+
+
+def test_the_stub_is_left_out_where_the_real_library_is(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    assert (project / TARGET / "ServiceModel" / "System.ServiceModel.Primitives.asmdef").exists()
+    shutil.rmtree(project / TARGET)
+    real = project / "Assets" / "Packages" / "System.ServiceModel.Primitives.dll"
+    real.parent.mkdir()
+    real.write_bytes(b"MZ")
+    unity_install.install(project, "4", False)
+    assert not (project / TARGET / "ServiceModel").exists()
+    assert not (project / TARGET / "ServiceModel.meta").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has access lists instead of these bits")
+def test_what_is_copied_is_for_everybody(project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder of tempfile's is for one account, and on Windows so is what is moved out of it."""
+    seen = []
+    replace = os.replace
+
+    def look(source: Path, target: Path) -> None:
+        seen.append(source.parent.stat().st_mode & 0o777)
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", look)
+    old = os.umask(0o022)
+    try:
+        unity_install.install(project, "1", False)
+    finally:
+        os.umask(old)
+    assert set(seen) == {0o755}
+
+
+def test_a_read_only_file_is_named_before_anything_is_copied(
+    project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On Windows it cannot be replaced; root can do anything, so the question itself is answered here."""
+    unity_install.install(project, "1", False)
+    (project / TARGET / "01_request_reply" / "HelloRequester.cs").unlink()
+    dll = nuget / "netmq" / unity_install.LIBRARIES[0][1] / "lib" / "netstandard2.1" / "NetMQ.dll"
+    dll.write_bytes(b"MZ newer")
+    before = listing(project)
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "NetMQ.dll")
+    with pytest.raises(KitError, match=r"Plugins/NetMQ\.dll is read-only: nothing was copied") as error:
+        unity_install.install(project, "1", False)
+    assert "\n" not in str(error.value)
+    assert listing(project) == before
+
+
+def test_a_file_that_is_open_for_a_moment_is_tried_again(
+    project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tries = []
+    replace = os.replace
+
+    def busy(source: Path, target: Path) -> None:
+        tries.append(target)
+        if len(tries) == 1:
+            raise PermissionError(13, "used by another process")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", busy)
+    unity_install.install(project, "1", False)
+    assert tries[0] == tries[1]
+    assert (project / TARGET / "01_request_reply" / "HelloClient.cs").exists()
+
+
+@pytest.mark.parametrize(
+    ("system", "python", "line"),
+    [
+        ("posix", "/kit/python", "/kit/python /kit/server.py"),
+        ("posix", "/my kit/python", '"/my kit/python" /kit/server.py'),
+        ("nt", "/kit/python", "/kit/python /kit/server.py"),
+        ("nt", "/my kit/python", '& "/my kit/python" /kit/server.py   (in a command prompt without the &)'),
+    ],
+)
+def test_the_last_line_fits_the_shell(system: str, python: str, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "name", system)
+    said = unity_install.command(python, "/kit/server.py")
+    monkeypatch.undo()
+    assert said == line
+
+
+def test_a_backslash_before_the_quotation_mark_is_named() -> None:
+    """`"C:\\My Game\\" --lesson 4` arrives on Windows as one word."""
+    with pytest.raises(KitError, match="leave out the backslash before the quotation mark"):
+        unity_install.install(Path('C:\\My Game" --lesson 4'), None, False)
+
+
+def test_a_library_that_is_there_alone_is_not_copied_again(project: Path, nuget: Path) -> None:
+    """Some other package has brought it."""
+    mine = project / "Assets" / "Other" / "AsyncIO.dll"
+    mine.parent.mkdir()
+    mine.write_bytes(b"MZ mine")
+    unity_install.install(project, "4", False)
+    copied = {path.name for path in (project / TARGET / "Plugins").iterdir()}
+    assert copied == {"NetMQ.dll", "NetMQ.dll.meta", "NaCl.dll", "NaCl.dll.meta"}
+
+
+def test_a_script_that_was_moved_would_be_there_twice(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    new = project / "Assets" / "Scripts"
+    new.mkdir()
+    for name in ("BackgroundClient.cs", "BackgroundClient.cs.meta"):
+        (project / TARGET / "04_background_client" / name).rename(new / name)
+    before = listing(project)
+    with pytest.raises(
+        KitError, match=r"^Assets/Scripts/BackgroundClient\.cs is .*, moved: nothing was copied"
+    ) as error:
+        unity_install.install(project, "4", False)
+    assert "\n" not in str(error.value)
+    assert listing(project) == before
+
+
+def test_a_file_of_the_same_name_is_no_script_of_ours(project: Path, nuget: Path) -> None:
+    for name, text in (
+        ("Message.cs", "class Message { }"),
+        ("Message.cs.meta", "guid: 00000000000000000000000000000001\n"),
+    ):
+        (project / "Assets" / name).write_text(text)
+    unity_install.install(project, "5", False)
+    assert (project / TARGET / "05_messages" / "Message.cs").exists()
+
+
+@pytest.mark.parametrize(("level", "said"), [(3, True), (6, False)])
+def test_the_net_framework_is_advised_against(
+    level: int, said: bool, project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = (
+        f"PlayerSettings:\n  apiCompatibilityLevelPerPlatform:\n    Android: 6\n    Standalone: {level}\n  other: 3\n"
+    )
+    (project / "ProjectSettings" / "ProjectSettings.asset").write_text(settings)
+    unity_install.install(project, "4", False)
+    assert ("Api Compatibility Level" in capsys.readouterr().out) == said
+
+
+def test_the_licences_go_where_the_files_go(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    assert (project / TARGET / "LICENSE.md").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert "MPL-2.0" in (project / TARGET / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
+
+
+def test_two_copies_of_the_scripts_do_not_compile(project: Path, nuget: Path) -> None:
+    name = json.loads((PACKAGE / "package.json").read_text())["name"]
+    (project / "Packages" / "manifest.json").write_text(
+        json.dumps({"dependencies": {name: "https://example.org/x.git"}})
+    )
+    unity_install.install(project, None, False)
+    assert not list((project / TARGET).rglob("*.cs"))
+    # Unity reads no link.xml in a package, and the GUID of its .meta is taken.
+    assert (project / TARGET / "link.xml").read_bytes() == (PACKAGE / "link.xml").read_bytes()
+    assert not (project / TARGET / "link.xml.meta").exists()
+    assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
+
+
+def test_a_folder_inside_the_project_will_do(project: Path, nuget: Path) -> None:
+    unity_install.install(project / "Assets", "1", False)
+    assert (project / TARGET / "01_request_reply" / "HelloClient.cs").exists()
+
+
+@pytest.mark.parametrize("where", ["nowhere", "."])
+def test_says_why_it_is_no_project(where: str, tmp_path: Path, nuget: Path) -> None:
+    with pytest.raises(KitError, match="is no Unity project") as error:
+        unity_install.install(tmp_path / where, None, False)
+    assert "\n" not in str(error.value)
+
+
+def test_an_old_unity_is_refused(project: Path, nuget: Path) -> None:
+    (project / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 2020.3.1f1\n")
+    with pytest.raises(KitError, match=r"2021\.2 or later"):
+        unity_install.install(project, None, False)
+
+
+@pytest.mark.parametrize("sdk", ["8.0", None])
+def test_without_nuget_nothing_is_copied(
+    sdk: str | None, project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
+    monkeypatch.setattr(dotnet, "sdk", lambda: sdk)
+    monkeypatch.setattr(dotnet, "restore", lambda engine: Result(1, "error NU1301: no such host"))
+    # A port where nobody listens.
+    monkeypatch.setattr(unity_install, "NUGET", "http://127.0.0.1:9")
+    before = listing(project)
+    with pytest.raises(KitError, match="nothing was copied") as error:
+        unity_install.install(project, None, False)
+    assert "\n" not in str(error.value)
+    assert listing(project) == before
+
+
+def test_downloads_without_an_sdk(project: Path, nuget: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """NuGet's packages are zip files; here they come from a folder."""
+    import zipfile
+
+    for package, version, inside in unity_install.LIBRARIES:
+        name = package.lower()
+        path = tmp_path / "feed" / name / version / f"{name}.{version}.nupkg"
+        path.parent.mkdir(parents=True)
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(inside, b"MZ downloaded")
+    monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
+    monkeypatch.setattr(dotnet, "sdk", lambda: None)
+    monkeypatch.setattr(unity_install, "NUGET", (tmp_path / "feed").as_uri())
+    unity_install.install(project, "1", False)
+    assert (project / TARGET / "Plugins" / "AsyncIO.dll").read_bytes() == b"MZ downloaded"
+
+
+def test_the_real_dlls(project: Path, engine: dotnet.Engine) -> None:
+    if engine.name != "netmq":
+        pytest.skip(f"the engine of this run is {engine.name}, and NetMQ's DLLs come from NuGet")
+    unity_install.install(project, "1", False)
+    for name in ("NetMQ.dll", "AsyncIO.dll", "NaCl.dll"):
+        assert (project / TARGET / "Plugins" / name).read_bytes()[:2] == b"MZ"

@@ -1,0 +1,517 @@
+"""Play and Stop, again and again, as the Unity editor does it: Stop is quick, nothing is left, the next Play works.
+
+The player (csharp-support/unity-player) runs the scripts in tests/unity/play, which presses Play and Stop when told to.
+Threads and sockets are counted from outside, in /proc. With a domain reload each Play has an AppDomain (Mono) or a
+load context (.NET) of its own; without one, the default since Unity 6.6, every Play has the same statics.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kitlib import lessons
+from kitlib.setup import dotnet
+from tests.programs import ROOT, Program, steady_port
+
+PLAYS = 20
+STOP_LIMIT = 250.0
+UNLOAD_LIMIT = 1000.0
+RUNTIMES = ("mono", ".net")
+MODES = ("reload", "keep")
+# What each runtime keeps for itself, and starts and ends as it likes.
+RUNTIME_THREADS = re.compile(r"\.NET |Thread Pool|SGen|Finalizer|Timer-Sched|Threadpool")
+pytestmark = pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads and sockets in /proc")
+
+
+@dataclass
+class Row:
+    """What one condition has shown."""
+
+    condition: str
+    plays: int = 0
+    stops: list[float] = field(default_factory=list)
+    unloads: list[float] = field(default_factory=list)
+    uncollected: int = 0
+    threads: int = 0
+    sockets: int = 0
+    outcome: str = ""
+
+    def __str__(self) -> str:
+        if self.outcome:
+            return f"{self.condition:50} {self.outcome}"
+        unload = f"{max(self.unloads):6.0f} ms" if self.unloads else "        -"
+        if self.uncollected:
+            unload = f"{self.uncollected:3d} kept "
+        stop = max(self.stops, default=0)
+        return f"{self.condition:50} {self.plays:5} {stop:7.0f} ms {unload} {self.threads:8} {self.sockets:8}"
+
+
+class Summary:
+    """The table at the end of the run."""
+
+    def __init__(self, engine: str) -> None:
+        self.engine = engine
+        self.rows: list[Row] = []
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        terminalreporter.section(f"Play and Stop, engine {self.engine}")
+        terminalreporter.write_line(
+            f"{'runtime mode   scripts, server':50} Plays  worst Stop  unload  threads  sockets left"
+        )
+        for row in self.rows:
+            terminalreporter.write_line(str(row))
+
+
+@pytest.fixture(scope="session")
+def summary(request: pytest.FixtureRequest, engine: dotnet.Engine) -> Summary:
+    table = Summary(engine.name)
+    request.config.pluginmanager.register(table)
+    return table
+
+
+@pytest.fixture(scope="session")
+def harness(engine: dotnet.Engine) -> Path:
+    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+
+
+class Editor:
+    """tests/unity/play in a process of its own, with the buttons Play and Stop."""
+
+    def __init__(self, command: list[str], row: Row) -> None:
+        self.row = row
+        self.program = Program(
+            command, stdin=subprocess.PIPE, DOTNET_EnableDiagnostics="0", DOTNET_TieredCompilation="0"
+        )
+        self.said = 0
+        self.wait_for("^ready$")
+        self.before = self.count()
+
+    def wait_for(self, pattern: str, limit: float = 30) -> re.Match[str]:
+        """The next line that matches, after the last one that was waited for."""
+        found = self.program.wait_for(pattern, limit, self.said)
+        self.said = 1 + next(
+            i for i in range(self.said, len(self.program.lines)) if re.search(pattern, self.program.lines[i])
+        )
+        return found
+
+    def press(self, button: str) -> None:
+        pipe = self.program.process.stdin
+        assert pipe
+        pipe.write(f"{button}\n")
+        pipe.flush()
+
+    def play(self) -> None:
+        self.row.plays += 1
+        self.press("play")
+        self.wait_for("^playing$")
+
+    def stop(self) -> None:
+        """Stop, and look at what is left."""
+        self.stop_in_time()
+        self.nothing_left()
+
+    def stop_in_time(self) -> None:
+        stalled = self.milliseconds_without_a_core()
+        self.press("stop")
+        took = float(self.wait_for(r"^stopped in ([\d.]+) ms", limit=10)[1])
+        stalled = self.milliseconds_without_a_core() - stalled
+        self.row.stops.append(took)
+        ready = self.wait_for(r"^ready$|^unloaded in ([\d.]+) ms|^not collected", limit=10)
+        if ready[1]:
+            self.row.unloads.append(float(ready[1]))
+            assert self.row.unloads[-1] <= UNLOAD_LIMIT, f"the domain took {ready[1]} ms to unload"
+        self.row.uncollected += ready[0] == "not collected"
+        if ready[0] != "ready":
+            self.wait_for("^ready$")
+        # That the main thread was ready to run, and the machine had no core for it, is not the scripts' fault.
+        assert took <= STOP_LIMIT or took - stalled <= STOP_LIMIT, (
+            f"Stop of Play {self.row.plays} took {took} ms, {stalled:.0f} of them without a core; "
+            f"printed:\n{self.program.output[-3000:]}"
+        )
+
+    def nothing_left(self) -> None:
+        """What ends a little later than Stop gets a second."""
+        deadline = time.monotonic() + 1
+        while (left := self.left()) != (0, 0) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        self.row.threads, self.row.sockets = left
+        assert left == (0, 0), f"after Play {self.row.plays} there are left {left[0]} threads and {left[1]} sockets"
+
+    def milliseconds_without_a_core(self) -> float:
+        """How long the main thread has been ready to run and could not, since it was started."""
+        pid = self.program.process.pid
+        try:
+            return int(Path(f"/proc/{pid}/task/{pid}/schedstat").read_text().split()[1]) / 1e6
+        except OSError:
+            return 0.0
+
+    def left(self) -> tuple[int, int]:
+        threads, sockets = self.count()
+        return max(0, threads - self.before[0]), max(0, sockets - self.before[1])
+
+    def count(self) -> tuple[int, int]:
+        """The threads that are not the runtime's own, and the sockets (libzmq's eventfds are such)."""
+        process = Path(f"/proc/{self.program.process.pid}")
+        threads = sockets = 0
+        for task in process.glob("task/*/comm"):
+            try:
+                threads += not RUNTIME_THREADS.match(task.read_text())
+            except OSError:  # It has just ended.
+                continue
+        for number in process.glob("fd/*"):
+            try:
+                sockets += bool(re.match(r"socket:|anon_inode:\[eventfd\]", str(number.readlink())))
+            except OSError:
+                continue
+        return threads, sockets
+
+
+@pytest.fixture
+def editor(engine: dotnet.Engine, harness: Path, summary: Summary) -> Iterator[Callable[..., Editor]]:
+    """editor("mono", "keep", "1", endpoint, 2, "two clients"): Unity with two of lesson 1's clients in the scene."""
+    opened: list[Editor] = []
+
+    def open_editor(runtime: str, mode: str, script: str, endpoint: str, clients: int, condition: str) -> Editor:
+        if runtime == "mono":
+            needs_mono(engine)
+        row = Row(f"{runtime:5} {mode:6} {condition}")
+        summary.rows.append(row)
+        program = {"mono": "mono", ".net": "dotnet"}[runtime]
+        opened.append(Editor([program, str(harness), mode, script, endpoint, str(clients)], row))
+        return opened[-1]
+
+    yield open_editor
+    for one in opened:
+        one.program.kill()
+
+
+def needs_mono(engine: dotnet.Engine) -> None:
+    mono = shutil.which("mono")
+    if not mono:
+        pytest.skip("no mono here (on Debian: apt install mono-devel)")
+    libraries = Path(mono).resolve().parent.parent / "lib" / "mono"
+    if not any(libraries.glob("4.5/Facades/netstandard.dll")):
+        pytest.skip("this mono cannot run .NET Standard libraries (on Debian: apt install mono-devel)")
+    if engine.offline:
+        pytest.skip("NuGet gave no .NET Standard reference, so the scripts are built for .NET, which mono cannot run")
+
+
+@pytest.fixture
+def silent() -> Iterator[str]:
+    """The endpoint of a server that accepts and never answers."""
+    accepted: list[socket.socket] = []
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def accept() -> None:
+            while True:
+                try:
+                    accepted.append(listener.accept()[0])
+                except OSError:
+                    return
+
+        threading.Thread(target=accept, daemon=True).start()
+        yield f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+        listener.shutdown(socket.SHUT_RDWR)
+    for connection in accepted:
+        connection.close()
+
+
+@pytest.fixture
+def absent() -> str:
+    """An endpoint where nobody listens."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        return f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+
+
+every_way = pytest.mark.parametrize(("runtime", "mode"), [(r, m) for r in RUNTIMES for m in MODES])
+
+
+@every_way
+@pytest.mark.parametrize("clients", [1, 2])
+def test_server_up(
+    runtime: str, mode: str, clients: int, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    endpoint = serve("01_request_reply", "--delay", "0.002")[1]
+    unity = editor(runtime, mode, "1", endpoint, clients, f"{clients} client{'s' * (clients > 1)}, server up")
+    for _ in range(PLAYS):
+        unity.play()
+        for _ in range(clients):
+            unity.wait_for("^2: sent Hello, received World")
+        unity.stop()
+
+
+@every_way
+def test_server_absent(runtime: str, mode: str, editor: Callable[..., Any], absent: str) -> None:
+    play_without_answer(editor(runtime, mode, "1", absent, 1, "1 client, server absent"))
+
+
+@every_way
+def test_server_silent(runtime: str, mode: str, editor: Callable[..., Any], silent: str) -> None:
+    play_without_answer(editor(runtime, mode, "1", silent, 1, "1 client, server silent"))
+
+
+def play_without_answer(unity: Editor) -> None:
+    for i in range(PLAYS):
+        unity.play()
+        unity.wait_for("^asking")
+        # Stop comes at another moment of the client's wait each time, the first at once.
+        time.sleep(i % 7 / 100)
+        unity.stop()
+
+
+@every_way
+def test_server_killed(runtime: str, mode: str, editor: Callable[..., Any], serve: Callable[..., Any]) -> None:
+    server, endpoint = serve("01_request_reply", "--delay", "0.002")
+    unity = editor(runtime, mode, "1", endpoint, 1, "1 client, server killed")
+    for _ in range(PLAYS):
+        unity.play()
+        unity.wait_for("^1: sent Hello, received World")
+        server.kill()
+        unity.stop()
+        server = serve("01_request_reply", "--delay", "0.002", endpoint=endpoint)[0]
+
+
+@every_way
+def test_ten_clients_and_one_destroyed_early(
+    runtime: str, mode: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    endpoint = serve("01_request_reply", "--delay", "0.001")[1]
+    unity = editor(runtime, mode, "1", endpoint, 10, "10 clients, one destroyed early")
+    for _ in range(PLAYS):
+        unity.play()
+        for _ in range(10):
+            unity.wait_for("^1: sent Hello, received World")
+        unity.press("destroy")
+        unity.wait_for("^destroyed$")
+        # The others go on: each of these is a reply that came after.
+        for _ in range(10):
+            unity.wait_for(r"^\d+: sent Hello, received World")
+        unity.stop()
+
+
+@every_way
+def test_destroyed_objects_are_not_waited_for(runtime: str, mode: str, editor: Callable[..., Any], silent: str) -> None:
+    """Ten clients that wait for a reply, all destroyed in one frame."""
+    unity = editor(runtime, mode, "1", silent, 10, "10 clients, all destroyed while they wait")
+    for _ in range(5):
+        unity.play()
+        for _ in range(10):
+            unity.wait_for("^asking")
+        stalled = unity.milliseconds_without_a_core()
+        unity.press("destroy all")
+        took = float(unity.wait_for(r"^destroyed in ([\d.]+) ms")[1])
+        stalled = unity.milliseconds_without_a_core() - stalled
+        # Those that are waited for take up to 50 ms each, and 200 together.
+        assert took - stalled < 100, f"{took} ms, {stalled:.0f} of them without a core"
+        unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_recompile_while_playing(runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]) -> None:
+    """Unity disables everything, loads the new assembly and enables everything: the old run leaves it nothing."""
+    endpoint = serve("01_request_reply", "--delay", "0.002")[1]
+    unity = editor(runtime, "keep", "1", endpoint, 3, "3 clients, recompiled while playing")
+    for _ in range(5):
+        unity.play()
+        for _ in range(3):
+            unity.wait_for("^2: sent Hello, received World")
+        stalled = unity.milliseconds_without_a_core()
+        unity.press("recompile")
+        took = float(unity.wait_for(r"^recompiled in ([\d.]+) ms")[1])
+        assert took - (unity.milliseconds_without_a_core() - stalled) <= STOP_LIMIT
+        news = unity.said
+        for _ in range(3):
+            unity.wait_for("^2: sent Hello, received World")
+        numbers = [int(n) for n in re.findall(r"^(\d+): ", "\n".join(unity.program.lines[news:]), re.MULTILINE)]
+        assert max(numbers[:3]) <= 3, f"lines of the run before: {numbers[:9]}"
+        unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+@pytest.mark.parametrize("key", [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.cs"))])
+def test_a_phone_closes_the_sockets_of_a_game_that_is_not_seen(
+    runtime: str, key: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    # Lesson 03's second port is 100 higher if nobody says otherwise.
+    endpoint = serve(key, endpoint=f"tcp://127.0.0.1:{steady_port()}")[1]
+    unity = editor(runtime, "keep", key, endpoint, 2, f"{key} x 2, paused as on a phone")
+    reply = r"^\d+: |^snapshot"
+    unity.play()
+    for _ in range(4):
+        unity.wait_for(reply)
+    for _ in range(2):
+        unity.press("pause")
+        unity.wait_for("^paused$")
+        unity.nothing_left()
+        unity.press("resume")
+        unity.wait_for("^resumed$")
+        for _ in range(4):
+            unity.wait_for(reply)
+    unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_paused_editor_is_felt_by_the_network_thread(
+    runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    """Without Update a queue without a limit would fill the memory."""
+    server, endpoint = serve("01_request_reply")
+    unity = editor(runtime, "keep", "1", endpoint, 1, "1 client, server up, editor paused")
+    unity.play()
+    unity.wait_for("^2: sent Hello, received World")
+    unity.press("freeze")
+    unity.wait_for("^frozen$")
+    before, now = len(server.lines), -1
+    deadline = time.monotonic() + 10
+    while now != len(server.lines) and time.monotonic() < deadline:
+        now = len(server.lines)
+        time.sleep(0.5)
+    assert len(server.lines) == now, "it never waited"
+    # What was answered and not yet logged: a full queue, and what was on its way when the count began.
+    assert now - before < 200
+    unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_flood_of_replies_fills_no_frame(
+    runtime: str, engine: dotnet.Engine, harness: Path, serve: Callable[..., Any], start: Callable[..., Any]
+) -> None:
+    """Each line costs 0.3 ms, as it may in a build; in the editor it is more."""
+    if runtime == "mono":
+        needs_mono(engine)
+    endpoint = serve("01_request_reply", "--quiet")[1]
+    play = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "flood", "1", endpoint, "10000")
+    assert play.wait(300) == 0, play.output[-2000:]
+    found = re.fullmatch(r"(\d+) lines in (\d+) frames, at most (\d+) in one", play.lines[-1])
+    assert found, play.output[-2000:]
+    replies = [line for line in play.lines if "sent Hello" in line]
+    assert replies == [f"{i}: sent Hello, received World" for i in range(1, 10_001)]
+    assert int(found[1]) == 10_002
+    # 20 ms are 66 lines. Where the machine is busy there are fewer in a frame, never more.
+    assert int(found[3]) <= 20, play.lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("lesson", "name", "value", "says"),
+    [
+        ("1", "patience", "NaN", "patience must be"),
+        ("1", "patience", "-1", "patience must be"),
+        ("1", "patience", "1e30", "patience must be"),
+        ("2", "tries", "0", "tries must be"),
+        ("3", "patience", "0", "patience must be"),
+        ("4", "tries", "0", "tries and capacity must be"),
+        ("4", "patience", "NaN", "patience must be"),
+        ("4", "patience", "1e30", "patience must be"),
+        ("5", "patience", "-1", "patience must be"),
+        ("6", "window", "0", "window and tries must be"),
+    ],
+)
+def test_a_wrong_field_is_said_once(
+    lesson: str, name: str, value: str, says: str, harness: Path, start: Callable[..., Any]
+) -> None:
+    play = start("dotnet", harness, "wrong", lesson, name, value)
+    assert play.wait() == 0, play.output
+    assert "done before it was enabled: False" in play.lines
+    assert play.lines[-1] == "errors: 1" or "errors: 1" in play.lines, play.output
+    (said,) = [line for line in play.lines if "gave up: " in line]
+    assert says in said
+    assert not [line for line in play.lines if line.startswith("   at ") or "Exception" in line]
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_stop_while_a_client_is_being_made(runtime: str, editor: Callable[..., Any], silent: str) -> None:
+    """Lesson 03's logs a line in the middle of it: that must not fail, or the first of its sockets stays for ever."""
+    unity = editor(runtime, "keep", "3", silent, 2, "2 clients, stopped while they are made")
+    for i in range(10):
+        unity.play()
+        time.sleep(i / 200)
+        unity.stop()
+
+
+OTHERS = [lesson.key for lesson in lessons.lessons() if lesson.number > 1 and list(lesson.unity.glob("*.cs"))]
+
+
+@pytest.mark.parametrize("server", ["up", "silent"])
+@pytest.mark.parametrize(("runtime", "mode"), [("mono", "reload"), (".net", "keep")])
+@pytest.mark.parametrize("key", OTHERS)
+def test_every_other_lesson(
+    key: str, runtime: str, mode: str, server: str, editor: Callable[..., Any], serve: Callable[..., Any], silent: str
+) -> None:
+    endpoint = serve(key)[1] if server == "up" else silent
+    unity = editor(runtime, mode, key, endpoint, 2, f"{key} x 2, server {server}")
+    for i in range(5):
+        unity.play()
+        time.sleep(0.05 + i / 50)
+        unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_the_naive_client_freezes(runtime: str, editor: Callable[..., Any], silent: str) -> None:
+    """An endless receive, joined in OnDestroy: the same checks find it."""
+    unity = editor(runtime, "keep", "EndlessClient", silent, 1, "(naive: endless receive, server silent)")
+    unity.play()
+    unity.wait_for("^client 1: asked")
+    unity.press("stop")
+    with pytest.raises(AssertionError, match="no line match"):
+        unity.wait_for("^stopped", limit=3)
+    assert unity.program.process.poll() is None, unity.program.output
+    unity.row.outcome = "frozen: no end of Stop within 3 s"
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_the_naive_client_kills_its_neighbour(
+    runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    """Cleanup() per client: when one is destroyed, the other stops getting replies."""
+    endpoint = serve("01_request_reply", "--delay", "0.002")[1]
+    unity = editor(runtime, "keep", "CleaningClient", endpoint, 2, "(naive: Cleanup per client)")
+    unity.play()
+    unity.wait_for("^client 2: received World")
+    unity.press("destroy")
+    unity.wait_for("^destroyed$")
+    with pytest.raises(AssertionError, match="no line match"):
+        for _ in range(1000):
+            unity.wait_for("^client 2: received World", limit=2)
+    unity.row.outcome = "client 2 " + unity.program.wait_for("client 2: (Term.*|ObjectDisposedException)")[1]
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_netmq_that_never_ends(runtime: str, editor: Callable[..., Any], absent: str) -> None:
+    """NetMQ waits for a socket that nobody disposed; before 4.0.4.1 it waits for ever on macOS, whatever was disposed.
+
+    Stop keeps to its time, and the next Play says what is wrong: the first one soon, those after it at once.
+    """
+    unity = editor(runtime, "keep", "ForgetfulClient", absent, 1, "(naive: a socket is forgotten)")
+    unity.play()
+    unity.wait_for("^asked")
+    unity.stop_in_time()
+    for _ in range(2):
+        unity.play()
+        told = unity.wait_for(r"^gave up after (\d+) ms: (.*)")
+        assert "dispose every socket" in told[2] and "macOS" in told[2] and "4.0.4.3" in told[2]
+        unity.stop_in_time()
+    assert int(told[1]) < 1000
+    unity.row.outcome = "the next Play says why"
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
+def test_a_program_whose_netmq_never_ends_ends(
+    runtime: str, harness: Path, engine: dotnet.Engine, start: Callable[..., Program]
+) -> None:
+    if runtime == "mono":
+        needs_mono(engine)
+    program = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "forgotten")
+    assert program.wait() == 0, program.output
+    assert program.lines == ["done"]

@@ -1,0 +1,250 @@
+"""The Unity project, read as Unity reads it: .meta files, GUIDs, scenes, assembly definitions, packages."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kitlib.docs import guide
+from kitlib.unity import install as unity_install
+from kitlib.unity.meta import PACKAGE, assets, behaviours, guid, meta_of, own_guid
+from tests.programs import ROOT
+
+UNITY = ROOT / "unity"
+SCENES = sorted(PACKAGE.rglob("*.unity"))
+# The assemblies that Unity itself, or its test framework, brings along.
+UNITYS_OWN = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}
+
+
+def relative(path: Path) -> str:
+    return path.relative_to(UNITY).as_posix()
+
+
+def documents(text: str) -> list[tuple[int, int, str]]:
+    """The objects of a Unity file: (class number, file id, text)."""
+    parts = re.split(r"^--- !u!(\d+) &(\d+)\n", text, flags=re.MULTILINE)
+    return [
+        (int(kind), int(name), body) for kind, name, body in zip(parts[1::3], parts[2::3], parts[3::3], strict=True)
+    ]
+
+
+@pytest.mark.parametrize("path", assets(), ids=relative)
+def test_has_a_meta(path: Path) -> None:
+    assert meta_of(path).exists(), "run python3 -m kitlib.unity.meta"
+    text = meta_of(path).read_text(encoding="utf-8")
+    assert re.match(r"fileFormatVersion: 2\nguid: [0-9a-f]{32}\n", text)
+    assert ("folderAsset: yes" in text) == path.is_dir()
+
+
+def test_no_meta_is_left_of_what_is_gone() -> None:
+    orphans = [relative(m) for m in UNITY.rglob("*.meta") if not m.with_suffix("").exists()]
+    assert orphans == [], "an asset was renamed or removed: remove its .meta, or rename it along"
+
+
+def test_guids_are_unique() -> None:
+    seen: dict[str, str] = {}
+    for path in assets():
+        assert own_guid(path) not in seen, f"{relative(path)} has the guid of {seen[own_guid(path)]}"
+        seen[own_guid(path)] = relative(path)
+
+
+def test_guids_are_made_from_the_path() -> None:
+    assert guid("01_request_reply/HelloClient.cs") == own_guid(PACKAGE / "01_request_reply" / "HelloClient.cs")
+
+
+def test_the_command_has_nothing_left_to_write() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "kitlib.unity.meta"], cwd=ROOT, capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout == "", "it has written these just now: add them to git"
+
+
+@pytest.mark.parametrize(
+    "lesson", sorted(p for p in PACKAGE.glob("[0-9][0-9]_*") if behaviours(p)), ids=lambda p: p.name
+)
+def test_each_lesson_has_a_scene_with_its_scripts(lesson: Path) -> None:
+    text = (lesson / f"{lesson.name}.unity").read_text(encoding="utf-8")
+    by_guid = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
+    found = re.findall(r"m_Script: \{fileID: 11500000, guid: ([0-9a-f]{32}), type: 3\}", text)
+    assert all(one in by_guid for one in found), "the scene names a script that is not there"
+    # The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold them, and what shows it.
+    assert {by_guid[one] for one in found} == {*behaviours(lesson), PACKAGE / "Shared" / "LastLine.cs"}
+
+
+@pytest.mark.parametrize("path", SCENES, ids=relative)
+def test_something_can_be_seen_in_a_scene(path: Path) -> None:
+    kinds = [kind for kind, _, _ in documents(path.read_text(encoding="utf-8"))]
+    # A light, and a text with its renderer; in lesson 03 a cube that moves.
+    assert kinds.count(108) == 1 and kinds.count(102) == 1
+    assert kinds.count(23) == (2 if path.stem.startswith("03") else 1)
+    assert kinds.count(33) == (1 if path.stem.startswith("03") else 0)
+
+
+@pytest.mark.parametrize("path", SCENES, ids=relative)
+def test_a_scene_refers_to_objects_that_exist(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n--- !u!")
+    objects = documents(text)
+    names = [name for _, name, _ in objects]
+    assert len(names) == len(set(names))
+    for _, _, body in objects:
+        for target in re.findall(r"\{fileID: (\d+)\}", body):
+            assert int(target) in {0, *names}, f"{target} is referred to and does not exist"
+    # Each component says which object it is on, and that object lists it.
+    owners = {name: re.findall(r"component: \{fileID: (\d+)\}", body) for kind, name, body in objects if kind == 1}
+    for _, name, body in objects:
+        if owner := re.search(r"m_GameObject: \{fileID: (\d+)\}", body):
+            assert str(name) in owners[int(owner[1])]
+    assert [kind for kind, _, _ in objects].count(20) == 1, "one camera"
+
+
+def test_yaml_parses_with_unitys_tags() -> None:
+    yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
+
+    class Loader(yaml.SafeLoader):  # type: ignore[name-defined,misc]
+        pass
+
+    def construct(loader: Any, _suffix: str, node: Any) -> object:
+        return loader.construct_mapping(node, deep=True)
+
+    Loader.add_multi_constructor("tag:unity3d.com,2011:", construct)
+    for path in [*SCENES, *UNITY.glob("ProjectSettings/*.asset"), *PACKAGE.rglob("*.meta")]:
+        text = path.read_text(encoding="utf-8")
+        # Unity declares the tag once for all documents of a file; YAML wants it before each, so it is written out here.
+        text = re.sub(r"^%.*\n", "", text, flags=re.MULTILINE)
+        text = re.sub(r"^--- !u!(\d+) ", r"--- !<tag:unity3d.com,2011:\1> ", text, flags=re.MULTILINE)
+        found = list(yaml.load_all(text, Loader))
+        assert found and all(isinstance(one, dict) for one in found), relative(path)
+
+
+def definitions() -> dict[Path, dict[str, Any]]:
+    return {path: json.loads(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.asmdef")}
+
+
+def test_assembly_definitions_refer_to_what_exists() -> None:
+    names = [definition["name"] for definition in definitions().values()]
+    assert len(names) == len(set(names))
+    for path, definition in definitions().items():
+        assert path.stem == definition["name"]
+        assert set(definition["references"]) <= {*names, *UNITYS_OWN}
+        assert not (definition["includePlatforms"] and definition["excludePlatforms"]), "Unity takes one of the two"
+        # Without overrideReferences Unity passes over this list.
+        assert definition["overrideReferences"] or not definition["precompiledReferences"]
+
+
+def test_what_netmq_names_is_there_and_no_more(tmp_path: Path) -> None:
+    """IL2CPP's linker wants every name in NetMQ.dll to be found; where the real library is, this one is left out."""
+    definition = definitions()[PACKAGE / "ServiceModel" / "System.ServiceModel.Primitives.asmdef"]
+    (version,) = definition["versionDefines"]
+    assert version["name"] == "org.nuget.system.servicemodel.primitives" and version["expression"] == ""
+    assert definition["defineConstraints"] == [f"!{version['define']}"]
+    assert not definition["autoReferenced"], "no script of a game should see it"
+    code = (PACKAGE / "ServiceModel" / "BufferManager.cs").read_text(encoding="utf-8")
+    members = set(re.findall(r"public (?:static|abstract) [\w\[\]]+ (\w+)\(", code))
+    disassembler = shutil.which("ikdasm") or shutil.which("monodis")
+    dlls = list(unity_install.nuget_folder().glob("netmq/*/lib/netstandard2.1/NetMQ.dll"))
+    if not disassembler or not dlls:
+        pytest.skip("it needs ikdasm or monodis (of Mono), and NetMQ from NuGet")
+    for dll in dlls:
+        text = subprocess.run([disassembler, dll], capture_output=True, text=True, timeout=60, check=True).stdout
+        named = re.findall(r"\[System\.ServiceModel\.Primitives\]([\w.]+)(?:::(\w+))?", text)
+        assert {kind for kind, _ in named} == {"System.ServiceModel.Channels.BufferManager"}
+        assert {member for _, member in named if member} == members
+    # What is not in .NET Standard and not here must not be named at all.
+    assert set(re.findall(r"^\.assembly extern (\S+)", text, re.MULTILINE)) == {
+        "netstandard",
+        "AsyncIO",
+        "NaCl",
+        "System.ServiceModel.Primitives",
+    }
+
+
+def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error() -> None:
+    by_name = {definition["name"]: definition for definition in definitions().values()}
+    assert by_name["NetMQExample"]["excludePlatforms"] == ["WebGL"]
+    assert by_name["NetMQExample"]["includePlatforms"] == []
+    assert by_name["NetMQExample.WebGL"]["includePlatforms"] == ["WebGL"]
+    code = (PACKAGE / "WebGL" / "NotInABrowser.cs").read_text(encoding="utf-8")
+    assert "#if UNITY_WEBGL && !UNITY_EDITOR" in code
+    assert "using NetMQ" not in code, "NetMQ is not there in a browser"
+
+
+def test_the_package_is_valid() -> None:
+    package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
+    assert re.fullmatch(r"[a-z0-9][a-z0-9._-]{0,213}", package["name"])
+    assert re.fullmatch(r"\d+\.\d+\.\d+", package["version"])
+    assert re.fullmatch(r"20\d\d\.\d|6000\.\d", package["unity"])
+    assert package["displayName"] and package["description"] and package["license"]
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert f'version = "{package["version"]}"' in project, "one version for the whole kit"
+    # What the package needs of Unity, the project has.
+    manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    assert package["dependencies"].items() <= manifest["dependencies"].items()
+    # Who adds the package by its address gets these, and nothing else of the repository.
+    assert (PACKAGE / "LICENSE.md").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert f"[{package['version']}]" in (PACKAGE / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert "NetMQ" in (PACKAGE / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_manifest_gets_netmq_from_a_scoped_registry() -> None:
+    manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    outside = [name for name in manifest["dependencies"] if not name.startswith("com.unity.")]
+    scopes = [scope for registry in manifest["scopedRegistries"] for scope in registry["scopes"]]
+    assert outside == ["org.nuget.netmq"]
+    assert all(any(name.startswith(f"{scope}.") for scope in scopes) for name in outside)
+    # UnityNuGet writes the fourth number of a version behind a hyphen.
+    targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")
+    version = manifest["dependencies"]["org.nuget.netmq"].replace("-", ".")
+    assert f'Include="NetMQ" Version="{version}"' in targets
+
+
+def test_unity_is_a_version_that_can_have_netmq() -> None:
+    text = (UNITY / "ProjectSettings" / "ProjectVersion.txt").read_text(encoding="utf-8")
+    found = re.match(
+        r"m_EditorVersion: 6000\.0\.(\d+)f\d+\nm_EditorVersionWithRevision: 6000\.0\.\1f\d+ \([0-9a-f]{12}\)\n", text
+    )
+    # Earlier ones have CVE-2025-59489.
+    assert found and int(found[1]) >= 58
+    settings = (UNITY / "ProjectSettings" / "ProjectSettings.asset").read_text(encoding="utf-8")
+    assert "\n  m_ActiveColorSpace: 1\n" in settings, "left out, it is gamma"
+
+
+def test_an_editor_for_code_finds_the_project() -> None:
+    """Without its package Unity writes no .csproj: no completion and no debugger."""
+    manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    assert {"com.unity.ide.rider", "com.unity.ide.visualstudio"} <= manifest["dependencies"].keys()
+
+
+def test_no_third_party_dll_is_in_the_repository() -> None:
+    done = subprocess.run(["git", "ls-files", "unity"], cwd=ROOT, capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip("this is not a git repository")
+    assert [name for name in done.stdout.splitlines() if name.lower().endswith((".dll", ".so", ".dylib"))] == []
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.cs")), ids=relative)
+def test_a_script_is_a_file_that_unity_can_attach(path: Path) -> None:
+    """A MonoBehaviour whose class is not named like its file cannot be put on a game object."""
+    classes = re.findall(r"class (\w+) : (?:Mono|Network)Behaviour\b", path.read_text(encoding="utf-8"))
+    assert classes in ([], [path.stem])
+
+
+def test_the_page_shows_what_the_kits_own_manifest_has() -> None:
+    page = ROOT / "docs" / "guide" / "unity_project.md"
+    (shown,) = [json.loads(block.body) for block in guide.blocks(page) if block.language == "json"]
+    manifest = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    assert shown["scopedRegistries"] == manifest["scopedRegistries"]
+    assert shown["dependencies"].items() <= manifest["dependencies"].items()
+
+
+def test_the_linker_is_not_told_to_keep_all_of_netmq() -> None:
+    """Kept whole it would drag in what only its BufferPool names, at every stripping level."""
+    text = (PACKAGE / "link.xml").read_text(encoding="utf-8")
+    assert re.findall(r'assembly fullname="(\w+)" preserve="all" ignoreIfMissing="1"', text) == ["NetMQExample"]

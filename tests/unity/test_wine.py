@@ -1,0 +1,124 @@
+"""The C# clients on Windows' .NET, under Wine: console twins, Unity scripts in the player, Play and Stop.
+
+The servers are this system's own Python, reached over loopback. It is no Windows, but it is Windows' .NET with NetMQ's
+Windows code: what would fail there in the first minute fails here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kitlib import lessons
+from kitlib.setup import dotnet
+from kitlib.terminal import quietly
+from tests.programs import ROOT, Program, free_port, steady_port
+
+WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "wine"))), None)
+KEYS = [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.cs"))]
+# Far from what a Stop takes (60 ms), and from what one takes that waits for something.
+STOP_LIMIT = 2000
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="this is Windows itself"),
+    pytest.mark.skipif(not WINE, reason="no wine64 here (on Debian: apt install wine64)"),
+    pytest.mark.timeout(600),
+]
+
+
+@pytest.fixture(scope="module")
+def programs(engine: dotnet.Engine, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """csharp-console.exe and play.exe with Windows' .NET beside them."""
+    if engine.name != "netmq":
+        pytest.skip("needs NetMQ: there is no libzmq for Windows here")
+    folder = tmp_path_factory.mktemp("windows")
+    # An .exe is made for .NET itself, and not for .NET Standard.
+    framework = f"-p:LibraryFramework=net{(dotnet.sdk() or '').split('.')[0]}.0"
+    own = ["-p:NetMQEngine=netmq", "-p:NuGetAudit=false", f"-p:ArtifactsPath={folder / 'artifacts'}"]
+    play = ["-p:UseAppHost=true", "-p:GenerateDependencyFile=true"]
+    projects: list[tuple[str, list[str]]] = [("csharp-console", []), ("tests/unity/play", play)]
+    for project, more in projects:
+        publish: list[str | Path] = ["dotnet", "publish", ROOT / project, "-o", folder / "bin"]
+        windows = ["-r", "win-x64", "--self-contained", framework]
+        result = quietly([*publish, *windows, *own, *more], 300, dotnet.ENVIRONMENT)
+        if any(code in result.output for code in (*dotnet.ABSENT, *dotnet.UNREACHABLE)):
+            pytest.skip(f"NuGet gave no .NET for Windows: {result.first(' error ')}")
+        assert result.ok, result.output
+    yield folder / "bin"
+    # It is large, and pytest would keep it.
+    shutil.rmtree(folder)
+
+
+def two_ports() -> str:
+    """An endpoint whose neighbour, 100 higher, is free as well: lesson 03 has two."""
+    while True:
+        port = steady_port()
+        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port + 100)):
+            return f"tcp://127.0.0.1:{port}"
+
+
+@pytest.fixture(scope="module")
+def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Program]]:
+    """wine("play.exe", …) starts a program in a Windows of this test's own."""
+    prefix = tmp_path_factory.mktemp("wine")
+    environment = {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all"}
+    started: list[Program] = []
+
+    def start(program: str, *words: str) -> Program:
+        started.append(Program([str(WINE), programs / program, *words], stdin=subprocess.PIPE, **environment))
+        return started[-1]
+
+    yield start
+    for program in started:
+        program.kill()
+    # It ends what runs in this WINEPREFIX, and nothing else.
+    server = shutil.which("wineserver") or Path(str(WINE)).resolve().parent / "wineserver64"
+    subprocess.run([server, "-k"], env={**os.environ, **environment}, timeout=60, check=False)
+    shutil.rmtree(prefix, ignore_errors=True)
+
+
+@pytest.mark.parametrize("unity", [False, True], ids=["twin", "unity"])
+@pytest.mark.parametrize("key", KEYS)
+def test_a_client(key: str, unity: bool, wine: Callable[..., Program], serve: Callable[..., Any]) -> None:
+    endpoint = serve(key, endpoint=two_ports())[1]
+    client = wine(
+        "csharp-console.exe",
+        key,
+        *(["--unity", "--set", f"endpoint={endpoint}"] if unity else ["--endpoint", endpoint]),
+    )
+    assert client.wait(120) == 0, client.output
+    assert not [line for line in client.lines if "gave up" in line], client.output
+
+
+def test_a_client_without_a_server(wine: Callable[..., Program]) -> None:
+    client = wine("csharp-console.exe", "1", "--endpoint", f"tcp://127.0.0.1:{free_port()}", "--patience", "1")
+    assert client.wait(120) == 1, client.output
+    assert "no reply" in client.lines[-1]
+
+
+@pytest.mark.parametrize("server", ["up", "absent"])
+@pytest.mark.parametrize("key", KEYS)
+def test_play_and_stop(key: str, server: str, wine: Callable[..., Program], serve: Callable[..., Any]) -> None:
+    """On the same statics, as with domain reload off."""
+    endpoint = serve(key, endpoint=two_ports())[1] if server == "up" else f"tcp://127.0.0.1:{free_port()}"
+    unity = wine("play.exe", "keep", key, endpoint, "2")
+    pipe = unity.process.stdin
+    assert pipe
+    for _ in range(5):
+        for button, answer in (("play", "^playing$"), ("stop", r"^stopped in ([\d.]+) ms")):
+            said = len(unity.lines)
+            pipe.write(f"{button}\n")
+            pipe.flush()
+            found = unity.wait_for(answer, 60, said)
+        assert float(found[1]) < STOP_LIMIT
+        unity.wait_for("^ready$", 60, said)
+    pipe.close()
+    assert unity.wait() == 0, unity.output
