@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import re
@@ -45,6 +46,14 @@ def steady_port() -> int:
                 continue
             return port
     raise AssertionError("no free port")
+
+
+def two_ports() -> str:
+    """An endpoint whose neighbour, 100 higher, is free as well: lesson 03 has two."""
+    while True:
+        port = steady_port()
+        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port + 100)):
+            return f"tcp://127.0.0.1:{port}"
 
 
 finds_processes = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="finds processes in /proc")

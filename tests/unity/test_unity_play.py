@@ -23,7 +23,7 @@ import pytest
 
 from kitlib import lessons
 from kitlib.setup import dotnet
-from tests.programs import ROOT, Program, steady_port
+from tests.programs import ROOT, Program, steady_port, two_ports
 
 PLAYS = 20
 STOP_LIMIT = 250.0
@@ -449,7 +449,7 @@ OTHERS = [lesson.key for lesson in lessons.lessons() if lesson.number > 1 and li
 def test_every_other_lesson(
     key: str, runtime: str, mode: str, server: str, editor: Callable[..., Any], serve: Callable[..., Any], silent: str
 ) -> None:
-    endpoint = serve(key)[1] if server == "up" else silent
+    endpoint = serve(key, endpoint=two_ports())[1] if server == "up" else silent
     unity = editor(runtime, mode, key, endpoint, 2, f"{key} x 2, server {server}")
     for i in range(5):
         unity.play()

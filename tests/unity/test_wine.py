@@ -6,10 +6,8 @@ Windows code: what would fail there in the first minute fails here.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import shutil
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -21,7 +19,7 @@ import pytest
 from kitlib import lessons
 from kitlib.setup import dotnet
 from kitlib.terminal import quietly
-from tests.programs import ROOT, Program, free_port, steady_port
+from tests.programs import ROOT, Program, free_port, two_ports
 
 WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "wine"))), None)
 KEYS = [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.cs"))]
@@ -55,14 +53,6 @@ def programs(engine: dotnet.Engine, tmp_path_factory: pytest.TempPathFactory) ->
     yield folder / "bin"
     # It is large, and pytest would keep it.
     shutil.rmtree(folder)
-
-
-def two_ports() -> str:
-    """An endpoint whose neighbour, 100 higher, is free as well: lesson 03 has two."""
-    while True:
-        port = steady_port()
-        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port + 100)):
-            return f"tcp://127.0.0.1:{port}"
 
 
 @pytest.fixture(scope="module")
