@@ -10,8 +10,9 @@ import time
 from typing import Any
 
 from kitlib.lessons import ROOT, KitError
+from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
-from kitlib.terminal import quietly, say
+from kitlib.terminal import say
 from lab import machine, report
 from lab.contest import (
     BARE,
