@@ -89,7 +89,7 @@ class Program:
                     last = next((f": {line.strip()}" for line in reversed(self.lines) if line.strip()), "")
                     raise KitError(f"{self.name} ended{last}")
                 if not self._news.wait(deadline - time.monotonic()) and time.monotonic() >= deadline:
-                    raise KitError(f"{self.name} said nothing that was waited for, for {limit:g} s")
+                    raise KitError(f"{self.name} was silent for {limit:g} s")
 
     def endpoints(self) -> dict[str, str]:
         """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""

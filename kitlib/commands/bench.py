@@ -10,7 +10,7 @@ from lab import bench
 ABOUT = "Measures the kit beside raw TCP, WebSocket, HTTP, gRPC and others, in rounds that take turns."
 EXAMPLES = [
     "bench --quick   less than a minute, to see that it works",
-    "bench           less than ten minutes; writes img/performance*, and wants a machine at rest",
+    "bench           less than ten minutes; writes lab/performance.json and its plots, and wants a machine at rest",
     "bench --free    without a half of the processor cores for each side",
 ]
 
