@@ -92,6 +92,11 @@ class Lesson:
     def guide(self) -> Path:
         return ROOT / "docs" / "guide" / f"{self.key}.md"
 
+    def folder(self) -> Path:
+        """Where its programs run, so that what they leave behind lies in one place."""
+        folder = ROOT / ".build" / "run" / self.key[:2]
+        return folder if writable(folder) else ROOT
+
     @property
     def title(self) -> str:
         """The first line of the server, without the lesson's number."""

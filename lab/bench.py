@@ -10,8 +10,9 @@ import time
 from typing import Any
 
 from kitlib.lessons import ROOT, KitError
+from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
-from kitlib.terminal import quietly, say
+from kitlib.terminal import say
 from lab import machine, report
 from lab.contest import (
     BARE,
@@ -70,13 +71,15 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     finally:
         lab.end()
     print(report.text(results))
-    folder = ROOT / ".build" / "bench" if quick or free else ROOT / "img"
-    folder.mkdir(parents=True, exist_ok=True)
-    kept = folder / "performance.json"
+    # What is kept is a full run's: its numbers with the lab, its pictures with the others.
+    aside = ROOT / ".build" / "bench"
+    numbers, pictures = (aside, aside) if quick or free else (ROOT / "lab", ROOT / "img")
+    numbers.mkdir(parents=True, exist_ok=True)
+    kept = numbers / "performance.json"
     kept.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     say(f"results: {kept.relative_to(ROOT)}")
     if python_setup.has(python, ["matplotlib"]):
-        drawn = quietly([python, "-m", "lab.plots", kept], LIMIT, cwd=ROOT)
+        drawn = quietly([python, "-m", "lab.plots", kept, pictures], LIMIT, cwd=ROOT)
         say(drawn.output.strip() if drawn.ok else f"no plots: {drawn.first('Error')}")
     else:
         say("no plots: they need a package: pip install matplotlib")

@@ -1,4 +1,4 @@
-"""Draws the lab's results beside the file that holds them: python3 -m lab.plots lab/performance.json
+"""Draws the lab's results: python3 -m lab.plots lab/performance.json img
 
 Needs matplotlib. Colours are Okabe and Ito's, which also colour-blind readers tell apart; nothing is said by a colour
 alone: each bar and line has its name and its number.
@@ -154,14 +154,14 @@ def price(results: dict[str, Any], path: Path) -> None:
     )
 
 
-def main(kept: Path) -> None:
+def main(kept: Path, folder: Path) -> None:
     results = json.loads(kept.read_text(encoding="utf-8"))
     for title, name in (("32 B", "32"), ("230,400 B", "230400")):
-        echoes(results, title, kept.with_name(f"performance_echo_{name}.svg"))
-    latency(results, kept.with_name("performance_latency.svg"))
-    lines(results, kept.with_name("performance_rate.svg"))
-    price(results, kept.with_name("performance_price.svg"))
+        echoes(results, title, folder / f"performance_echo_{name}.svg")
+    latency(results, folder / "performance_latency.svg")
+    lines(results, folder / "performance_rate.svg")
+    price(results, folder / "performance_price.svg")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -7,16 +7,14 @@ import math
 import os
 import re
 import subprocess
-import tempfile
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from kitlib.lessons import ROOT, KitError
-from kitlib.terminal import READABLE
+from kitlib import programs
+from kitlib.lessons import KitError
 
 # Nothing in the lab takes as long; a program that does is ended, so that a run always ends.
 LIMIT = 90.0
@@ -58,51 +56,14 @@ class Spent(NamedTuple):
         return self.microseconds - before.microseconds, slept if self.sleeps else math.nan
 
 
-class Process:
+class Program(programs.Program):
     """A program of the lab."""
 
-    def __init__(self, command: list[str], cores: set[int]) -> None:
-        self.name = " ".join(Path(word).name for word in command[:3])
-        self.errors = tempfile.TemporaryFile()  # noqa: SIM115
+    def __init__(self, command: list[str], cores: set[int], stdin: int = subprocess.DEVNULL) -> None:
+        # What is started inherits it.
+        many_files()
         with on(cores):
-            self.process = subprocess.Popen(
-                command,
-                cwd=ROOT,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=self.errors,
-                text=True,
-                encoding="utf-8",
-                env={**os.environ, **READABLE},
-                preexec_fn=many_files if os.name == "posix" else None,
-            )
-
-    def line(self) -> str:
-        """Its next line, or KitError if it ends or says nothing for too long."""
-        assert self.process.stdout
-        late = threading.Event()
-
-        def too_late() -> None:
-            late.set()
-            self.process.kill()
-
-        watch = threading.Timer(LIMIT, too_late)
-        watch.start()
-        try:
-            text = self.process.stdout.readline()
-        finally:
-            watch.cancel()
-        if not text:
-            how = f"was silent for {LIMIT:.0f} s" if late.is_set() else "ended"
-            raise KitError(f"{self.name} {how}{self.last_words()}")
-        return text.strip()
-
-    def last_words(self) -> str:
-        """The last line of what it wrote to stderr, where it says why it ended."""
-        self.process.wait()
-        self.errors.seek(0)
-        lines = self.errors.read().decode("utf-8", "replace").split("\n")
-        return next((f": {line.strip()}" for line in reversed(lines) if line.strip()), "")
+            super().__init__(command, stdin=stdin)
 
     def spent(self) -> Spent:
         """What it has used so far; nan where the system does not say it exactly (Linux does)."""
@@ -115,19 +76,6 @@ class Process:
             return Spent(time.clock_gettime(~pid << 3 | 2) * 1e6, sleeps)
         except (OSError, AttributeError):
             return Spent(math.nan, sleeps)
-
-    def end(self) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout):
-            if pipe:
-                try:
-                    pipe.close()
-                except BrokenPipeError:
-                    # A line for it that it did not live to read.
-                    pass
-        self.errors.close()
 
 
 def many_files() -> None:
@@ -145,36 +93,41 @@ def many_files() -> None:
         pass
 
 
-class Server(Process):
-    """A server; `endpoint` is what its ready line says."""
+class Server(Program):
+    """A server; `endpoint` is what its ready line says, and then where else it listens."""
 
     def __init__(self, python: Path, script: Path, options: list[str], cores: set[int]) -> None:
         super().__init__([str(python), str(script), *options], cores)
-        found: list[str] = []
         try:
-            while not found or not found[-1].startswith("listening"):
-                found.append(self.line())
+            self.endpoint = ",".join(self.endpoints().values())
         except KitError:
             self.end()
             raise
-        addresses = [found[-1], *found[:-1]]
-        self.endpoint = ",".join(match[0] for line in addresses if (match := re.search(r"tcp://\S+", line)))
 
 
-class Client(Process):
+class Client(Program):
     """A client program, which does what a line says and answers with a line of JSON."""
+
+    def __init__(self, command: list[str], cores: set[int]) -> None:
+        super().__init__(command, cores, stdin=subprocess.PIPE)
 
     def ask(self, line: str) -> dict[str, Any]:
         """Its answer; what it prints before is under `said`."""
         assert self.process.stdin
+        # It says nothing unasked; and an answer with every wait is long.
+        self.lines.clear()
         try:
             self.process.stdin.write(line + "\n")
             self.process.stdin.flush()
         except OSError:
-            raise KitError(f"{self.name} ended{self.last_words()}") from None
-        said = []
-        while not (text := self.line()).startswith("{"):
-            if text.startswith("failed: "):
-                raise KitError(text)
-            said.append(text)
-        return {**json.loads(text), "said": said}
+            # It has ended, and the next lines say why.
+            pass
+        try:
+            answer = self.wait_for(r"^(\{|failed: )", LIMIT).string
+        except KitError:
+            # So that it is started anew when it is next needed.
+            self.end()
+            raise
+        if answer.startswith("failed: "):
+            raise KitError(answer)
+        return {**json.loads(answer), "said": self.lines[:-1]}

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import random
 import re
 import signal
 import socket
 import subprocess
 import sys
-import threading
-import time
 import uuid
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-from kitlib.terminal import GROUP, READABLE, ask_to_end
+from kitlib import programs
+from kitlib.lessons import KitError
 
 ROOT = Path(__file__).resolve().parent.parent
 # Generous, since it only decides how long a broken program is waited for.
@@ -77,55 +74,18 @@ class Mark:
         return found
 
 
-class Program:
-    """A running process. `lines` grows as it prints, stdout and stderr together."""
-
-    def __init__(self, command: Sequence[str | Path], *, stdin: int = subprocess.DEVNULL, **environment: str) -> None:
-        self.command = [str(word) for word in command]
-        self.lines: list[str] = []
-        self._news = threading.Condition()
-        self.process = subprocess.Popen(
-            self.command,
-            cwd=ROOT,
-            stdin=stdin,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            encoding="utf-8",
-            errors="replace",
-            env={**os.environ, **READABLE, **environment},
-            **(GROUP if sys.platform == "win32" else {}),
-        )
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    def _read(self) -> None:
-        assert self.process.stdout
-        for line in self.process.stdout:
-            with self._news:
-                self.lines.append(line.rstrip("\r\n"))
-                self._news.notify_all()
-        with self._news:
-            self._news.notify_all()
+class Program(programs.Program):
+    """A running program in a test, which fails with all that was printed."""
 
     @property
     def output(self) -> str:
         return "\n".join(self.lines)
 
     def wait_for(self, pattern: str, limit: float = LIMIT, start: int = 0) -> re.Match[str]:
-        """The first match of a regular expression in a line from number `start` on; fails after `limit` seconds."""
-        deadline = time.monotonic() + limit
-        with self._news:
-            while True:
-                for line in self.lines[start:]:
-                    if match := re.search(pattern, line):
-                        return match
-                if not self._reader.is_alive():
-                    raise AssertionError(f"it ended before a line matched {pattern!r}; printed:\n{self.output}")
-                if time.monotonic() >= deadline:
-                    raise AssertionError(f"no line matched {pattern!r} in {limit:g} s; printed:\n{self.output}")
-                # Short, because a program that ends between the look and the wait says nothing any more.
-                self._news.wait(0.2)
+        try:
+            return super().wait_for(pattern, limit, start)
+        except KitError as error:
+            raise AssertionError(f"no line matched {pattern!r}: {error}; printed:\n{self.output}") from None
 
     def wait(self, limit: float = LIMIT) -> int:
         """The exit code, once everything it printed is in `lines`."""
@@ -134,7 +94,7 @@ class Program:
         except subprocess.TimeoutExpired:
             self.kill()
             raise AssertionError(f"still running after {limit:g} s: {self.command}; printed:\n{self.output}") from None
-        self._reader.join(limit)
+        self.reader.join(limit)
         return code
 
     def stop(self, how: signal.Signals = signal.SIGTERM, limit: float = LIMIT) -> int:
@@ -144,7 +104,7 @@ class Program:
         with the same code; a program that does not ends with 0xC000013A.
         """
         if sys.platform == "win32":
-            ask_to_end(self.process)
+            programs.ask_to_end(self.process)
         else:
             self.process.send_signal(how)
         return self.wait(limit)
@@ -153,4 +113,4 @@ class Program:
         """End it without asking: SIGKILL."""
         self.process.kill()
         self.process.wait()
-        self._reader.join(LIMIT)
+        self.reader.join(LIMIT)

@@ -1,4 +1,4 @@
-// Which MonoBehaviours a lesson's scene holds: those of its folder.
+// Which MonoBehaviours a scene holds: those of a lesson's folder, or all of a reader's own scripts.
 using System;
 using System.Linq;
 using System.Reflection;
@@ -8,6 +8,14 @@ namespace UnityPlayer
 {
     public static class Scripts
     {
+        /// <summary>Every MonoBehaviour.</summary>
+        /// <exception cref="ArgumentException">There is none.</exception>
+        public static Type[] Of(Assembly assembly)
+        {
+            var found = assembly.GetTypes().Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
+            return found.Length > 0 ? found : throw new ArgumentException("there is no MonoBehaviour in these files");
+        }
+
         /// <summary>The MonoBehaviours of a lesson.</summary>
         /// <param name="assembly">The scripts, with the names of their files as NetMQExample.csproj writes them down.</param>
         /// <param name="lesson">Such as 1, 01 or 01_request_reply.</param>

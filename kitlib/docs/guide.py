@@ -27,17 +27,16 @@ import functools
 import json
 import re
 import shlex
+import shutil
 import sys
-import tempfile
 import textwrap
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
 from kitlib.lessons import ROOT, KitError, find
-from kitlib.terminal import quietly
+from kitlib.programs import quietly
 from lab import report
 
 BLOCK = re.compile(
@@ -238,20 +237,9 @@ def rewritten(page: Path, transcripts: bool = False) -> str:
     return BLOCK.sub(replace, text)
 
 
-@contextmanager
-def new_journal() -> Iterator[None]:
-    """Lesson 02 counts on from what its journal holds; inside, it begins at 0, and what was there comes back."""
-    with tempfile.TemporaryDirectory(dir=ROOT, prefix=".journal-") as kept:
-        own = list(ROOT.glob("*.sqlite3*"))
-        for path in own:
-            path.rename(Path(kept) / path.name)
-        try:
-            yield
-        finally:
-            for path in ROOT.glob("*.sqlite3*"):
-                path.unlink()
-            for path in own:
-                (Path(kept) / path.name).rename(path)
+def begin_anew() -> None:
+    """What earlier runs have left goes, such as lesson 02's journal, so that a page begins at 0."""
+    shutil.rmtree(ROOT / ".build" / "run", ignore_errors=True)
 
 
 def main() -> None:
@@ -262,8 +250,9 @@ def main() -> None:
     options = parser.parse_args()
     by_hand = []
     for page in [path.resolve() for path in options.pages] or pages():
-        with new_journal():
-            new = rewritten(page, transcripts=not options.excerpts)
+        if not options.excerpts:
+            begin_anew()
+        new = rewritten(page, transcripts=not options.excerpts)
         if new != page.read_text(encoding="utf-8"):
             page.write_text(new, encoding="utf-8", newline="\n")
             print(f"{page.relative_to(ROOT).as_posix()}: rewritten")

@@ -11,7 +11,7 @@ import subprocess
 import sys
 from html import escape, unescape
 
-from kitlib.docs.guide import new_journal, run_command, with_own_ports
+from kitlib.docs.guide import begin_anew, run_command, with_own_ports
 from kitlib.lessons import ROOT
 
 PICTURE = ROOT / "img" / "terminal.svg"
@@ -89,8 +89,8 @@ def lines_of(svg: str) -> list[str]:
 
 def main() -> None:
     """Run the lesson on a new journal and draw what it printed."""
-    with new_journal():
-        lines = record(RUN)
+    begin_anew()
+    lines = record(RUN)
     PICTURE.write_text(draw(f"python3 kit.py run {RUN}", lines), encoding="utf-8", newline="\n")
     print(f"drew {PICTURE.relative_to(ROOT).as_posix()}")
 

@@ -9,18 +9,21 @@ import os
 import re
 import shutil
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
 from kitlib import lessons
 from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
-from kitlib.terminal import Result, quietly, say, step
+from kitlib.programs import Result, quietly, step
+from kitlib.terminal import say
 
 BUILD = ROOT / ".build"
 CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
 ENGINES = ("netmq", "libzmq")
+ENGINE_HELP = "NetMQ from NuGet, or the offline engine over libzmq"
 PROPS = BUILD / "engine.props"
 INSTALLER = "https://dotnet.microsoft.com/download"
 DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
@@ -175,9 +178,11 @@ def libzmq(python: Path) -> str:
 def fingerprint(engine: Engine, library: str, sources: list[Path]) -> str:
     """Changes when a source file, the SDK, the engine or the place of libzmq does."""
     digest = hashlib.sha256(f"{sdk()} {engine.properties} {library}".encode())
-    for folder in sources:
-        for path in sorted(folder.rglob("*")):
-            if path.suffix in (".cs", ".csproj", ".props", ".targets") and not {"bin", "obj"} & set(path.parts):
+    for source in sources:
+        for path in [source] if source.is_file() else sorted(source.rglob("*")):
+            if path.suffix in (".cs", ".csproj", ".props", ".targets") and not {"bin", "obj"} & set(
+                path.relative_to(source).parts
+            ):
                 digest.update(f"{path}{path.stat().st_mtime_ns}{path.stat().st_size}".encode())
     return digest.hexdigest()
 
@@ -187,12 +192,17 @@ def outputs(folder: Path) -> str:
     return " ".join(sorted(f"{path.name}={path.stat().st_size}" for path in folder.glob("*") if path.is_file()))
 
 
-def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
-    """Build a project with an engine, if anything changed since the last time; returns its .dll."""
+def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Path:
+    """Build a project with an engine, if anything changed since the last time; returns its .dll.
+
+    `own` are a reader's own scripts, which own-scripts.csproj compiles.
+    """
     library = libzmq(python)
-    dll = BUILD / engine.name / "bin" / project.name / "release" / f"{project.name}.dll"
-    stamp = BUILD / engine.name / f"{project.name}.stamp"
-    now = fingerprint(engine, library, [CONSOLE, SUPPORT, project, ROOT / "unity" / "Assets" / "NetMQExample"])
+    name = next(project.glob("*.csproj")).stem
+    dll = BUILD / engine.name / "bin" / name / "release" / f"{name}.dll"
+    stamp = BUILD / engine.name / f"{name}.stamp"
+    sources = [CONSOLE, SUPPORT, project, ROOT / "unity" / "Assets" / "NetMQExample", *own]
+    now = fingerprint(engine, library, sources)
     known = recall(stamp)
     whole = known.get("outputs") == outputs(dll.parent)
     if whole and known.get("sources") == now:
@@ -214,8 +224,12 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
         "-v:quiet",
         "-clp:NoSummary",
         *([] if whole else ["--no-incremental", "--force"]),
+        # What a reader's scripts refer to was built with the console, a moment ago.
+        *(["-p:BuildProjectReferences=false"] if own else []),
     ]
-    result = step(f"building {project.name} with {engine.name}", command, 300, ENVIRONMENT)
+    # MSBuild takes a variable for a property; on its command line a semicolon would end it.
+    environment = {**ENVIRONMENT, "OwnScripts": ";".join(map(str, own))}
+    result = step(f"building {name} with {engine.name}", command, 300, environment)
     if not result.ok:
         raise KitError(failure(result))
     keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))

@@ -16,7 +16,8 @@ import tomllib
 from pathlib import Path
 
 from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
-from kitlib.terminal import Result, quietly, say, step
+from kitlib.programs import Result, quietly, step
+from kitlib.terminal import say
 
 VENV = ROOT / ".venv"
 BUILD = ROOT / ".build"

@@ -89,8 +89,17 @@ PluginImporter:
 """
 
 
-def install(project: Path, lesson: str | None = None, force: bool = False) -> None:
-    """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not."""
+def install(
+    project: Path,
+    lesson: str | None = None,
+    force: bool = False,
+    scripts_only: bool = False,
+    dlls: Path | None = None,
+) -> None:
+    """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not.
+
+    The DLLs come from the folder `dlls`, or else from NuGet.
+    """
     root = find_project(project)
     manifest = packages_of(root)
     if has_scripts(root, manifest):
@@ -101,12 +110,14 @@ def install(project: Path, lesson: str | None = None, force: bool = False) -> No
         if elsewhere(root, "System.ServiceModel.Primitives.dll"):
             files = {name: data for name, data in files.items() if not name.startswith(f"{TARGET}/{STUB}")}
     check_moved(root, files)
-    if has_netmq(root, all_packages(root, manifest)):
+    if scripts_only:
+        say("the scripts alone: they need NetMQ.dll, AsyncIO.dll and NaCl.dll")
+    elif has_netmq(root, all_packages(root, manifest)):
         say("NetMQ is in this project already: its DLLs are left as they are")
     else:
         files |= {
             name: data
-            for name, data in libraries().items()
+            for name, data in libraries(dlls).items()
             if not elsewhere(root, Path(name.removesuffix(".meta")).name)
         }
     write(root, files, force)
@@ -157,14 +168,21 @@ def uses(code: str, name: str) -> bool:
     return re.search(rf"(?<![\w.]){name}\b", code) is not None
 
 
-def libraries() -> dict[str, bytes]:
+def libraries(folder: Path | None) -> dict[str, bytes]:
     """The DLLs with their import settings."""
     found = {f"{PLUGINS}.meta": f"fileFormatVersion: 2\nguid: {guid('Plugins')}\n{FOLDER}".encode()}
     for package, version, inside in LIBRARIES:
         name = inside.rsplit("/", 1)[1]
-        found[f"{PLUGINS}/{name}"] = library(package, version, inside)
+        found[f"{PLUGINS}/{name}"] = in_folder(folder, name) if folder else library(package, version, inside)
         found[f"{PLUGINS}/{name}.meta"] = LIBRARY_META.format(guid=guid(f"Plugins/{name}")).encode()
     return found
+
+
+def in_folder(folder: Path, name: str) -> bytes:
+    """One DLL of a folder that the user has."""
+    if not (folder / name).is_file():
+        raise KitError(f"there is no {name} in {folder}: nothing was copied")
+    return (folder / name).read_bytes()
 
 
 def library(package: str, version: str, inside: str) -> bytes:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import errno
+import importlib
 import io
 import os
+import pkgutil
 import re
 import shlex
 import shutil
@@ -18,11 +20,12 @@ from pathlib import Path
 import pytest
 
 import kit
-from kitlib import commands, lessons, terminal
-from kitlib import run as runner
+from kitlib import commands, lessons, programs, signals, terminal
+from kitlib.commands import doctor
+from kitlib.commands import run as runner
 from kitlib.lessons import KitError
-from kitlib.setup import doctor, dotnet, python_setup
-from kitlib.terminal import Result
+from kitlib.programs import Result
+from kitlib.setup import dotnet, python_setup
 from tests.conftest import PYTHON
 from tests.programs import ROOT, Mark, finds_processes
 
@@ -174,7 +177,7 @@ def test_ctrl_c_while_a_program_is_being_started_ends_it(monkeypatch):
     monkeypatch.setattr(subprocess, "Popen", Interrupted)
     try:
         with pytest.raises(KeyboardInterrupt):
-            terminal.quietly([sys.executable, "-c", "import time; time.sleep(60)"], 60)
+            programs.quietly([sys.executable, "-c", "import time; time.sleep(60)"], 60)
         assert started[0].poll() is not None
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     finally:
@@ -231,7 +234,7 @@ def test_ctrl_c_in_the_tests_lets_the_running_test_clear_up(tmp_path):
 
 
 def test_a_second_ctrl_c_does_not_stop_the_clearing_up():
-    with terminal.uninterrupted():
+    with signals.uninterrupted():
         signal.raise_signal(signal.SIGINT)
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
@@ -249,7 +252,7 @@ def refused(start, *words):
     ("words", "answer"),
     [
         ("rum 1", "there is no command 'rum'; did you mean run?"),
-        ("2", f"there is no command '2'; did you mean `{lessons.KIT} run 2`?"),
+        ("2", "there is no command '2'; there are: run, server, client, test, "),
         ("--nonsense", r"there is no command '--nonsense'; there are: run, server, client, test, "),
         ("run", f".* required: LESSON; `{lessons.KIT} run --help` shows how$"),
         ("run 99", "there is no lesson 99; there are: 01_request_reply, 02_lazy_pirate, "),
@@ -277,22 +280,26 @@ def test_the_help_names_every_command(words, start):
     program = start(PYTHON, KIT, *words)
     # Nothing was asked for, so nothing was done.
     assert program.wait() == (0 if words else 2)
-    for command in kit.commands():
-        assert f"    {lessons.KIT} {command.name} " in program.output
+    for name in kit.COMMANDS:
+        assert f"    {lessons.KIT} {name} " in program.output
 
 
-@pytest.mark.parametrize("name", [command.name for command in kit.commands()])
+def test_every_module_of_commands_is_a_command():
+    assert sorted(kit.COMMANDS) == sorted(module.name for module in pkgutil.iter_modules(commands.__path__))
+
+
+@pytest.mark.parametrize("name", kit.COMMANDS)
 @pytest.mark.parametrize("option", ["--help", "-h"])
 def test_every_command_explains_itself_with_examples_that_it_takes(name, option, start):
     program = start(PYTHON, KIT, name, option)
     assert program.wait() == 0
-    command = next(command for command in kit.commands() if command.name == name)
-    assert command.description in program.output
+    command = importlib.import_module(f"kitlib.commands.{name}")
+    assert command.ABOUT in program.output
     examples = re.findall(rf"^  {re.escape(lessons.KIT)} {name}\b(.*?)(?:   .*)?$", program.output, re.MULTILINE)
     assert examples
     for example in examples:
         if "--help" not in example:
-            command.parse(shlex.split(example))
+            commands.parse(command, shlex.split(example))
 
 
 def test_what_comes_after_test_is_for_pytest(start):
@@ -425,7 +432,7 @@ def test_a_venv_without_pip_is_filled_by_the_pip_outside(monkeypatch, tmp_path):
     if not any(Path(links).glob("pyzmq-*.whl")):
         pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with pyzmq")
     monkeypatch.setattr(python_setup, "VENV", tmp_path / "venv")
-    real = terminal.quietly
+    real = programs.quietly
 
     def as_on_debian(command, *rest, **named):
         # Debian's python3 without python3-venv: the venv module is there, ensurepip is not.
@@ -528,26 +535,27 @@ def test_the_last_line_is_the_clients(copy, start):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends a Ctrl-C in another way")
-def test_ctrl_c_while_the_modules_load_shows_no_traceback():
-    code = f"""
+@pytest.mark.parametrize(("module", "code"), [("kitlib.commands", -signal.SIGINT), ("kitlib.commands.list", 130)])
+def test_ctrl_c_while_the_modules_load_shows_no_traceback(module, code):
+    program = f"""
 import os, runpy, signal, sys
 class Moment:
     def find_spec(self, name, *_):
-        if name == "lab.bench":
+        if name == {module!r}:
             os.kill(os.getpid(), signal.SIGINT)
 sys.meta_path.insert(0, Moment())
 sys.path.insert(0, {str(ROOT)!r})
 sys.argv = ["kit.py", "list"]
 runpy.run_path({str(KIT)!r}, run_name="__main__")
 """
-    done = subprocess.run([PYTHON, "-c", code], capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
+    done = subprocess.run([PYTHON, "-c", program], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (code, "", "")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no shell that ignores Ctrl-C for others")
 def test_the_tests_can_be_started_in_the_background():
     """There a shell ignores Ctrl-C for all that is started, and the tests that press it would wait in vain."""
-    words = f"'{PYTHON}' -m pytest -q -p no:cacheprovider tests/test_kit.py -k 'second_ctrl_c or ctrl_c_in_a_run'"
+    words = f"'{PYTHON}' -m pytest -q -p no:cacheprovider tests/kit/test_kit.py -k 'second_ctrl_c or ctrl_c_in_a_run'"
     done = subprocess.run(
         ["sh", "-c", f"trap '' INT; exec {words}"], cwd=ROOT, capture_output=True, text=True, timeout=200
     )
@@ -564,10 +572,10 @@ def test_in_a_pipe_the_output_is_utf_8_on_every_system(start):
 def test_a_backslash_in_an_option_is_part_of_a_path_on_windows(monkeypatch):
     words = r"""--journal C:\Users\me\x.sqlite3 --name "C:\My Game" --send 'add 1'"""
     monkeypatch.setattr(lessons, "WINDOWS", True)
-    split = commands.split(words, "--server")
+    split = runner.split(words, "--server")
     assert split == ["--journal", r"C:\Users\me\x.sqlite3", "--name", r"C:\My Game", "--send", "add 1"]
     monkeypatch.setattr(lessons, "WINDOWS", False)
-    assert commands.split(r"--name My\ Game '#1'", "--server") == ["--name", "My Game", "#1"]
+    assert runner.split(r"--name My\ Game '#1'", "--server") == ["--name", "My Game", "#1"]
 
 
 @pytest.mark.parametrize("damage", [b"", b"\0\0\0", b"[1]", b'{"a": ', b'{"a": 1}', b"\xff\xfe"])
@@ -697,8 +705,63 @@ def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
     refuse_with(errno.EACCES)
     assert "the system reserves it (netsh " in doctor.port_row(1)[2]
     refuse_with(errno.EADDRINUSE)
-    assert doctor.port_row(1)[2].startswith("taken; end what holds it")
+    assert doctor.port_row(1)[2].startswith("taken; `")
     assert doctor.port_row(4)[2].startswith("taken, perhaps by Android's emulator or adb; ")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a command is named that tells it")
+def test_who_holds_a_port_is_named():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        (holder,) = doctor.listeners(port)
+        assert f"(process {os.getpid()})" in holder
+        assert doctor.taken(port) == f"taken by {holder}; end it, or "
+    assert doctor.listeners(port) == []
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A Unity project, as far as kit.py looks."""
+    for folder in ("Assets", "ProjectSettings", "Packages"):
+        (tmp_path / "My Game" / folder).mkdir(parents=True)
+    (tmp_path / "My Game" / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 2022.3.10f1\n")
+    return tmp_path / "My Game"
+
+
+def test_the_scripts_alone_need_no_nuget(project, start):
+    program = start(PYTHON, KIT, "unity", project, "--scripts-only", NUGET_PACKAGES=str(project / "nothing"))
+    assert program.wait() == 0, program.output
+    assert "NuGet" not in program.output
+    assert "kit    | the scripts alone: they need NetMQ.dll, AsyncIO.dll and NaCl.dll" in program.lines
+    assert list(project.rglob("HelloClient.cs"))
+    assert not list(project.rglob("*.dll"))
+
+
+def test_the_dlls_can_come_from_a_folder(project, tmp_path, start):
+    dlls = tmp_path / "dlls"
+    dlls.mkdir()
+    for name in ("NetMQ", "NaCl"):
+        (dlls / f"{name}.dll").write_bytes(name.encode())
+    lacking = start(PYTHON, KIT, "unity", project, "--dlls", dlls)
+    assert lacking.wait() == 1
+    assert f"kit    | there is no AsyncIO.dll in {dlls}: nothing was copied" in lacking.lines
+    assert not list((project / "Assets").iterdir())
+    (dlls / "AsyncIO.dll").write_bytes(b"AsyncIO")
+    program = start(PYTHON, KIT, "unity", project, "--dlls", dlls)
+    assert program.wait() == 0, program.output
+    assert {path.name: path.read_bytes() for path in project.rglob("*.dll")} == {
+        path.name: path.read_bytes() for path in dlls.iterdir()
+    }
+    assert start(PYTHON, KIT, "unity", project, "--dlls", dlls, "--scripts-only").wait() == 2
+
+
+def test_a_run_leaves_its_files_in_a_folder_of_its_own(copy, start):
+    for balance in ("0", "2"):
+        words = ["run", "2", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", "--options=--count 2"]
+        program = start(PYTHON, copy / "kit.py", *words)
+        assert program.wait(120) == 0, program.output
+        assert f"server | journal lazy_pirate.sqlite3, balance {balance}" in program.lines
+    assert list(copy.rglob("*.sqlite3")) == [copy / ".build" / "run" / "02" / "lazy_pirate.sqlite3"]
 
 
 @pytest.mark.timeout(600)

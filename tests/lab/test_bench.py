@@ -233,7 +233,7 @@ def test_the_kept_run_is_whole():
 def test_a_plot_shows_the_kept_run(name):
     """Which release of matplotlib drew it does not matter; its names and numbers do."""
     results = json.loads(KEPT.read_text(encoding="utf-8"))
-    drawn = KEPT.with_name(f"performance_{name}.svg").read_text(encoding="utf-8")
+    drawn = (ROOT / "img" / f"performance_{name}.svg").read_text(encoding="utf-8")
     shown = re.findall(r">([^<>\n]+)</text>", drawn)
     titles = {"echo_32": "echo of 32 B", "echo_230400": "echo of 230,400 B", "price": "a server that takes 10 ms"}
     if name in titles:

@@ -13,8 +13,8 @@ import pytest
 
 from kitlib.docs import guide
 from kitlib.lessons import ROOT, KitError, lessons
+from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
-from kitlib.terminal import Result
 from kitlib.unity import install as unity_install
 from kitlib.unity.meta import PACKAGE
 

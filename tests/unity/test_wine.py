@@ -17,8 +17,8 @@ from typing import Any
 import pytest
 
 from kitlib import lessons
+from kitlib.programs import quietly
 from kitlib.setup import dotnet
-from kitlib.terminal import quietly
 from tests.programs import ROOT, Program, free_port, two_ports
 
 WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "wine"))), None)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
-from kitlib.lessons import KIT, KitError, lessons
+from kitlib.lessons import KIT, PACKAGES, KitError, lessons
+from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
-from kitlib.terminal import say, step
+from kitlib.terminal import say
 
 # The tags that pip knows a system's wheels by, newer ones first.
 SYSTEMS = {
@@ -26,6 +28,25 @@ On every machine install Python {python} and the .NET SDK, 8 or later; fetch the
     {installer}
 Copy the kit to a folder there and this folder into it, under the name `packages`. Then: {kit} run 1
 """
+
+ABOUT = "Fetches what a room without internet needs: wheels for Python, NuGet packages, and where the installers are."
+EXAMPLES = [
+    "pack                                   into packages/, for this system",
+    "pack D:/stick --system windows --python 3.13",
+]
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "folder", type=Path, nargs="?", default=PACKAGES, metavar="FOLDER", help="packages, if not said"
+    )
+    parser.add_argument("--system", choices=tuple(SYSTEMS), help="the room's; this one, if not said")
+    parser.add_argument("--python", metavar="VERSION", help="the room's; this one's, if not said")
+
+
+def do(options: argparse.Namespace) -> int:
+    pack(options.folder, options.system, options.python)
+    return 0
 
 
 def pack(folder: Path, system: str | None, version: str | None) -> None:

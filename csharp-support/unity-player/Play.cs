@@ -1,13 +1,16 @@
 // Runs a lesson's MonoBehaviours in the player: dotnet run --project csharp-console -- NN --unity.
+// In place of NN `kit.py play` gives the DLL that it has built of a reader's own scripts.
 //
 //     --count 3           a serialized field, as in the inspector; --help says which there are
 //     --set count=3       the same
 //     --seconds 5         stop then; without it, once every script with a Done property is done
 //
-// The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene.
+// The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene, or of the DLL.
 using System;
 using System.Collections.Generic;
+using System.IO;
 using System.Linq;
+using System.Reflection;
 using System.Runtime.InteropServices;
 using System.Threading;
 using UnityEngine;
@@ -20,8 +23,9 @@ namespace NetMQExample.Terminal
         public static int Run(string? lesson, Arguments arguments)
         {
             arguments.Flag("unity");
-            var scripts = typeof(NetMQLifetime).Assembly;
-            var types = Scripts.Of(scripts, lesson ?? "");
+            var lessons = typeof(NetMQLifetime).Assembly;
+            var own = lesson?.EndsWith(".dll", StringComparison.Ordinal) == true ? Assembly.LoadFrom(Path.GetFullPath(lesson)) : null;
+            var types = own == null ? Scripts.Of(lessons, lesson ?? "") : Scripts.Of(own);
             var fields = types.SelectMany(Inspector.Defaults).ToList();
             // A script that has such a field itself ends by itself then.
             var limit = fields.Any(field => field.Name == "seconds") ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
@@ -42,7 +46,7 @@ namespace NetMQExample.Terminal
             using var interrupt = PosixSignalRegistration.Create(PosixSignal.SIGINT, Stop);
             using var terminate = PosixSignalRegistration.Create(PosixSignal.SIGTERM, Stop);
 
-            var player = new Player(scripts);
+            var player = own == null ? new Player(lessons) : new Player(lessons, own);
             try
             {
                 player.Begin(() => MakeScene(types, settings));

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import errno
+import os
 import shutil
 import socket
 import sys
@@ -10,12 +12,30 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, lessons, writable
+from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
-from kitlib.terminal import coloured, quietly
+from kitlib.terminal import coloured
 
+ABOUT = "Shows what is on this machine and what is missing, each missing thing with its cure."
+EXAMPLES = ["doctor"]
 # Where an emulator of Android listens, and where every adb looks for one.
 ANDROID = (5554, 5555)
 Row = tuple[bool, str, str]
+
+
+def add_options(_: argparse.ArgumentParser) -> None:
+    pass
+
+
+def do(_: argparse.Namespace) -> int:
+    """Print the table, with the interpreter that the lessons use, if there is one."""
+    # All of it first: what asks NuGet says so, and not in the middle of the table.
+    for fine, what, finding in list(rows(python_setup.found())):
+        mark = coloured("ok", "kit") if fine else coloured("--", "error")
+        print(f"{mark}  {what:10} {finding}", flush=True)
+    if shutil.which("dotnet") is None and sys.platform.startswith("linux"):
+        print("    a distribution may have it as a package: dotnet-sdk-8.0 or later")
+    return 0
 
 
 def rows(python: Path | None) -> Iterator[Row]:
@@ -71,20 +91,43 @@ def port_row(number: int) -> Row:
         try:
             probe.bind(("127.0.0.1", port))
         except OSError as error:
-            reserved = error.errno in (errno.EACCES, 10013)
-            why = "the system reserves it (netsh int ipv4 show excludedportrange protocol=tcp)" if reserved else "taken"
-            if port in ANDROID and not reserved:
-                why += ", perhaps by Android's emulator or adb"
-            cure = "" if reserved else "end what holds it, or "
-            return False, f"port {port}", f"{why}; {cure}use `{KIT} run {number} --endpoint tcp://127.0.0.1:0`"
+            why = "the system reserves it (netsh int ipv4 show excludedportrange protocol=tcp); "
+            if error.errno not in (errno.EACCES, 10013):
+                why = taken(port)
+            return False, f"port {port}", f"{why}use `{KIT} run {number} --endpoint tcp://127.0.0.1:0`"
     return True, f"port {port}", "free"
 
 
-def show(python: Path | None) -> None:
-    """Print the table; `python` is the interpreter that the lessons use, if there is one."""
-    # All of it first: what asks NuGet says so, and not in the middle of the table.
-    for fine, what, finding in list(rows(python)):
-        mark = coloured("ok", "kit") if fine else coloured("--", "error")
-        print(f"{mark}  {what:10} {finding}", flush=True)
-    if shutil.which("dotnet") is None and sys.platform.startswith("linux"):
-        print("    a distribution may have it as a package: dotnet-sdk-8.0 or later")
+def taken(port: int) -> str:
+    """By whom, where the system says so, and what to do."""
+    if holders := listeners(port):
+        return f"taken by {', '.join(holders)}; end it, or "
+    android = ", perhaps by Android's emulator or adb" if port in ANDROID else ""
+    shows = {"win32": f"netstat -ano | findstr :{port}", "linux": f"sudo ss -ltnp sport = :{port}"}
+    return f"taken{android}; `{shows.get(sys.platform, f'lsof -nP -iTCP:{port} -sTCP:LISTEN')}` shows who; end it, or "
+
+
+def listeners(port: int) -> list[str]:
+    """The programs that listen on it, from Linux's /proc; of other users' programs only root hears."""
+    sockets = set()
+    for table in (Path("/proc/net/tcp"), Path("/proc/net/tcp6")):
+        for row in table.read_text().splitlines()[1:] if table.exists() else []:
+            _, address, _, state, *_, inode = row.split()[:10]
+            if state == "0A" and int(address.rpartition(":")[2], 16) == port:
+                sockets.add(f"socket:[{inode}]")
+    return [
+        f"{(process / 'cmdline').read_text().replace(chr(0), ' ').strip()} (process {process.name})"
+        for process in Path("/proc").glob("[0-9]*")
+        if sockets & files(process)
+    ]
+
+
+def files(process: Path) -> set[str]:
+    """What a process has open; nothing if it has ended meanwhile, or is not ours to ask."""
+    found = set()
+    try:
+        for file in (process / "fd").iterdir():
+            found.add(os.readlink(file))
+    except OSError:
+        pass
+    return found

@@ -1,0 +1,103 @@
+"""The words after kit.py: a module for each command, and one line with the cure for a wrong word.
+
+A command's module says what it is for in ABOUT and EXAMPLES, adds its options, and does it. What it does not know is
+answered with its CURE; or else, where PASSES_ON is true, given to the program that it starts, in `options.words`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import importlib
+import io
+import platform
+import re
+import sys
+import tomllib
+from collections.abc import Sequence
+from types import ModuleType
+from typing import NoReturn
+
+from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, UsageError
+from kitlib.signals import interruptible
+from kitlib.terminal import coloured, nobody_reads
+
+
+def main(about: str, names: Sequence[str], words: list[str]) -> int:
+    """Do what the command line says; returns the exit code."""
+    # A legacy console code page must not turn a printed line into a traceback; and in a pipe every system gets UTF-8.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding=None if stream.isatty() else "utf-8", errors="backslashreplace")
+    interruptible()
+    try:
+        return start(about, names, words)
+    except KitError as error:
+        print(coloured("kit    |", "error", sys.stderr), error, file=sys.stderr)
+        return error.code
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        nobody_reads()
+        return 1
+    except OSError as error:
+        # A full disk, a folder of somebody else's: whatever it is, the system's own words name it.
+        why = UNWRITABLE if isinstance(error, PermissionError) else "free some space, or try another folder"
+        print(coloured("kit    |", "error", sys.stderr), f"{error}; {why}", file=sys.stderr)
+        return 1
+
+
+def start(about: str, names: Sequence[str], words: list[str]) -> int:
+    """Find the command and do it."""
+    if not words or words[0] in ("-h", "--help", "help"):
+        print(about.strip().replace("python3 kit.py", KIT))
+        # Who typed nothing wanted something, and a script must notice that nothing was done.
+        return 0 if words else 2
+    name = words[0]
+    if name in ("--version", "version"):
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+        print(f"NetMQExample {project['version']}, Python {sys.version.split()[0]}, {platform.platform()}")
+        return 0
+    if name not in names:
+        there_are = f"there are: {', '.join(names)}"
+        raise UsageError(f"there is no command '{name}'; {meant(name.strip('-').lower(), names, 0.6) or there_are}")
+    command = importlib.import_module(f"kitlib.commands.{name}")
+    code: int = command.do(parse(command, words[1:]))
+    return code
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Called by argparse: one line, instead of its usage and its own way out."""
+        raise UsageError(f"{message}; `{self.prog} --help` shows how")
+
+
+def parse(command: ModuleType, words: list[str]) -> argparse.Namespace:
+    """The options of these words; what is no option of this command is passed on, or named with its cure."""
+    name = command.__name__.rpartition(".")[2]
+    passes_on = getattr(command, "PASSES_ON", False)
+    parser = Parser(
+        prog=f"{KIT} {name}",
+        description=command.ABOUT,
+        epilog="examples:\n" + "\n".join(f"  {KIT} {example}" for example in command.EXAMPLES),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    command.add_options(parser)
+    # What comes after `--` is never taken for our own.
+    end = words.index("--") if passes_on and "--" in words else len(words)
+    options, rest = parser.parse_known_args(words[:end])
+    if passes_on:
+        options.words = rest + words[end + 1 :]
+    elif rest:
+        word = rest[0].split("=")[0]
+        cure = getattr(command, "CURE", f"`{parser.prog} --help` shows what it takes")
+        near = meant(word, re.findall(r"--[\w-]+", parser.format_usage()), 0.75)
+        raise UsageError(f"{name} takes no '{word}'; {near or cure}")
+    return options
+
+
+def meant(word: str, known: Sequence[str], cutoff: float) -> str:
+    """A guess at what somebody wanted to type, or nothing."""
+    near = difflib.get_close_matches(word, known, 1, cutoff)
+    return f"did you mean {near[0]}?" if near else ""

@@ -1,0 +1,26 @@
+"""The performance lab, whose room is lab/."""
+
+from __future__ import annotations
+
+import argparse
+
+from kitlib.setup import dotnet
+from lab import bench
+
+ABOUT = "Measures the kit beside raw TCP, WebSocket, HTTP, gRPC and others, in rounds that take turns."
+EXAMPLES = [
+    "bench --quick   less than a minute, to see that it works",
+    "bench           less than ten minutes; writes lab/performance.json and its plots, and wants a machine at rest",
+    "bench --free    without a half of the processor cores for each side",
+]
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    elsewhere = "results go into .build/bench"
+    parser.add_argument("--quick", action="store_true", help=f"fewer and shorter rounds; {elsewhere}")
+    parser.add_argument("--free", action="store_true", help=f"the system places the programs; {elsewhere}")
+    parser.add_argument("--engine", choices=dotnet.ENGINES, help=dotnet.ENGINE_HELP)
+
+
+def do(options: argparse.Namespace) -> int:
+    return bench.bench(options.quick, options.free, options.engine)

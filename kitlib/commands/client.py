@@ -1,0 +1,26 @@
+"""Runs a lesson's client alone."""
+
+from __future__ import annotations
+
+import argparse
+
+from kitlib.commands.run import add_client, client_command
+from kitlib.lessons import find
+from kitlib.programs import alone
+from kitlib.setup import python_setup
+
+ABOUT = "Runs a lesson's client in this terminal. Other words than these are its own options."
+EXAMPLES = ["client 1 --count 3", "client 4 --client unity   its Unity scripts, played without Unity"]
+PASSES_ON = True
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("lesson", metavar="LESSON", help="its number or its name")
+    add_client(parser)
+
+
+def do(options: argparse.Namespace) -> int:
+    lesson = find(options.lesson)
+    python = python_setup.interpreter(lesson.key)
+    command = client_command(options.client, lesson, python, options.engine)
+    return alone([*command, *options.words], lesson.folder())

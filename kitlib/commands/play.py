@@ -1,0 +1,38 @@
+"""Plays scripts of a reader's own."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from kitlib.lessons import KitError, UsageError
+from kitlib.programs import alone
+from kitlib.setup import dotnet, python_setup
+
+ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
+Other words than these set serialized fields, as the inspector does."""
+EXAMPLES = [
+    "play MyClient.cs",
+    "play MyClient.cs MyQueue.cs --endpoint tcp://127.0.0.1:5554   with a class that it uses; sets a field",
+    "play MyClient.cs --seconds 5                                  stops then, as the Stop button does",
+]
+PASSES_ON = True
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", type=Path, nargs="+", metavar="FILE.cs", help="your scripts, wherever they are")
+    parser.add_argument("--engine", choices=dotnet.ENGINES, help=dotnet.ENGINE_HELP)
+
+
+def do(options: argparse.Namespace) -> int:
+    files: list[Path] = [path.resolve() for path in options.files]
+    for path in files:
+        if path.suffix != ".cs" or not path.is_file():
+            raise UsageError(f"there is no C# file {path}")
+    if not dotnet.sdk():
+        raise KitError(dotnet.DOWNLOAD)
+    python = python_setup.interpreter()
+    engine = dotnet.choose_engine(options.engine)
+    player = dotnet.build(python, engine)
+    scripts = dotnet.build(python, engine, dotnet.SUPPORT / "own-scripts", files)
+    return alone(["dotnet", player, scripts, "--unity", *options.words])

@@ -1,0 +1,127 @@
+"""Runs one lesson: the server, then the client, both shown line by line behind a prefix."""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import shlex
+from pathlib import Path
+
+from kitlib import lessons
+from kitlib.lessons import KitError, Lesson, UsageError, find
+from kitlib.programs import PATIENCE, Program, wait
+from kitlib.setup import dotnet, python_setup
+from kitlib.signals import later, uninterrupted
+from kitlib.terminal import say, show
+
+ABOUT = "Runs a lesson: starts its Python server and a client, shows both line by line, and stops the server."
+EXAMPLES = [
+    "run 1                            lesson 01 with the C# client",
+    "run lazy-pirate --client unity   its Unity scripts, played without Unity",
+    'run 4 --server="--drop 3"        the server loses request 3',
+    'run 1 --options="--count 3"      the client asks three times',
+]
+CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("lesson", metavar="LESSON", help="its number or its name: 1, 01, request-reply")
+    parser.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:0 takes a free port")
+    parser.add_argument("--server", default="", metavar="OPTIONS", help="options for the server; its --help has them")
+    parser.add_argument("--options", default="", metavar="OPTIONS", help="options for the client; its --help has them")
+    add_client(parser)
+
+
+def add_client(parser: argparse.ArgumentParser) -> None:
+    """Which client, and on what."""
+    kinds = ("csharp", "python", "unity")
+    parser.add_argument("--client", choices=kinds, default="csharp", help="csharp, if not said")
+    parser.add_argument("--engine", choices=dotnet.ENGINES, help=dotnet.ENGINE_HELP)
+
+
+def do(options: argparse.Namespace) -> int:
+    """Set up what the lesson needs, start the server, run the client against it, stop the server."""
+    lesson = find(options.lesson)
+    for_client, for_server = split(options.options, "--options"), split(options.server, "--server")
+    python = python_setup.interpreter(lesson.key)
+    client = [*client_command(options.client, lesson, python, options.engine), *for_client]
+    given = ["--endpoint", options.endpoint] if options.endpoint else []
+    return run(lesson, [*server_command(lesson, python), *given, *for_server], client)
+
+
+def server_command(lesson: Lesson, python: Path) -> list[str]:
+    return [str(python), str(lesson.python / "server.py")]
+
+
+def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) -> list[str]:
+    """The words that start a client; without a .NET SDK it is the Python one."""
+    in_python = [str(python), str(lesson.python / "client.py")]
+    if kind == "python":
+        return in_python
+    try:
+        if not dotnet.sdk():
+            raise dotnet.NoEngine(dotnet.DOWNLOAD)
+        choice = dotnet.choose_engine(engine)
+    except dotnet.NoEngine as error:
+        say(f"{error}; running the Python client instead")
+        return in_python
+    say(f"engine: {choice.name} ({choice.why})")
+    unity = ["--unity"] if kind == "unity" else []
+    return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]
+
+
+def run(lesson: Lesson, server: list[str], client: list[str]) -> int:
+    """Run both sides; returns the client's exit code."""
+    started: list[Program] = []
+    last: list[str] = []
+
+    def hear_client(line: str) -> None:
+        show_last()
+        # The end of the story: it waits for what the server has still to say.
+        last.append(line) if line.startswith("done: ") else show("client", line)
+
+    def show_last() -> None:
+        while last:
+            show("client", last.pop())
+
+    try:
+        with later():
+            heard = functools.partial(show, "server")
+            started.append(Program(server, folder=lesson.folder(), heard=heard))
+        # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
+        for name, address in ready(started[0]).items():
+            client = [*client, f"--{name}", address]
+        with later():
+            started.append(Program(client, folder=lesson.folder(), heard=hear_client))
+        return wait(started[-1].process)
+    except KeyboardInterrupt:
+        # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
+        return 130
+    finally:
+        with uninterrupted():
+            for program in reversed(started):
+                program.end()
+            show_last()
+
+
+def ready(server: Program) -> dict[str, str]:
+    """Where it listens, once it does."""
+    try:
+        return server.endpoints()
+    except KitError:
+        if server.ended:
+            raise KitError("the server ended before it was ready; its own line above says why") from None
+        raise KitError(f"the server printed no ready line within {PATIENCE:.0f} s") from None
+
+
+def split(text: str, option: str) -> list[str]:
+    """The words of an option that holds options for a program."""
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=False)
+    lexer.whitespace_split, lexer.commenters = True, ""
+    if lessons.WINDOWS:
+        # A backslash there is part of a path.
+        lexer.escape = ""
+    try:
+        return list(lexer)
+    except ValueError:
+        raise UsageError(f'{option} {text}: a quotation mark in it is not closed; write {option}="…"') from None

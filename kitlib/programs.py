@@ -1,0 +1,256 @@
+"""Other programs: one whose lines are read, one that has this terminal, and commands that run to their end."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from kitlib.lessons import ROOT, KitError
+from kitlib.signals import later, uninterrupted
+from kitlib.terminal import say
+
+# In a pipe Windows would use another encoding, and Python would keep the lines back.
+READABLE = {"PYTHONUNBUFFERED": "1", "PYTHONUTF8": "1", "PYTHONIOENCODING": "utf-8"}
+# Ctrl-C for a program and all that it starts is a signal for its group. Windows calls the group's signal Ctrl-Break.
+GROUP: dict[str, Any] = {"start_new_session": True}
+if sys.platform == "win32":
+    GROUP = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+# Generous, since it only decides how long a broken program is waited for.
+PATIENCE = 60.0
+# A program is asked to end, and waited for this long.
+GOODBYE = 5.0
+
+
+class Program:
+    """A running program. `lines` grows as it prints, stdout and stderr together; `heard` gets each line too."""
+
+    def __init__(
+        self,
+        command: Sequence[str | Path],
+        *,
+        folder: Path = ROOT,
+        stdin: int = subprocess.DEVNULL,
+        heard: Callable[[str], None] | None = None,
+        **environment: str,
+    ) -> None:
+        self.command = [str(word) for word in command]
+        self.name = " ".join(Path(word).name for word in self.command[:3])
+        self.lines: list[str] = []
+        self._heard = heard
+        self.ended = False
+        self._news = threading.Condition()
+        self.process = subprocess.Popen(
+            self.command,
+            cwd=folder,
+            stdin=stdin,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            env={**os.environ, **READABLE, **environment},
+            # In our own group elsewhere: there the terminal's Ctrl-C reaches it too.
+            **(GROUP if sys.platform == "win32" else {}),
+        )
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout
+        with self.process.stdout:
+            for line in self.process.stdout:
+                text = line.rstrip("\r\n")
+                if self._heard:
+                    self._heard(text)
+                with self._news:
+                    self.lines.append(text)
+                    self._news.notify_all()
+        with self._news:
+            self.ended = True
+            self._news.notify_all()
+
+    def wait_for(self, pattern: str, limit: float = PATIENCE, start: int = 0) -> re.Match[str]:
+        """The first match of a regular expression in a line from number `start` on, or KitError."""
+        deadline = time.monotonic() + limit
+        with self._news:
+            while True:
+                for line in self.lines[start:]:
+                    if match := re.search(pattern, line):
+                        return match
+                if self.ended:
+                    last = next((f": {line.strip()}" for line in reversed(self.lines) if line.strip()), "")
+                    raise KitError(f"{self.name} ended{last}")
+                if not self._news.wait(deadline - time.monotonic()) and time.monotonic() >= deadline:
+                    raise KitError(f"{self.name} was silent for {limit:g} s")
+
+    def endpoints(self) -> dict[str, str]:
+        """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""
+        self.wait_for(r"^listening on tcp://\S+$")
+        said = [match for line in self.lines if (match := re.match(r"(\w+) on (tcp://\S+)$", line))]
+        found = {match[1]: match[2] for match in said}
+        return {"endpoint": found.pop("listening"), **found}
+
+    def end(self) -> None:
+        """End it if it still runs, and read its last lines."""
+        stop(self.process)
+        self.reader.join(GOODBYE)
+        if self.process.stdin:
+            try:
+                self.process.stdin.close()
+            except BrokenPipeError:
+                # A line for it that it did not live to read.
+                pass
+
+
+def alone(command: Sequence[str | Path], folder: Path = ROOT) -> int:
+    """Run one program in this terminal, whose Ctrl-C reaches it as well; returns its exit code."""
+    process: subprocess.Popen[bytes] | None = None
+    try:
+        with later():
+            process = subprocess.Popen(command, cwd=folder, env={**os.environ, **READABLE})
+        return wait(process)
+    except KeyboardInterrupt:
+        return 130
+    finally:
+        if process:
+            with uninterrupted():
+                try:
+                    process.wait(GOODBYE / 5)
+                except subprocess.TimeoutExpired:
+                    stop(process)
+
+
+def stop(process: subprocess.Popen[Any]) -> None:
+    """Ask a program to end if it still runs; what does not listen is ended all the same."""
+    if process.poll() is None:
+        ask_to_end(process)
+        try:
+            process.wait(GOODBYE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+class Result:
+    """How a command ended: its exit code and everything it printed."""
+
+    def __init__(self, code: int, output: str) -> None:
+        self.code = code
+        self.output = output
+
+    @property
+    def ok(self) -> bool:
+        return self.code == 0
+
+    def first(self, *words: str) -> str:
+        """The first printed line with one of the words, or the last line."""
+        lines = [line.strip() for line in self.output.splitlines() if line.strip()]
+        return next(
+            (line for line in lines if any(word in line for word in words)), lines[-1] if lines else "no output"
+        )
+
+
+def quietly(
+    command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None, cwd: Path | None = None
+) -> Result:
+    """Run a command to its end without showing it; one that takes longer than `limit` seconds is ended."""
+    words = [str(word) for word in command]
+    process = None
+    try:
+        with later():
+            process = spawn(words, env, cwd, shown=False)
+        output, _ = process.communicate(timeout=limit)
+    except FileNotFoundError:
+        return Result(127, f"{words[0]}: not found")
+    except OSError as error:
+        # It may not be run, or is no program at all.
+        return Result(126, str(error))
+    except BaseException as error:
+        if process:
+            end(process)
+        if not isinstance(error, subprocess.TimeoutExpired):
+            raise
+        return Result(124, f"{Path(words[0]).name} did not end within {limit:.0f} s")
+    return Result(process.returncode, output.decode("utf-8", "replace").replace("\r\n", "\n"))
+
+
+def spawn(
+    words: Sequence[str], env: Mapping[str, str] | None = None, cwd: Path | None = None, shown: bool = True
+) -> subprocess.Popen[bytes]:
+    """Start a program that `end` can end with all that it starts: dotnet and pip start others."""
+    return subprocess.Popen(
+        words,
+        env={**os.environ, **READABLE, **(env or {})},
+        cwd=cwd,
+        stdin=None if shown else subprocess.DEVNULL,
+        stdout=None if shown else subprocess.PIPE,
+        stderr=None if shown else subprocess.STDOUT,
+        **GROUP,
+    )
+
+
+def wait(process: subprocess.Popen[Any]) -> int:
+    """The exit code of a program; in slices, because on Windows a wait without a limit is deaf to Ctrl-C."""
+    while True:
+        try:
+            return process.wait(0.2)
+        except subprocess.TimeoutExpired:
+            pass
+
+
+def end(process: subprocess.Popen[bytes], limit: float = GOODBYE) -> None:
+    """Pass Ctrl-C on to a program of `spawn`, wait for it to clear up, and end what is left of it and its own."""
+    with uninterrupted():
+        signal_all(process, "SIGINT")
+        try:
+            process.wait(limit)
+        except subprocess.TimeoutExpired:
+            pass
+        signal_all(process, "SIGKILL")
+        process.kill()
+        process.wait()
+
+
+def signal_all(process: subprocess.Popen[bytes], name: str) -> None:
+    """Signal a program of `spawn` and all that it started."""
+    if sys.platform != "win32":
+        try:
+            os.killpg(process.pid, getattr(signal, name))
+        except (ProcessLookupError, PermissionError):
+            pass
+    elif process.poll() is None:
+        if name == "SIGINT":
+            ask_to_end(process)
+        else:
+            command = ["taskkill", "/T", "/F", "/PID", str(process.pid)]
+            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def ask_to_end(process: subprocess.Popen[Any]) -> None:
+    """Ask a program to end: SIGTERM; on Windows Ctrl-Break, for which it needs the flags of GROUP."""
+    if sys.platform != "win32":
+        process.terminate()
+    elif process.poll() is None:
+        try:
+            process.send_signal(signal.CTRL_BREAK_EVENT)
+        except OSError:
+            # There is no console to send it through.
+            process.terminate()
+
+
+def step(what: str, command: Sequence[str | Path], limit: float, env: Mapping[str, str] | None = None) -> Result:
+    """A long step: says what it does before it starts, and how long it took."""
+    say(f"{what} …")
+    start = time.monotonic()
+    result = quietly(command, limit, env)
+    if result.ok:
+        say(f"{what}: done in {time.monotonic() - start:.0f} s")
+    return result

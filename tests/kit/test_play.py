@@ -1,0 +1,68 @@
+"""kit.py play: a reader's own scripts, as one writes them."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.conftest import PYTHON
+from tests.programs import ROOT
+
+# In no namespace, with warnings, and nothing said of what it does.
+MINE = """using UnityEngine;
+
+public class MyOwn : MonoBehaviour
+{
+    [SerializeField] private string endpoint = "tcp://127.0.0.1:5554";
+    private int unused = 3;
+    private Greeting greeting;
+
+    void OnEnable() { greeting = new Greeting(endpoint); }
+    void Update() { int alsoUnused; Debug.Log(greeting.Ask()); Application.Quit(); }
+    void OnDisable() { greeting.Dispose(); }
+}
+"""
+ITS_CLASS = """class Greeting : System.IDisposable
+{
+    readonly NetMQExample.HelloRequester requester;
+    public Greeting(string endpoint) { requester = new NetMQExample.HelloRequester(endpoint); }
+    public string Ask() { return requester.Request("Hello"); }
+    public void Dispose() { requester.Dispose(); }
+}
+"""
+
+
+@pytest.fixture
+def play(console, engine, start):
+    def play(*words):
+        program = start(PYTHON, ROOT / "kit.py", "play", "--engine", engine.name, *words)
+        return program.wait(300), [line for line in program.lines if not line.startswith("kit    | building")]
+
+    return play
+
+
+def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
+    folder = tmp_path / "my; own scripts"
+    folder.mkdir()
+    (folder / "MyOwn.cs").write_text(MINE, encoding="utf-8")
+    (folder / "Greeting.cs").write_text(ITS_CLASS, encoding="utf-8")
+    # What lies beside them is not asked for.
+    (folder / "Other.cs").write_text("no C#", encoding="utf-8")
+    endpoint = serve("01_request_reply")[1]
+    assert play(folder / "MyOwn.cs", folder / "Greeting.cs", "--endpoint", endpoint) == (0, ["World"])
+    (folder / "Greeting.cs").write_text(ITS_CLASS.replace('"Hello"', '"Bye"'), encoding="utf-8")
+    code, lines = play(folder / "MyOwn.cs", folder / "Greeting.cs", "--endpoint", endpoint)
+    assert code == 0
+    assert lines[0].startswith("error: expected Hello")
+
+
+def test_what_cannot_be_played_is_named(play, tmp_path):
+    (tmp_path / "Broken.cs").write_text(MINE, encoding="utf-8")
+    code, lines = play(tmp_path / "Broken.cs")
+    assert code == 1
+    assert lines[0].startswith("kit    | the C# build failed:")
+    assert re.search(r"Broken\.cs\(7,\d+\): error CS0246: .*'Greeting'", "\n".join(lines))
+    (tmp_path / "Plain.cs").write_text("class Plain { }", encoding="utf-8")
+    assert play(tmp_path / "Plain.cs") == (2, ["there is no MonoBehaviour in these files"])
+    assert play(tmp_path / "absent.cs") == (2, [f"kit    | there is no C# file {tmp_path / 'absent.cs'}"])
