@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 
 from kitlib import lessons
 from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from kitlib.setup.lock import alone
 from kitlib.terminal import Result, quietly, say, step
 
 BUILD = ROOT / ".build"
@@ -22,6 +23,8 @@ CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
 ENGINES = ("netmq", "libzmq")
 PROPS = BUILD / "engine.props"
+# Who builds or restores holds it: all projects share what stands in .build.
+LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
 DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
 # No server that stays behind after a build, no telemetry, no greeting; and NuGet asks twice at most.
@@ -193,32 +196,33 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE) -> Path:
     dll = BUILD / engine.name / "bin" / project.name / "release" / f"{project.name}.dll"
     stamp = BUILD / engine.name / f"{project.name}.stamp"
     now = fingerprint(engine, library, [CONSOLE, SUPPORT, project, ROOT / "unity" / "Assets" / "NetMQExample"])
-    known = recall(stamp)
-    whole = known.get("outputs") == outputs(dll.parent)
-    if whole and known.get("sources") == now:
+
+    def whole() -> bool:
+        return recall(stamp).get("outputs") == outputs(dll.parent)
+
+    def fresh() -> bool:
+        return whole() and recall(stamp).get("sources") == now
+
+    if fresh():
         return dll
     if not writable(BUILD):
         raise KitError(UNWRITABLE)
-    if project == CONSOLE:
-        record_choice(engine, library)
-    # Until it has succeeded there is no stamp, and without one nothing that lies there is trusted: MSBuild takes even
-    # an empty file for finished.
-    stamp.unlink(missing_ok=True)
-    forget_damaged(engine)
-    command: list[str | Path] = [
-        "dotnet",
-        "build",
-        project,
-        *engine.properties,
-        f"-p:Libzmq={library}",
-        "-v:quiet",
-        "-clp:NoSummary",
-        *([] if whole else ["--no-incremental", "--force"]),
-    ]
-    result = step(f"building {project.name} with {engine.name}", command, 300, ENVIRONMENT)
-    if not result.ok:
-        raise KitError(failure(result))
-    keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
+    with alone(LOCK):
+        # Who held the lock before may have built the same.
+        if not fresh():
+            if project == CONSOLE:
+                record_choice(engine, library)
+            properties = [*engine.properties, f"-p:Libzmq={library}"]
+            again = [] if whole() else ["--no-incremental", "--force"]
+            # Until it has succeeded there is no stamp, and without one nothing that lies there is trusted: MSBuild
+            # takes even an empty file for finished.
+            stamp.unlink(missing_ok=True)
+            forget_damaged(engine)
+            command: list[str | Path] = ["dotnet", "build", project, *properties, *again, "-v:quiet", "-clp:NoSummary"]
+            result = step(f"building {project.name} with {engine.name}", command, 300, ENVIRONMENT)
+            if not result.ok:
+                raise KitError(failure(result))
+            keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
     return dll
 
 
