@@ -547,7 +547,7 @@ runpy.run_path({str(KIT)!r}, run_name="__main__")
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no shell that ignores Ctrl-C for others")
 def test_the_tests_can_be_started_in_the_background():
     """There a shell ignores Ctrl-C for all that is started, and the tests that press it would wait in vain."""
-    words = f"'{PYTHON}' -m pytest -q -p no:cacheprovider tests/test_kit.py -k 'second_ctrl_c or ctrl_c_in_a_run'"
+    words = f"'{PYTHON}' -m pytest -q -p no:cacheprovider tests/kit/test_kit.py -k 'second_ctrl_c or ctrl_c_in_a_run'"
     done = subprocess.run(
         ["sh", "-c", f"trap '' INT; exec {words}"], cwd=ROOT, capture_output=True, text=True, timeout=200
     )
