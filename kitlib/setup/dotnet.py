@@ -17,6 +17,7 @@ from xml.etree import ElementTree
 from kitlib import lessons
 from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
 from kitlib.programs import Result, quietly, step
+from kitlib.setup.lock import alone
 from kitlib.terminal import say
 
 BUILD = ROOT / ".build"
@@ -25,6 +26,8 @@ SUPPORT = ROOT / "csharp-support"
 ENGINES = ("netmq", "libzmq")
 ENGINE_HELP = "NetMQ from NuGet, or the offline engine over libzmq"
 PROPS = BUILD / "engine.props"
+# Who builds or restores holds it: all projects share what stands in .build.
+LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
 DOWNLOAD = f"no .NET SDK 8 or later here: get it from {INSTALLER}; just installed: open a new terminal"
 # No server that stays behind after a build, no telemetry, no greeting; and NuGet asks twice at most.
@@ -203,36 +206,38 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
     stamp = BUILD / engine.name / f"{name}.stamp"
     sources = [CONSOLE, SUPPORT, project, ROOT / "unity" / "Assets" / "NetMQExample", *own]
     now = fingerprint(engine, library, sources)
-    known = recall(stamp)
-    whole = known.get("outputs") == outputs(dll.parent)
-    if whole and known.get("sources") == now:
+
+    def whole() -> bool:
+        return recall(stamp).get("outputs") == outputs(dll.parent)
+
+    def fresh() -> bool:
+        return whole() and recall(stamp).get("sources") == now
+
+    if fresh():
         return dll
     if not writable(BUILD):
         raise KitError(UNWRITABLE)
-    if project == CONSOLE:
-        record_choice(engine, library)
-    # Until it has succeeded there is no stamp, and without one nothing that lies there is trusted: MSBuild takes even
-    # an empty file for finished.
-    stamp.unlink(missing_ok=True)
-    forget_damaged(engine)
-    command: list[str | Path] = [
-        "dotnet",
-        "build",
-        project,
-        *engine.properties,
-        f"-p:Libzmq={library}",
-        "-v:quiet",
-        "-clp:NoSummary",
-        *([] if whole else ["--no-incremental", "--force"]),
+    with alone(LOCK):
+        # Who held the lock before may have built the same.
+        if fresh():
+            return dll
+        if project == CONSOLE:
+            record_choice(engine, library)
+        properties = [*engine.properties, f"-p:Libzmq={library}"]
+        again = [] if whole() else ["--no-incremental", "--force"]
         # What a reader's scripts refer to was built with the console, a moment ago.
-        *(["-p:BuildProjectReferences=false"] if own else []),
-    ]
-    # MSBuild takes a variable for a property; on its command line a semicolon would end it.
-    environment = {**ENVIRONMENT, "OwnScripts": ";".join(map(str, own))}
-    result = step(f"building {name} with {engine.name}", command, 300, environment)
-    if not result.ok:
-        raise KitError(failure(result))
-    keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
+        no_references = ["-p:BuildProjectReferences=false"] if own else []
+        # Until it has succeeded there is no stamp, and without one nothing that lies there is trusted: MSBuild takes
+        # even an empty file for finished.
+        stamp.unlink(missing_ok=True)
+        forget_damaged(engine)
+        words = [*properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
+        # MSBuild takes a variable for a property; on its command line a semicolon would end it.
+        environment = {**ENVIRONMENT, "OwnScripts": ";".join(map(str, own))}
+        result = step(f"building {name} with {engine.name}", ["dotnet", "build", project, *words], 300, environment)
+        if not result.ok:
+            raise KitError(failure(result))
+        keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
     return dll
 
 

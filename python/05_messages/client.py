@@ -93,7 +93,7 @@ def endpoint(text: str) -> str:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5555, port 1 to 65535")
     try:
         getaddrinfo(parts[1], None)
-    except OSError:
+    except (OSError, UnicodeError):
         raise argparse.ArgumentTypeError(
             f"bad endpoint '{text}': unknown host '{parts[1]}'; check its spelling"
         ) from None

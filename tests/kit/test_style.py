@@ -121,9 +121,6 @@ def test_a_lesson_is_whole(lesson):
     assert lesson.guide.exists()
     assert "\n```mermaid\nsequenceDiagram\n" in lesson.guide.read_text(encoding="utf-8")
     assert (ROOT / "tests" / "lessons" / f"test_{lesson.key}.py").exists()
-    port = f"tcp://127.0.0.1:{5550 + lesson.number}"
-    for path in [lesson.python / "server.py", lesson.python / "client.py", lesson.twin]:
-        assert port in path.read_text(encoding="utf-8"), f"{path.name}: the default endpoint is {port}"
 
 
 def tracked():

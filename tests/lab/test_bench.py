@@ -37,7 +37,8 @@ def quick(engine):
 
 
 # Some twenty seconds, but it builds programs and takes what other work leaves of the processor.
-pytestmark = pytest.mark.timeout(600)
+# It measures: not beside Play and Stop.
+pytestmark = [pytest.mark.timeout(600), pytest.mark.xdist_group("times")]
 
 
 def labels(results, title):

@@ -10,14 +10,13 @@ import socket
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 import zmq
 
 from tests.bad_peers import ProtocolBreaker, zmtp_frame
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, free_port
+from tests.programs import LIMIT, ROOT
 
 KEY = "01_request_reply"
 SERVER = ROOT / "python" / KEY / "server.py"
@@ -73,43 +72,12 @@ def test_a_second_request_before_the_reply_is_refused(kind, refusal, serve, star
     ]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_client_without_a_server_gives_up(kind, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{free_port()}"
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5"))
-    assert client.wait() == 1, client.output
-    assert client.lines[-1] == f"gave up: no reply from {endpoint} within 0.5 s; is the server running?"
-
-
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_reply_that_comes_too_late(kind, serve, start, client_command):
     _, endpoint = serve(KEY, "--delay", "60")
     client = start(*client_command(kind, KEY, endpoint, "--patience", "0.2"))
     assert client.wait() == 1
     assert "within 0.2 s" in client.lines[-1]
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize(
-    "endpoint", ["127.0.0.1:5551", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", "tcp://127.0.0.1:x", "tcp://:5551", ""]
-)
-def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, client_command):
-    client = start(*client_command(kind, KEY, endpoint))
-    assert client.wait() == 2, client.output
-    assert f"bad endpoint '{endpoint}'" in client.lines[-1]
-    assert "tcp://127.0.0.1:" in client.lines[-1], "the cure"
-    assert not [line for line in client.lines if line.startswith("asking")], "it asks nobody"
-    assert "Traceback" not in client.output
-    assert "Unhandled" not in client.output
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize("host", ["no-such-host.invalid", "a" * 100], ids=["unknown", "too long for a name"])
-def test_a_client_names_an_unknown_host(kind, host, start, client_command):
-    client = start(*client_command(kind, KEY, f"tcp://{host}:5551", "--patience", "1"))
-    assert client.wait() == 2, client.output
-    assert f"unknown host '{host}'" in client.lines[-1]
-    assert "Traceback" not in client.output
 
 
 SLOW = {"RES_OPTIONS": "timeout:30 attempts:5"}
@@ -146,18 +114,6 @@ def test_a_silent_name_server_is_not_waited_for_long(start, client_command):
     client = start(*before, *client_command("csharp", KEY, "tcp://no-such-host.example:5551"), **SLOW)
     assert client.wait() == 1, client.output
     assert "gave up: no address for host 'no-such-host.example' within 5 s" in client.output
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize(
-    "options", [["--count", "many"], ["--patience", "1,5"], ["--patience", "-1"], ["--count", "-1"], ["--conut", "3"]]
-)
-def test_wrong_usage_is_one_line_and_2(kind, options, start, client_command):
-    client = start(*client_command(kind, KEY, "tcp://127.0.0.1:5551", *options))
-    assert client.wait() == 2, client.output
-    assert options[0] in client.lines[-1]
-    if options == ["--count", "-1"]:
-        assert "a whole number from 0" in client.lines[-1]
 
 
 def test_numbers_and_text_are_the_same_under_a_german_locale(serve, start, client_command):
@@ -261,60 +217,19 @@ def test_the_clients_are_answered_by_any_rep_server(kind, start, client_command,
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("busy", [False, True])
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-def test_a_server_ends_at_once_and_leaves_its_port(how, busy, serve, context):
-    server, endpoint = serve(KEY, *(["--delay", "60"] if busy else []))
-    if busy:
-        with context.socket(zmq.REQ) as asker:
-            asker.linger = 1000
-            asker.connect(endpoint)
-            asker.send(b"Hello")
+def test_a_busy_server_ends_at_once_and_leaves_its_port(how, serve, context):
+    server, endpoint = serve(KEY, "--delay", "60")
+    with context.socket(zmq.REQ) as asker:
+        asker.linger = 1000
+        asker.connect(endpoint)
+        asker.send(b"Hello")
     # The contract says half a second; the rest is the interpreter's own end on a busy machine.
     assert server.stop(how, limit=5) == 0
     assert "Traceback" not in server.output
     again, same = serve(KEY, endpoint=endpoint)
     assert same == endpoint
     assert again.stop() == 0
-
-
-def test_a_taken_port_is_named_with_its_cure(serve, start):
-    _, endpoint = serve(KEY)
-    second = start(PYTHON, SERVER, "--endpoint", endpoint)
-    assert second.wait() == 1
-    assert second.lines == [
-        f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
-    ]
-
-
-@pytest.mark.parametrize("key", [KEY, "02_lazy_pirate"])
-def test_a_port_that_the_system_keeps_for_itself_is_not_called_taken(key, start, tmp_path):
-    code = (
-        f"import errno, sys, zmq; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
-        "def bind(*_): raise zmq.ZMQError(errno.EACCES)\n"
-        "zmq.Socket.bind = bind; server.main()"
-    )
-    server = start(PYTHON, "-c", code)
-    assert server.wait() == 1
-    assert "the system reserves this port; try --endpoint tcp://127.0.0.1:0" in server.lines[-1]
-
-
-@pytest.mark.parametrize(
-    ("endpoint", "code"),
-    [
-        ("127.0.0.1:5551", 2),
-        ("tcp://127.0.0.1:99999", 2),
-        ("tcp://127.0.0.1", 2),
-        ("tcp://no-such-host.invalid:0", 1),
-        ("tcp://192.0.2.1:0", 1),
-    ],
-)
-def test_a_server_names_what_is_wrong_with_an_endpoint(endpoint, code, start):
-    server = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", endpoint)
-    assert server.wait() == code
-    assert endpoint in server.lines[-1]
-    assert "tcp://127.0.0.1:" in server.lines[-1], "the cure"
-    assert "Traceback" not in server.output
 
 
 def shown(text):
@@ -447,20 +362,3 @@ def test_a_flood_of_bad_requests_is_no_flood_of_lines(serve, context):
     assert len(server.lines) <= 2 + 2 * LIMIT, "two lines a second at most"
     left_out = sum(int(m[1].replace(",", "")) for m in re.finditer(r"^… ([\d,]+) more", server.output, re.MULTILINE))
     assert 0 < left_out + server.output.count("sent error") <= rude
-
-
-def test_port_0_is_a_free_port_too(serve, context):
-    _, endpoint = serve(KEY, endpoint="tcp://127.0.0.1:0")
-    assert re.fullmatch(r"tcp://127\.0\.0\.1:[1-9]\d+", endpoint)
-    assert ask(context, endpoint, b"Hello") == [b"World"]
-
-
-def test_the_default_endpoint_is_spelled_the_same_everywhere():
-    default = "tcp://127.0.0.1:5551"
-    for path in (
-        "python/01_request_reply/server.py",
-        "python/01_request_reply/client.py",
-        "csharp-console/01_request_reply.cs",
-        "unity/Assets/NetMQExample/01_request_reply/HelloClient.cs",
-    ):
-        assert default in Path(ROOT, path).read_text(encoding="utf-8"), path

@@ -796,15 +796,6 @@ else:
 # The contract of every program.
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_client_without_a_server_gives_up(kind, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{free_port()}"
-    once = ["--tries", "1"] if kind == "unity" else []
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5", *once))
-    assert client.wait() == 1, client.output
-    assert client.lines[-1] == f"gave up: no reply from {endpoint} within 0.5 s; is the server running?"
-
-
 def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start, client_command):
     """Whoever writes the Python side starts it again all day, while Unity plays."""
     endpoint = f"tcp://127.0.0.1:{steady_port()}"
@@ -869,45 +860,6 @@ def test_the_server_of_the_page_answers_with_an_action(kind, tmp_path, start, cl
     if sys.platform != "win32":
         assert server.stop(signal.SIGINT) == 0
         assert "KeyboardInterrupt" not in server.output
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize("endpoint", ["127.0.0.1:5555", "tcp://127.0.0.1:99999", "tcp://no-such-host.invalid:5555", ""])
-def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, client_command):
-    client = start(*client_command(kind, KEY, endpoint))
-    assert client.wait() == 2, client.output
-    assert f"bad endpoint '{endpoint}'" in client.lines[-1]
-    assert "Unhandled" not in client.output
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize(
-    "options", [["--count", "many"], ["--patience", "1,5"], ["--fps", "-1"], ["--wrong", "all"], ["--conut", "3"]]
-)
-def test_wrong_usage_is_one_line_and_2(kind, options, start, client_command):
-    client = start(*client_command(kind, KEY, "tcp://127.0.0.1:5555", *options))
-    assert client.wait() == 2, client.output
-    assert options[0] in client.lines[-1]
-
-
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-def test_a_server_ends_at_once_and_leaves_its_port(how, serve):
-    server, endpoint = serve(KEY)
-    assert server.stop(how, limit=5) == 0
-    assert "Traceback" not in server.output
-    again, same_endpoint = serve(KEY, endpoint=endpoint)
-    assert same_endpoint == endpoint
-    assert again.stop() == 0
-
-
-def test_a_taken_port_is_named_with_its_cure(serve, start):
-    _, endpoint = serve(KEY)
-    second = start(PYTHON, FOLDER / "server.py", "--endpoint", endpoint)
-    assert second.wait() == 1
-    assert second.lines == [
-        f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
-    ]
 
 
 def measured(serve, start, console):

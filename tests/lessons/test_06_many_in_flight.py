@@ -464,6 +464,8 @@ def cable():
         ip("netns", "del", name)
 
 
+# There is one cable.
+@pytest.mark.xdist_group("cable")
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_pulled_cable_is_known_within_2_s(kind, cable, start, client_command):
     there, inside, set_cable = cable
@@ -544,6 +546,7 @@ def test_200_clients_and_100_000_requests_while_workers_die(serve, start, client
     "rounds", [pytest.param("1", id="short"), pytest.param("9", marks=pytest.mark.long, id="long")]
 )
 @pytest.mark.timeout(300)
+@pytest.mark.xdist_group("times")
 def test_many_in_flight_are_several_times_faster(rounds, serve, start, console):
     _, alternation = serve("01_request_reply")
     _, endpoint = serve(KEY)
@@ -658,26 +661,6 @@ def test_no_socket_is_made_after_the_ready_line(start):
     assert not [line for line in server.lines[3:] if line.startswith("makes")]
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize("endpoint", ["127.0.0.1:5556", "tcp://127.0.0.1:99999", "tcp://no-such-host.invalid:5556", ""])
-def test_a_client_names_what_is_wrong_with_an_endpoint(kind, endpoint, start, client_command):
-    client = start(*client_command(kind, KEY, endpoint))
-    assert client.wait() == 2, client.output
-    assert f"bad endpoint '{endpoint}'" in client.lines[-1]
-    assert "Traceback" not in client.output
-    assert "Unhandled" not in client.output
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize(
-    "options", [["--count", "x"], ["--window", "0"], ["--tries", "0"], ["--patience", "1,5"], ["--widnow", "3"]]
-)
-def test_wrong_usage_is_one_line_and_2(kind, options, start, client_command):
-    client = start(*client_command(kind, KEY, "tcp://127.0.0.1:5556", *options))
-    assert client.wait() == 2, client.output
-    assert options[0] in client.lines[-1]
-
-
 @pytest.mark.parametrize(
     "options",
     [["--workers", "0"], ["--queue", "0"], ["--kill-workers", "1"], ["--processes", "--kill-workers", "0"]],
@@ -687,12 +670,3 @@ def test_wrong_usage_of_the_server(options, start):
     server = start(PYTHON, ROOT / "python" / KEY / "server.py", *options)
     assert server.wait() == 2
     assert options[-2] in server.lines[-1]
-
-
-def test_a_taken_port_is_named_with_its_cure(serve, start):
-    _, endpoint = serve(KEY)
-    second = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", endpoint)
-    assert second.wait() == 1
-    assert second.lines == [
-        f"cannot listen on {endpoint}: the port is taken; try --endpoint tcp://127.0.0.1:0, which takes a free one"
-    ]

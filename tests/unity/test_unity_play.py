@@ -25,7 +25,6 @@ from kitlib import lessons
 from kitlib.setup import dotnet
 from tests.programs import ROOT, Program, steady_port, two_ports
 
-PLAYS = 20
 STOP_LIMIT = 250.0
 # It waits at most two seconds for what Stop did not.
 UNLOAD_LIMIT = 2500.0
@@ -33,7 +32,11 @@ RUNTIMES = ("mono", ".net")
 MODES = ("reload", "keep")
 # What each runtime keeps for itself, and starts and ends as it likes.
 RUNTIME_THREADS = re.compile(r"\.NET |Thread Pool|SGen|Finalizer|Timer-Sched|Threadpool")
-pytestmark = pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads and sockets in /proc")
+pytestmark = [
+    pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads and sockets in /proc"),
+    # They measure milliseconds: not beside each other.
+    pytest.mark.xdist_group("times"),
+]
 
 
 @dataclass
@@ -73,6 +76,12 @@ class Summary:
         )
         for row in self.rows:
             terminalreporter.write_line(str(row))
+
+
+@pytest.fixture
+def plays(request: pytest.FixtureRequest) -> int:
+    """How often Play and Stop are pressed. What is left behind at each is seen after the second, or after the fifth."""
+    return 20 if request.config.getoption("--long") else 5
 
 
 @pytest.fixture(scope="session")
@@ -242,11 +251,11 @@ every_way = pytest.mark.parametrize(("runtime", "mode"), [(r, m) for r in RUNTIM
 @every_way
 @pytest.mark.parametrize("clients", [1, 2])
 def test_server_up(
-    runtime: str, mode: str, clients: int, editor: Callable[..., Any], serve: Callable[..., Any]
+    runtime: str, mode: str, clients: int, editor: Callable[..., Any], serve: Callable[..., Any], plays: int
 ) -> None:
     endpoint = serve("01_request_reply", "--delay", "0.002")[1]
     unity = editor(runtime, mode, "1", endpoint, clients, f"{clients} client{'s' * (clients > 1)}, server up")
-    for _ in range(PLAYS):
+    for _ in range(plays):
         unity.play()
         for _ in range(clients):
             unity.wait_for("^2: sent Hello, received World")
@@ -254,17 +263,17 @@ def test_server_up(
 
 
 @every_way
-def test_server_absent(runtime: str, mode: str, editor: Callable[..., Any], absent: str) -> None:
-    play_without_answer(editor(runtime, mode, "1", absent, 1, "1 client, server absent"))
+def test_server_absent(runtime: str, mode: str, editor: Callable[..., Any], absent: str, plays: int) -> None:
+    play_without_answer(editor(runtime, mode, "1", absent, 1, "1 client, server absent"), plays)
 
 
 @every_way
-def test_server_silent(runtime: str, mode: str, editor: Callable[..., Any], silent: str) -> None:
-    play_without_answer(editor(runtime, mode, "1", silent, 1, "1 client, server silent"))
+def test_server_silent(runtime: str, mode: str, editor: Callable[..., Any], silent: str, plays: int) -> None:
+    play_without_answer(editor(runtime, mode, "1", silent, 1, "1 client, server silent"), plays)
 
 
-def play_without_answer(unity: Editor) -> None:
-    for i in range(PLAYS):
+def play_without_answer(unity: Editor, plays: int) -> None:
+    for i in range(plays):
         unity.play()
         unity.wait_for("^asking")
         # Stop comes at another moment of the client's wait each time, the first at once.
@@ -273,10 +282,12 @@ def play_without_answer(unity: Editor) -> None:
 
 
 @every_way
-def test_server_killed(runtime: str, mode: str, editor: Callable[..., Any], serve: Callable[..., Any]) -> None:
+def test_server_killed(
+    runtime: str, mode: str, editor: Callable[..., Any], serve: Callable[..., Any], plays: int
+) -> None:
     server, endpoint = serve("01_request_reply", "--delay", "0.002")
     unity = editor(runtime, mode, "1", endpoint, 1, "1 client, server killed")
-    for _ in range(PLAYS):
+    for _ in range(plays):
         unity.play()
         unity.wait_for("^1: sent Hello, received World")
         server.kill()
@@ -286,11 +297,11 @@ def test_server_killed(runtime: str, mode: str, editor: Callable[..., Any], serv
 
 @every_way
 def test_ten_clients_and_one_destroyed_early(
-    runtime: str, mode: str, editor: Callable[..., Any], serve: Callable[..., Any]
+    runtime: str, mode: str, editor: Callable[..., Any], serve: Callable[..., Any], plays: int
 ) -> None:
     endpoint = serve("01_request_reply", "--delay", "0.001")[1]
     unity = editor(runtime, mode, "1", endpoint, 10, "10 clients, one destroyed early")
-    for _ in range(PLAYS):
+    for _ in range(plays):
         unity.play()
         for _ in range(10):
             unity.wait_for("^1: sent Hello, received World")

@@ -29,6 +29,8 @@ pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="this is Windows itself"),
     pytest.mark.skipif(not WINE, reason="no wine64 here (on Debian: apt install wine64)"),
     pytest.mark.timeout(600),
+    # One build for .NET of Windows, and one Windows.
+    pytest.mark.xdist_group("wine"),
 ]
 
 

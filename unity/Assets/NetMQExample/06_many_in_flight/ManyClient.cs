@@ -29,7 +29,9 @@ namespace NetMQExample
             foreach (var answer in requester.RequestMany(requests, stop))
             {
                 if (answer.Failure != null) failures++;
-                var outcome = answer.Failure == null ? $"received {answer.Reply}" : $"gave up: {answer.Failure}";
+                var outcome = answer.Failure == null
+                    ? $"received {NetMQLifetime.Printable(answer.Reply)}"
+                    : $"gave up: {answer.Failure}";
                 Log($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
             }
             Log($"done: {count - failures} replies");

@@ -1,0 +1,321 @@
+"""What every program of every lesson keeps to, found by discovery: a new lesson is under it before it has a test.
+
+The table is *The contract of every program* in CONTRIBUTING.md. What a lesson's programs take is read from their own
+--help; what cannot be read there stands in the few lines before the first test.
+"""
+
+from __future__ import annotations
+
+import errno
+import functools
+import re
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+import zmq
+
+from kitlib.lessons import lessons
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import ROOT, free_port
+
+KEYS = [lesson.key for lesson in lessons()]
+each_lesson = pytest.mark.parametrize("key", KEYS)
+each_client = pytest.mark.parametrize("kind", CLIENTS)
+# Options that take any text; every other value can be wrong.
+FREE_TEXT = {"--text", "--journal", "--listen"}
+# How many there are at least is one.
+NEVER_ZERO = {"--tries", "--window", "--workers", "--queue"}
+
+# A sign for each kind of harm: the screen, the line, the direction of writing, what looks like nothing, no character.
+HARM = "\x1b[2J\x1b]0;title\x07 one\r\n2: sent \u202e \u2028 \u2029 \x85 \xad \ufeff \U0010ffff".encode() + b"\xff\0"
+
+
+@functools.cache
+def options(program: str) -> dict[str, str]:
+    """The options that a Python program says it takes, each with the name of its value, or nothing for a switch."""
+    helped = subprocess.run([PYTHON, program, "--help"], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    return dict(re.findall(r"^  (--[\w-]+)(?: ([A-Z{]\S*))?", helped.stdout, re.MULTILINE))
+
+
+def server_of(key):
+    return f"python/{key}/server.py"
+
+
+def client_of(key):
+    return f"python/{key}/client.py"
+
+
+def port(key):
+    """The lesson's own."""
+    return 5550 + int(key[:2])
+
+
+def takes(key, kind, name):
+    """Whether this client has this option; in Unity a serialized field is one."""
+    if kind == "unity":
+        scripts = [path.read_text(encoding="utf-8") for path in (ROOT / "unity/Assets/NetMQExample" / key).glob("*.cs")]
+        return any(re.search(rf"SerializeField.*\] private \S+ {name[2:]}\b", script) for script in scripts)
+    return name in options(client_of(key))
+
+
+def impatient(key, kind):
+    """Options with which a client gives up soon."""
+    return ["--patience", "0.3", *(["--tries", "2"] if takes(key, kind, "--tries") else [])]
+
+
+@pytest.fixture
+def serve(serve, tmp_path):
+    """As the shared one, and what a server keeps it keeps in the test's folder."""
+
+    def serve_there(key, *words, **where):
+        return serve(key, *kept_there(key, tmp_path), *words, **where)
+
+    return serve_there
+
+
+def kept_there(key, folder):
+    return ["--journal", str(folder / "journal.sqlite3")] if "--journal" in options(server_of(key)) else []
+
+
+def places(server):
+    """Where a server listens, all its endpoints: {"listening": …, "snapshots": …}."""
+    return dict(re.findall(r"^(\w+) on (tcp://\S+)$", server.output, re.MULTILINE))
+
+
+def others(server):
+    """The options for what is not 100 higher than the endpoint, because the system chose the port."""
+    return [word for name, place in places(server).items() if name != "listening" for word in (f"--{name}", place)]
+
+
+def ended(program, code):
+    """The last line of a program that has ended with this code, and not in a traceback."""
+    assert program.wait() == code, program.output
+    assert "Traceback" not in program.output
+    assert "Unhandled" not in program.output
+    return program.lines[-1]
+
+
+# A server begins
+
+
+@each_lesson
+@pytest.mark.parametrize("free", ["0", "*"])
+def test_port_0_and_a_star_take_a_free_port_and_the_ready_line_has_it(key, free, serve):
+    server, endpoint = serve(key, endpoint=f"tcp://127.0.0.1:{free}")
+    assert re.fullmatch(r"tcp://127\.0\.0\.1:[1-9]\d+", endpoint)
+    for place in places(server).values():
+        socket.create_connection(("127.0.0.1", int(place.rpartition(":")[2])), timeout=20).close()
+
+
+@each_lesson
+def test_the_default_port_is_the_lessons_own_everywhere(key):
+    """In the server, in both terminal clients, and in a component."""
+    lesson = next(lesson for lesson in lessons() if lesson.key == key)
+    for paths in (
+        [lesson.python / "server.py"],
+        [lesson.python / "client.py"],
+        [lesson.twin],
+        sorted(lesson.unity.glob("*.cs")),
+    ):
+        ports = [re.findall(r'"tcp://127\.0\.0\.1:(\d+)"', path.read_text(encoding="utf-8")) for path in paths]
+        assert any(str(port(key)) in found for found in ports), paths
+
+
+BAD = ["127.0.0.1:{}", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", "tcp://127.0.0.1:x", "tcp://:{}", ""]
+NO_HOST = ["tcp://no-such-host.invalid:{}", f"tcp://{'a' * 100}:{{}}"]
+
+
+@each_lesson
+def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
+    wrong = {endpoint.format(port(key)): 2 for endpoint in BAD}
+    # Well written, but not of this machine.
+    wrong |= {"tcp://no-such-host.invalid:0": 1, "tcp://192.0.2.1:0": 1}
+    command = [PYTHON, server_of(key), *kept_there(key, tmp_path)]
+    servers = {endpoint: start(*command, "--endpoint", endpoint) for endpoint in wrong}
+    for endpoint, server in servers.items():
+        line = ended(server, wrong[endpoint])
+        assert endpoint in line
+        cure = (
+            f"write it like tcp://127.0.0.1:{port(key)}" if wrong[endpoint] == 2 else "try --endpoint tcp://127.0.0.1:0"
+        )
+        assert cure in line
+        assert "listening" not in server.output
+
+
+@each_lesson
+def test_a_taken_port_is_named_with_its_cure(key, serve, start, tmp_path):
+    server, _ = serve(key)
+    elsewhere = tmp_path / "another"
+    elsewhere.mkdir()
+    for name, place in places(server).items():
+        words = (
+            ["--endpoint", place] if name == "listening" else ["--endpoint", "tcp://127.0.0.1:0", f"--{name}", place]
+        )
+        second = start(PYTHON, server_of(key), *kept_there(key, elsewhere), *words)
+        cure = "try --endpoint tcp://127.0.0.1:0, which takes a free one"
+        assert ended(second, 1) == f"cannot listen on {place}: the port is taken; {cure}"
+        assert len(second.lines) == 1
+
+
+@each_lesson
+def test_a_port_that_the_system_keeps_for_itself_is_not_called_taken(key, start, tmp_path):
+    code = (
+        f"import sys, zmq; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
+        f"def bind(*_): raise zmq.ZMQError({errno.EACCES})\n"
+        "zmq.Socket.bind = bind; server.main()"
+    )
+    server = start(PYTHON, "-c", code, *kept_there(key, tmp_path))
+    assert "the system reserves this port; try --endpoint tcp://127.0.0.1:0" in ended(server, 1)
+
+
+# A server goes on, and ends
+
+
+@each_lesson
+def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(key, serve, start, client_command):
+    server, endpoint = serve(key)
+    greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
+    half = [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, b"\xff" * 64, greeting[:20], greeting, greeting + b"\x04\xff" * 20]
+    for place in places(server).values():
+        for noise in half:
+            with socket.create_connection(("127.0.0.1", int(place.rpartition(":")[2])), timeout=20) as raw:
+                raw.sendall(noise)
+    with zmq.Context() as context, context.socket(zmq.DEALER) as rude:
+        # A PUB socket among them takes no notice.
+        rude.linger = 0
+        for place in places(server).values():
+            rude.connect(place)
+        # Without REQ's empty frame, with it, and with an id: each kind of server answers one of them.
+        for frames in ([HARM], [HARM, HARM], [b"", HARM], [b"", HARM, HARM], [HARM[:50], HARM]):
+            rude.send_multipart(frames)
+        assert rude.poll(20_000), "no answer to what is no request"
+        assert HARM not in rude.recv_multipart()[-1:]
+    count = ["--count", "1"] if "--count" in options(client_of(key)) else []
+    client = start(*client_command("python", key, endpoint, *others(server), *count))
+    assert client.wait() == 0, client.output
+    assert server.stop() == 0, server.output
+    assert "Traceback" not in server.output
+    assert [line for line in server.lines if not line.isprintable()] == []
+
+
+@each_lesson
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
+def test_a_server_ends_at_once_and_leaves_its_ports(key, how, serve):
+    server, endpoint = serve(key)
+    # The contract says half a second; the rest is the interpreter's own end on a busy machine.
+    assert server.stop(how, limit=5) == 0
+    assert "Traceback" not in server.output
+    again, same = serve(key, *others(server), endpoint=endpoint)
+    assert same == endpoint
+    assert places(again) == places(server)
+    assert again.stop() == 0
+
+
+# A client
+
+
+@each_lesson
+@each_client
+def test_a_client_with_its_defaults_ends_by_itself(key, kind, serve, start, client_command):
+    server, endpoint = serve(key)
+    client = start(*client_command(kind, key, endpoint, *others(server)))
+    ended(client, 0)
+
+
+@each_lesson
+@each_client
+def test_a_client_without_a_server_gives_up(key, kind, start, client_command):
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    client = start(*client_command(kind, key, endpoint, *impatient(key, kind)))
+    ended(client, 1)
+    why = "\n".join(line for line in client.lines if "gave up: " in line)
+    higher = f"tcp://127.0.0.1:{int(endpoint.rpartition(':')[2]) + 100}"
+    assert endpoint in why or higher in why, "what it waited for"
+    assert re.search(r"\b0\.[36] s\b", why), "how long"
+    assert "server" in why, "what to try"
+
+
+@each_lesson
+@each_client
+def test_a_client_names_what_is_wrong_with_an_endpoint(key, kind, start, client_command):
+    """All of it where each lesson has a check of its own; what is shared is asked for everything once."""
+    wrong = [*BAD, *NO_HOST] if kind == "python" or key == KEYS[0] else [BAD[2]]
+    # A Play goes on after an error, and says at its end that there was one.
+    code = 1 if kind == "unity" else 2
+    clients = {}
+    for endpoint in (each.format(port(key)) for each in wrong):
+        clients[endpoint] = start(*client_command(kind, key, endpoint))
+    for endpoint, client in clients.items():
+        ended(client, code)
+        (line,) = [line for line in client.lines if f"bad endpoint '{endpoint}'" in line]
+        if "no-such" in endpoint or "aaa" in endpoint:
+            assert f"unknown host '{endpoint[6:].partition(':')[0]}'" in line
+        else:
+            assert f"write it like tcp://127.0.0.1:{port(key) if kind == 'python' else 'PORT'}" in line
+        assert kind != "python" or not [line for line in client.lines if line.startswith("asking")], "it asks nobody"
+
+
+@each_lesson
+@each_client
+def test_what_a_server_sends_is_printed_without_harm(key, kind, start, client_command):
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+        router.linger = 0
+        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        second = ["--snapshots", endpoint] if takes(key, kind, "--snapshots") else []
+        client = start(*client_command(kind, key, endpoint, *second, "--count", "1", *impatient(key, kind)))
+        asked = False
+        while client.process.poll() is None:
+            if router.poll(50):
+                # The way back and the id as they came: what a client takes for its reply.
+                router.send_multipart([*router.recv_multipart()[:-1], HARM])
+                asked = True
+        assert client.wait() in (0, 1), client.output
+    assert asked, client.output
+    assert [line for line in client.lines if not line.isprintable()] == []
+    assert "Traceback" not in client.output
+
+
+# Wrong usage
+
+
+def mistakes(program):
+    """Words that a program must refuse: an option that there is not, and for each value one that it cannot be."""
+    found = [["--conut", "3"]]
+    for name, value in options(program).items():
+        if value and name not in FREE_TEXT | {"--endpoint"}:
+            # A number as a German writes it, and one that is too small.
+            found += [
+                [name, wrong]
+                for wrong in ("1,5", "-1" if program.endswith("client.py") else "", "0" * (name in NEVER_ZERO))
+            ]
+    return [words for words in found if words[1]]
+
+
+@each_lesson
+@pytest.mark.parametrize("side", ["server", *CLIENTS])
+def test_wrong_usage_is_one_line_and_2(key, side, start, client_command, tmp_path):
+    wrong = mistakes(server_of(key) if side == "server" else client_of(key))
+    if side == "csharp":
+        wrong = [words for words in wrong if words[0] in twins_options(key, client_command) or words[0] == "--conut"]
+    if side == "unity":
+        # One inspector for all: what is no field, and what is no number.
+        wrong = [["--conut", "3"], ["--count", "1,5"]]
+    programs = []
+    for words in wrong:
+        if side == "server":
+            command = [PYTHON, server_of(key), *kept_there(key, tmp_path), "--endpoint", "tcp://127.0.0.1:0", *words]
+        else:
+            command = client_command(side, key, "tcp://127.0.0.1:1", *words)
+        programs.append(start(*command))
+    for words, program in zip(wrong, programs, strict=True):
+        assert words[0].lstrip("-") in ended(program, 2) or f"bad endpoint '{words[1]}'" in program.lines[-1], words
+
+
+def twins_options(key, client_command):
+    """A few of the Python client's options are not the twin's."""
+    asked = subprocess.run(client_command("csharp", key, "", "--help"), capture_output=True, text=True, timeout=60)
+    return re.findall(r"--[\w-]+", asked.stderr)
