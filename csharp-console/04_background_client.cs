@@ -21,7 +21,7 @@ namespace NetMQExample.Terminal
 
             Console.WriteLine($"asking {endpoint}");
             // The client would say it too, but only as the error of a request. A terminal has the time to look first.
-            new HelloRequester(endpoint).Dispose();
+            NetMQConnection.Check(endpoint);
             using var client = new BackgroundClient(endpoint, patience, tries);
             if (measure > 0) Cost04.Measure(client, text, measure);
             else Play(client, text, count, naive);

@@ -453,7 +453,7 @@ namespace NetMQExample.Tests
                 foreach (var make in new Func<IDisposable>[]
                 {
                     () => new HelloRequester(endpoint),
-                    () => new LazyPirateRequester(endpoint, Limit, 1, Console.WriteLine),
+                    () => new LazyPirateRequester(endpoint, Limit, 1, _ => { }),
                     () => new TopicListener(endpoint, ""),
                     () => new PoseSubscriber(endpoint, null, _ => { }),
                 })
