@@ -19,7 +19,8 @@ namespace NetMQExample.Terminal
             var relaxed = arguments.Flag("relaxed");
             arguments.RefuseTheRest();
 
-            using var pirate = new LazyPirateRequester(endpoint, patience, tries, Console.WriteLine, relaxed);
+            using var pirate = new LazyPirateRequester(endpoint, patience, tries, e => Console.WriteLine(e.Message),
+                relaxed);
             Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
             {

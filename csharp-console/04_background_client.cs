@@ -2,7 +2,6 @@
 //
 //     dotnet run --project csharp-console -- 4
 //     dotnet run --project csharp-console -- 4 --naive              lets each frame wait, to see the frames stop
-//     dotnet run --project csharp-console -- 4 --measure 10000      what a frame costs the main thread
 using System;
 using System.Diagnostics;
 using System.Threading;
@@ -16,15 +15,14 @@ namespace NetMQExample.Terminal
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5554");
             var (count, text) = (arguments.Whole("count", 10), arguments.Text("text", "hello"));
             var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 20));
-            var (naive, measure) = (arguments.Flag("naive"), arguments.Whole("measure", 0));
+            var naive = arguments.Flag("naive");
             arguments.RefuseTheRest();
 
             Console.WriteLine($"asking {endpoint}");
             // The client would say it too, but only as the error of a request. A terminal has the time to look first.
-            new HelloRequester(endpoint).Dispose();
+            NetMQConnection.Check(endpoint);
             using var client = new BackgroundClient(endpoint, patience, tries);
-            if (measure > 0) Cost04.Measure(client, text, measure);
-            else Play(client, text, count, naive);
+            Play(client, text, count, naive);
         }
 
         // What a game does: frame after frame. Each one runs what came back, and asks once.

@@ -20,9 +20,7 @@ namespace NetMQExample.Terminal
         {
             Console.WriteLine($"asking {endpoint}");
             using var pooled = new MessageRequester(endpoint);
-            using var naive = new RequestSocket();
-            naive.Options.Linger = TimeSpan.Zero;
-            NetMQLifetime.Connect(naive, endpoint);
+            using var naive = new NetMQConnection(endpoint, () => new RequestSocket(), 4 * Message.Limit);
 
             var request = new Message("echo", 1);
             // Both ways send this one array, as a program does that has its picture in an array already.
@@ -33,7 +31,7 @@ namespace NetMQExample.Terminal
             for (var round = 0; round <= Rounds; round++)
             {
                 BufferPool.SetGCBufferPool();
-                var before = Time(() => EchoNaively(naive, request, pixels, patience));
+                var before = Time(() => EchoNaively((RequestSocket)naive.Socket, request, pixels, patience));
                 PooledBuffers.Use();
                 var after = Time(() => pooled.Request(request, patience));
                 if (round > 0) rounds.Add(new[] { before, after });

@@ -55,7 +55,7 @@ namespace NetMQExample.Lab
                 case "json": return new JsonLines(endpoint, size);
                 case "http": return new Http(endpoint, size);
                 case "websocket": return new WebSockets(endpoint, size);
-                case "hello": return new Hello(endpoint, size, number);
+                case "hello": return number > 0 ? new Spinning(endpoint, size, number) : (Contender)new Hello(endpoint, size);
                 case "busy": return new BusyWait(endpoint, size);
                 case "naive": return new NaiveMessages(endpoint, size);
                 case "pooled": return new PooledMessages(endpoint, size);

@@ -4,7 +4,7 @@
 //     stream NAME ENDPOINT SIZE SECONDS               sends without waiting; only the last message is answered
 //     publish NAME ENDPOINT SIZE COUNT CLIENTS        the server sends COUNT messages to each of the clients
 //     first NAME ENDPOINT SIZE                        a new client's first answer
-//     frames ENDPOINT COUNT                           lesson 04's MonoBehaviour in the player, COUNT frames
+//     frames ENDPOINT COUNT                           lesson 04's client in the player, COUNT frames
 //     close                                           disposes the clients, which otherwise stay for the next line
 //
 // With the word `pool` on its command line it leaves .NET's sockets as they are.
@@ -136,14 +136,14 @@ namespace NetMQExample.Lab
         // What the player logs, with the line "measured: …", comes before the answer.
         private static string Frames(string endpoint, string count)
         {
-            var player = new Player(typeof(HelloBackground).Assembly);
+            var player = new Player(typeof(MeasuredBackground).Assembly);
             player.Begin(() =>
             {
                 var thing = new GameObject("measured");
                 thing.SetActive(false);
-                var script = (MonoBehaviour)thing.AddComponent(typeof(HelloBackground));
+                var script = (MonoBehaviour)thing.AddComponent(typeof(MeasuredBackground));
                 Inspector.Set(new[] { script }, "endpoint", endpoint);
-                Inspector.Set(new[] { script }, "measure", count);
+                Inspector.Set(new[] { script }, "frames", count);
                 thing.SetActive(true);
             });
             player.Run(TimeSpan.FromMinutes(1), () => false);

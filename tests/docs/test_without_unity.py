@@ -44,7 +44,7 @@ def test_the_readme_says_how_many_files_to_copy():
 
 
 def scripts(names):
-    return [next(PACKAGE.glob(f"[0-9]*/{name}")) for name in names]
+    return [next(PACKAGE.glob(f"*/{name}")) for name in names]
 
 
 def test_the_table_has_every_lesson():
@@ -54,7 +54,8 @@ def test_the_table_has_every_lesson():
 @pytest.mark.parametrize("row", table(), ids=lambda row: row[0])
 def test_the_files_to_take_need_no_others(row):
     key, csharp, client, server = row
-    others = {path.stem for path in PACKAGE.glob("[0-9]*/*.cs")} - {name.removesuffix(".cs") for name in csharp}
+    scripts_of_the_kit = [*PACKAGE.glob("[0-9]*/*.cs"), *PACKAGE.glob("Shared/*.cs")]
+    others = {path.stem for path in scripts_of_the_kit} - {name.removesuffix(".cs") for name in csharp}
     for path in scripts(csharp):
         code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
         assert "UnityEngine" not in code, path.name

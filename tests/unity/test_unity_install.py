@@ -139,6 +139,7 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
             "BufferManager.cs",
             "HelloClient.cs",
             "HelloRequester.cs",
+            "NetMQConnection.cs",
             "NetMQLifetime.cs",
             "NetworkBehaviour.cs",
         }

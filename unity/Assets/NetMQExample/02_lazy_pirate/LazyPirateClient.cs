@@ -21,7 +21,8 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var pirate = new LazyPirateRequester(endpoint, Seconds(patience), tries, Log, relaxed);
+            using var pirate = new LazyPirateRequester(endpoint, Seconds(patience), tries, e => Log(e.Message),
+                relaxed);
             for (var i = 1; i <= count; i++)
             {
                 var reply = NetMQLifetime.Printable(pirate.Request(text, stop));

@@ -1,6 +1,6 @@
 // Lesson 03, publish-subscribe: listen to a stream, and know of each message that was missed.
 //
-// Take home: this file and NetMQLifetime.cs of lesson 01. The Python side is python/03_publish_subscribe/server.py,
+// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/03_publish_subscribe/server.py,
 // whose header says the bytes: UTF-8 text, one frame, numbers with a decimal point.
 // One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
 // Trouble: start the server with --rate 20000 --hwm 100 and this side with --work 0.001, or restart the server.
@@ -65,12 +65,9 @@ namespace NetMQExample
     /// </summary>
     public sealed class PoseSubscriber : IDisposable
     {
-        // In milliseconds: short enough that Stop in the editor is felt at once, long enough to cost nothing.
-        private const int Slice = 50;
         private static readonly TimeSpan Second = TimeSpan.FromSeconds(1);
 
-        private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private readonly SubscriberSocket stream;
+        private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly string snapshots;
         private readonly Action<string> report;
@@ -85,19 +82,12 @@ namespace NetMQExample
         {
             this.endpoint = endpoint;
             this.report = report;
-            try
+            connection = new NetMQConnection(endpoint, () =>
             {
-                stream = new SubscriberSocket();
-                // Both hold for what is connected after they are set. What is longer is none of this lesson's.
-                (stream.Options.ReceiveHighWatermark, stream.Options.MaxMsgSize) = (hwm, 65536);
-                stream.Subscribe("pose/");
-                NetMQLifetime.Connect(stream, endpoint);
-            }
-            catch
-            {
-                Dispose();
-                throw;
-            }
+                var socket = new SubscriberSocket { Options = { ReceiveHighWatermark = hwm } };
+                socket.Subscribe("pose/");
+                return socket;
+            });
             var port = endpoint.LastIndexOf(':') + 1;
             var higher = int.Parse(endpoint.Substring(port), CultureInfo.InvariantCulture) + 100;
             this.snapshots = string.IsNullOrEmpty(snapshots) ? endpoint.Substring(0, port) + higher : snapshots;
@@ -128,13 +118,13 @@ namespace NetMQExample
             do
             {
                 // The lost pose may have been the last one. So a second of silence calls for a snapshot as well.
-                var heard = Take(stream, Second, stop, out var frame);
+                var heard = Take(connection.Socket, Second, stop, out var frame);
                 var pose = PoseMessage.Parse(Encoding.UTF8.GetString(frame));
                 if (pose == null || Pose == null || pose.Run != Pose.Run || pose.Number > Pose.Number + 1)
                 {
                     var news = CatchUp(patience, stop);
                     // The publisher went on, and nothing of it came.
-                    if (news && !heard && !stream.HasIn) Reconnect();
+                    if (news && !heard && !connection.Socket.HasIn) Reconnect();
                     return news;
                 }
                 // A lower number was sent before the snapshot was made, and is contained in it.
@@ -162,9 +152,9 @@ namespace NetMQExample
         {
             foreach (var limit in Waits(patience))
             {
-                if (!Take(stream, limit, stop, out var newest) && Pose == null) Reconnect();
+                if (!Take(connection.Socket, limit, stop, out var newest) && Pose == null) Reconnect();
                 // The limit is for a publisher that sends faster than this loop takes.
-                for (var i = 0; i < 10_000 && Take(stream, TimeSpan.Zero, stop, out var frame); i++) newest = frame;
+                for (var i = 0; i < 10_000 && Take(connection.Socket, TimeSpan.Zero, stop, out var frame); i++) newest = frame;
                 var (old, pose) = (Pose, PoseMessage.Parse(Encoding.UTF8.GetString(newest)));
                 if (pose == null) continue;
                 Pose = pose;
@@ -186,11 +176,7 @@ namespace NetMQExample
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
-        public void Dispose()
-        {
-            stream?.Dispose();
-            lifetime.Dispose();
-        }
+        public void Dispose() => connection.Dispose();
 
         /// <summary>Takes over the publisher's state from a snapshot, and says which poses that skips.</summary>
         private bool CatchUp(TimeSpan patience, CancellationToken stop)
@@ -219,10 +205,11 @@ namespace NetMQExample
             foreach (var limit in Waits(patience))
             {
                 // Each try has a new socket, as in lesson 02: a restarted publisher does not know of the request before.
-                using var socket = new RequestSocket { Options = { Linger = TimeSpan.Zero, MaxMsgSize = 65536 } };
-                NetMQLifetime.Connect(socket, snapshots);
-                if (!socket.TrySendFrame("pose/") || !Take(socket, limit, stop, out var frame)) continue;
-                var text = Encoding.UTF8.GetString(frame);
+                using var asker = new NetMQConnection(snapshots, () => new RequestSocket());
+                if (!asker.TrySend(TimeSpan.Zero, stop, "pose/")) continue;
+                if (!asker.TryReceive(limit, stop, out var frames)) continue;
+                // One of several frames is no snapshot.
+                var text = frames.Count == 1 ? frames[0] : "";
                 var words = text.Split(' ', 2);
                 var pose = PoseMessage.Parse(words[words.Length - 1]);
                 if (pose != null && uint.TryParse(words[0], NumberStyles.None, CultureInfo.InvariantCulture, out var sum))
@@ -236,8 +223,8 @@ namespace NetMQExample
         /// <summary>For a stream that is silent: where the port had been another program's, libzmq connects no more.</summary>
         private void Reconnect()
         {
-            stream.Disconnect(endpoint);
-            stream.Connect(endpoint);
+            connection.Socket.Disconnect(endpoint);
+            connection.Socket.Connect(endpoint);
         }
 
         /// <summary>How long to wait for each try: 1, 2, 4, 8, 8 … seconds. A new connection takes four round trips.</summary>
@@ -257,18 +244,13 @@ namespace NetMQExample
         /// <summary>Waits for a message. One of several frames is none of this lesson's: it counts as an empty one.</summary>
         private static bool Take(NetMQSocket socket, TimeSpan wait, CancellationToken stop, out byte[] frame)
         {
-            var waited = Stopwatch.StartNew();
-            do
+            foreach (var slice in NetMQConnection.Slices(wait, stop))
             {
-                stop.ThrowIfCancellationRequested();
-                // Whole ones: NetMQ waits for ever when it is asked to wait for less than a millisecond.
-                var left = TimeSpan.FromMilliseconds((int)Math.Clamp((wait - waited.Elapsed).TotalMilliseconds, 0, Slice));
-                if (!socket.TryReceiveFrameBytes(left, out frame, out var more)) continue;
+                if (!socket.TryReceiveFrameBytes(slice, out frame, out var more)) continue;
                 if (more) frame = Array.Empty<byte>();
                 while (more) socket.SkipFrame(out more);
                 return true;
             }
-            while (waited.Elapsed < wait);
             frame = Array.Empty<byte>();
             return false;
         }

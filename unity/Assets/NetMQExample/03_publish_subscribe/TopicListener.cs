@@ -1,6 +1,6 @@
 // Lesson 03, the smallest subscriber: every message that begins with a prefix, as text.
 //
-// Take home: this file and NetMQLifetime.cs of lesson 01, if no message needs to be missed with notice; else see
+// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs, if no message needs to be missed with notice; else see
 // PoseSubscriber.cs. What was sent before the publisher knew of this listener is lost, and nobody says so.
 // Bytes: UTF-8 text, one frame, as python/03_publish_subscribe/server.py sends it.
 // Trouble: a topic is a prefix. `news` brings newsflash/ as well; the delimiter at its end, `news/`, cures that.
@@ -16,8 +16,7 @@ namespace NetMQExample
     /// <summary>Listens over a SUB socket. Make it, use it and dispose it on one thread.</summary>
     public sealed class TopicListener : IDisposable
     {
-        private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private readonly SubscriberSocket stream;
+        private readonly NetMQConnection connection;
         private readonly string endpoint;
         private bool heard;
 
@@ -28,19 +27,13 @@ namespace NetMQExample
         public TopicListener(string endpoint, string prefix)
         {
             this.endpoint = endpoint;
-            try
+            connection = new NetMQConnection(endpoint, () =>
             {
-                // What is longer is none of this lesson's.
-                stream = new SubscriberSocket { Options = { MaxMsgSize = 65536 } };
+                var socket = new SubscriberSocket();
                 // Without the encoding, NetMQ makes a question mark of every letter that is not ASCII.
-                stream.Subscribe(prefix, Encoding.UTF8);
-                NetMQLifetime.Connect(stream, endpoint);
-            }
-            catch
-            {
-                Dispose();
-                throw;
-            }
+                socket.Subscribe(prefix, Encoding.UTF8);
+                return socket;
+            });
         }
 
         /// <summary>Waits for the next message, and so not for Unity's main thread.</summary>
@@ -52,34 +45,25 @@ namespace NetMQExample
         {
             var waited = Stopwatch.StartNew();
             var renew = TimeSpan.FromSeconds(2);
-            string text;
-            bool more;
-            // Short enough that Stop in the editor is felt at once, long enough to cost nothing. Whole milliseconds:
-            // NetMQ waits for ever when it is asked to wait for less.
-            var slice = TimeSpan.FromMilliseconds((int)Math.Min(50, patience.TotalMilliseconds));
-            while (!stream.TryReceiveFrameString(slice, out text, out more))
+            foreach (var slice in NetMQConnection.Slices(patience, stop))
             {
-                stop.ThrowIfCancellationRequested();
-                if (waited.Elapsed >= patience)
-                    throw new TimeoutException(FormattableString.Invariant(
-                        $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running, or the line slow?"));
+                if (connection.Socket.TryReceiveFrameString(slice, out var text, out var more))
+                {
+                    // Several frames are one message: its rest must not be taken for the next one.
+                    while (more) connection.Socket.SkipFrame(out more);
+                    heard = true;
+                    return text;
+                }
                 if (heard || waited.Elapsed < renew) continue;
                 // Where the port had been another program's, libzmq connects no more. On a far line it takes its time.
-                stream.Disconnect(endpoint);
-                stream.Connect(endpoint);
+                connection.Close();
                 renew *= 3;
             }
-            // Several frames are one message: its rest must not be taken for the next one.
-            while (more) stream.SkipFrame(out more);
-            heard = true;
-            return text;
+            throw new TimeoutException(FormattableString.Invariant(
+                $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running, or the line slow?"));
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
-        public void Dispose()
-        {
-            stream?.Dispose();
-            lifetime.Dispose();
-        }
+        public void Dispose() => connection.Dispose();
     }
 }

@@ -17,7 +17,6 @@ namespace NetMQExample
         [SerializeField, Tooltip("hello, or echo TEXT")] private string text = "hello";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 1;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 20;
-        [SerializeField, Min(0), Tooltip("Log no replies, and measure this number of frames")] private int measure = 0;
         [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
         private bool runInBackground = true;
 
@@ -26,7 +25,6 @@ namespace NetMQExample
         private string shown;
         private int asked, replies, frames;
         private float longest;
-        private FrameCost cost;
 
         /// <summary>For those who want to know how it goes, such as HelloWorldHud.</summary>
         public BackgroundClient Client { get; private set; }
@@ -44,7 +42,6 @@ namespace NetMQExample
             }
             (onReply, onError, shown, Done) = (OnReply, OnError, "", false);
             (asked, replies, frames, longest) = (0, 0, 0, 0);
-            cost = measure > 0 ? new FrameCost(measure) : null;
             Connect();
             if (Client != null) Debug.Log($"asking {endpoint}");
         }
@@ -54,12 +51,10 @@ namespace NetMQExample
             if (Done) return;
             // Time.deltaTime never says more than Time.maximumDeltaTime, a third of a second.
             if (frames++ > 0) longest = Math.Max(longest, Time.unscaledDeltaTime);
-            cost?.Begin();
             Client.Poll();
-            if ((asked < count || cost != null) && Client.Request(text, onReply, onError)) asked++;
-            cost?.End();
+            if (asked < count && Client.Request(text, onReply, onError)) asked++;
             ShowTrouble();
-            if (cost?.Done ?? replies >= count) Finish();
+            if (replies >= count) Finish();
         }
 
         private void OnDisable()
@@ -96,7 +91,6 @@ namespace NetMQExample
         private void OnReply(string reply)
         {
             replies++;
-            if (cost != null) return;
             ShowTrouble();
             Debug.Log($"{replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
         }
@@ -118,7 +112,7 @@ namespace NetMQExample
             Done = true;
             Debug.Log(FormattableString.Invariant($"frames: {frames}, the longest took {longest * 1000:F0} ms"));
             if (why != null) Debug.LogError($"gave up: {why}");
-            else Debug.Log(cost == null ? $"done: {replies} replies" : $"measured: {replies} replies in {cost}");
+            else Debug.Log($"done: {replies} replies");
         }
     }
 }

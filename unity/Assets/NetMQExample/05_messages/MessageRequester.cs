@@ -1,6 +1,6 @@
 // Lesson 05, messages: ask with structure and pixels, and let the large buffers be used again.
 //
-// Take home: this file, Message.cs and Json.cs beside it, and NetMQLifetime.cs (lesson 01). The Python side is
+// Take home: this file, Message.cs and Json.cs beside it, NetMQConnection.cs and NetMQLifetime.cs. The Python side is
 // python/05_messages/server.py. Bytes: see Message.cs.
 // Trouble: the console twin sends a wrong message first with --wrong json, version, kind, shape or frames.
 // Why the pool: SendFrame(bytes) and ReceiveFrameBytes() make three new arrays of a picture's size for each echo. Arrays
@@ -8,7 +8,6 @@
 using System;
 using System.Buffers;
 using System.Collections.Generic;
-using System.Diagnostics;
 using System.Runtime.InteropServices;
 using System.Text;
 using System.Threading;
@@ -23,11 +22,7 @@ namespace NetMQExample
     /// </summary>
     public sealed class MessageRequester : IDisposable
     {
-        // Short enough that Stop in the editor is felt at once, long enough to cost nothing.
-        private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
-
-        private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private RequestSocket socket;
+        private readonly NetMQConnection connection;
         private readonly string endpoint;
         // The frames of the last reply. A Msg gives its buffer back to the pool when it receives the next frame.
         private readonly List<ReadOnlyMemory<byte>> frames = new List<ReadOnlyMemory<byte>>();
@@ -41,15 +36,8 @@ namespace NetMQExample
         public MessageRequester(string endpoint)
         {
             this.endpoint = endpoint;
-            try
-            {
-                Open();
-            }
-            catch
-            {
-                Dispose();
-                throw;
-            }
+            // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ takes no more and hangs up.
+            connection = new NetMQConnection(endpoint, MakeSocket, 4 * Message.Limit);
         }
 
         /// <summary>Sends a message and waits for its reply.</summary>
@@ -67,7 +55,6 @@ namespace NetMQExample
         /// <summary>The same for a header that is written already.</summary>
         public Message Request(string header, IReadOnlyList<MessageArray> arrays, TimeSpan patience, CancellationToken stop = default)
         {
-            if (socket == null) Open();
             Message reply;
             try
             {
@@ -79,7 +66,7 @@ namespace NetMQExample
             catch
             {
                 // A REQ socket that waits for a reply takes no other request. A new one also never gets a late reply.
-                Close();
+                connection.Close();
                 throw;
             }
             if (reply.Kind != "error") return reply;
@@ -89,23 +76,9 @@ namespace NetMQExample
                 NetMQLifetime.Printable(text as string ?? "the server gave no reason"));
         }
 
-        private void Open()
-        {
-            socket = new RequestSocket();
-            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
-            socket.Options.Linger = TimeSpan.Zero;
-            // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ takes no more and hangs up.
-            socket.Options.MaxMsgSize = 4 * Message.Limit;
-            // Room for several pictures in the operating system: the two sides then wait for each other less often.
-            socket.Options.SendBuffer = socket.Options.ReceiveBuffer = 1 << 20;
-            NetMQLifetime.Connect(socket, endpoint);
-        }
-
-        private void Close()
-        {
-            socket?.Dispose();
-            socket = null;
-        }
+        // Room for several pictures in the operating system: the two sides then wait for each other less often.
+        private static RequestSocket MakeSocket() =>
+            new RequestSocket { Options = { SendBuffer = 1 << 20, ReceiveBuffer = 1 << 20 } };
 
         private void Send(ReadOnlyMemory<byte> bytes, bool more)
         {
@@ -117,7 +90,7 @@ namespace NetMQExample
                 msg.InitPool(bytes.Length);
                 bytes.Span.CopyTo(msg.Slice());
             }
-            var sent = socket.TrySend(ref msg, Slice, more);
+            var sent = connection.Socket.TrySend(ref msg, NetMQConnection.Slice, more);
             // Sent, it is empty: what it held is NetMQ's until the network has it.
             msg.Close();
             if (!sent) throw new TimeoutException($"{endpoint} takes no more; is the server running?");
@@ -125,7 +98,6 @@ namespace NetMQExample
 
         private void Receive(TimeSpan patience, CancellationToken stop)
         {
-            var waited = Stopwatch.StartNew();
             frames.Clear();
             var more = true;
             // More frames than a message may have are not waited for: Message.Read refuses them.
@@ -136,16 +108,19 @@ namespace NetMQExample
                     Array.Resize(ref parts, 2 * i + 2);
                     for (var added = i; added < parts.Length; added++) parts[added].InitEmpty();
                 }
-                while (!socket.TryReceive(ref parts[i], Slice))
-                {
-                    stop.ThrowIfCancellationRequested();
-                    if (waited.Elapsed >= patience)
-                        throw new TimeoutException(FormattableString.Invariant(
-                            $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
-                }
+                if (!TryReceive(i, patience, stop))
+                    throw new TimeoutException(FormattableString.Invariant(
+                        $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
                 frames.Add(parts[i].SliceAsMemory());
                 more = parts[i].HasMore;
             }
+        }
+
+        private bool TryReceive(int i, TimeSpan patience, CancellationToken stop)
+        {
+            foreach (var slice in NetMQConnection.Slices(patience, stop))
+                if (connection.Socket.TryReceive(ref parts[i], slice)) return true;
+            return false;
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
@@ -153,8 +128,7 @@ namespace NetMQExample
         {
             for (var i = 0; i < parts.Length; i++) parts[i].Close();
             parts = new Msg[0];
-            Close();
-            lifetime.Dispose();
+            connection.Dispose();
         }
     }
 

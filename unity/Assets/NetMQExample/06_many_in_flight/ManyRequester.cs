@@ -3,7 +3,7 @@
 //     using var requester = new ManyRequester("tcp://127.0.0.1:5556", window: 64);
 //     foreach (var answer in requester.RequestMany(texts)) … answer.Number, answer.Reply or answer.Failure …
 //
-// Take home: this file and NetMQLifetime.cs of lesson 01. The Python side is python/06_many_in_flight/server.py.
+// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/06_many_in_flight/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. The id is a number in digits; a retry carries the same, so that
 // the server does not do twice what it has not answered yet, and a reply that comes late or twice is known and dropped.
 // Trouble: see the header of server.py. Stop the server with Ctrl-Z, and within 2 s the client knows; let it work for
@@ -20,7 +20,7 @@ using NetMQ.Sockets;
 namespace NetMQExample
 {
     /// <summary>
-    /// Keeps up to a window of requests under way over one DEALER socket. Make it, use it and dispose it on one thread,
+    /// Keeps up to a window of requests under way over one DEALER connection.Socket. Make it, use it and dispose it on one thread,
     /// and not on Unity's main thread.
     /// </summary>
     public sealed class ManyRequester : IDisposable
@@ -38,17 +38,12 @@ namespace NetMQExample
             internal Answer(int number, string reply, string failure) => (Number, Reply, Failure) = (number, reply, failure);
         }
 
-        // Short enough that Stop in the editor is felt at once, long enough to cost nothing.
-        private static readonly TimeSpan Slice = TimeSpan.FromMilliseconds(50);
-
         // A socket that met the wrong server may not try again, so after this time without a connection a new one does.
         private static readonly TimeSpan Renew = TimeSpan.FromSeconds(3);
         // No reply has more than two frames. One with more than this many is not read to its end.
         private const int MostFrames = 1000;
 
-        private readonly NetMQLifetime lifetime = new NetMQLifetime();
-        private DealerSocket socket;
-        private readonly string endpoint;
+        private readonly NetMQConnection connection;
         private readonly Dictionary<int, (int number, string text, TimeSpan deadline, int tries, bool busy)> pending;
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly int window, tries;
@@ -66,22 +61,13 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public ManyRequester(string endpoint, int window = 64, TimeSpan? patience = null, int tries = 3, Action<string> report = null)
         {
-            this.endpoint = endpoint;
+            if (window < 1 || tries < 1) throw new ArgumentException("window and tries must be 1 or more");
             this.window = window;
             this.patience = patience ?? TimeSpan.FromSeconds(2.5);
             this.tries = tries;
             this.report = report ?? (line => { });
             pending = new Dictionary<int, (int, string, TimeSpan, int, bool)>();
-            try
-            {
-                if (window < 1 || tries < 1) throw new ArgumentException("window and tries must be 1 or more");
-                Open();
-            }
-            catch
-            {
-                Dispose();
-                throw;
-            }
+            connection = new NetMQConnection(endpoint, MakeSocket);
         }
 
         /// <summary>Whether the server is there. A dead one is known within 2 s, and a slow one is not dead.</summary>
@@ -97,7 +83,7 @@ namespace NetMQExample
             pending.Clear();
             using var upcoming = texts.GetEnumerator();
             var number = 0;
-            var look = clock.Elapsed + Slice;
+            var look = clock.Elapsed + NetMQConnection.Slice;
             while (true)
             {
                 while (pending.Count < window && upcoming.MoveNext())
@@ -108,64 +94,54 @@ namespace NetMQExample
                 if (pending.Count == 0) yield break;
                 stop.ThrowIfCancellationRequested();
                 // The first reply is waited for; what came along with it is there already.
-                for (var wait = Slice; TryReceive(wait, out var answer); wait = TimeSpan.Zero)
+                for (var wait = NetMQConnection.Slice; TryReceive(wait, out var answer); wait = TimeSpan.Zero)
                     if (answer.Number > 0) yield return answer;
                 if (clock.Elapsed < look) continue;
                 WatchConnection();
                 foreach (var id in pending.Keys.Where(id => pending[id].deadline <= clock.Elapsed).ToArray())
                     if (TryAgain(id, out var failed)) yield return failed;
-                look = clock.Elapsed + Slice;
+                look = clock.Elapsed + NetMQConnection.Slice;
             }
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
-        public void Dispose()
-        {
-            socket?.Dispose();
-            lifetime.Dispose();
-        }
+        public void Dispose() => connection.Dispose();
 
         private void OpenAgain()
         {
             if (Connected) report("lost the server");
             Connected = false;
             lonelySince = clock.Elapsed;
-            socket.Dispose();
-            try
-            {
-                Open();
-            }
+            connection.Close();
+            try { _ = connection.Socket; }
             catch (ArgumentException) { /* Its name cannot be looked up just now: it is not there. */ }
         }
 
-        private void Open()
+        private static DealerSocket MakeSocket() => new DealerSocket
         {
-            socket = new DealerSocket();
-            // A request that nobody fetched is dropped on Dispose; waiting for its delivery could take for ever.
-            socket.Options.Linger = TimeSpan.Zero;
-            // Asks a silent server every 0.5 s whether it is there, and takes it for dead when 1 s brings no answer.
-            socket.Options.HeartbeatInterval = TimeSpan.FromSeconds(0.5);
-            socket.Options.HeartbeatTimeout = TimeSpan.FromSeconds(1);
-            // The socket can send only while a server is there; so whether it can, says whether the server is there.
-            socket.Options.DelayAttachOnConnect = true;
-            // The window is the limit of what is under way. A second limit would look like a server that is gone.
-            socket.Options.SendHighWatermark = 0;
-            // NetMQ hangs up on who sends a larger frame.
-            socket.Options.MaxMsgSize = 65_536;
-            NetMQLifetime.Connect(socket, endpoint);
-        }
+            Options =
+            {
+                // Asks a silent server every 0.5 s whether it is there, and takes it for dead when 1 s brings no answer.
+                HeartbeatInterval = TimeSpan.FromSeconds(0.5),
+                HeartbeatTimeout = TimeSpan.FromSeconds(1),
+                // It can send only while a server is there; so whether it can, says whether the server is there.
+                DelayAttachOnConnect = true,
+                // The window is the limit of what is under way. A second one would look like a server that is gone.
+                SendHighWatermark = 0,
+            },
+        };
 
         /// <summary>False when no message is there. A message that answers nothing gives an answer with number 0.</summary>
         private bool TryReceive(TimeSpan wait, out Answer answer)
         {
             answer = default;
-            if (!socket.TryReceiveFrameString(wait, out var frame, out var more)) return false;
+            if (!connection.Socket.TryReceiveFrameString(wait, out var frame, out var more)) return false;
             var reply = "";
             var frames = 1;
-            // The frames of a message arrive together: none is waited for. What is left of too many goes with the socket.
+            // The frames of a message arrive together: none is waited for. What is left of too many goes with the connection.Socket.
             for (; more; frames++)
             {
-                if (frames < MostFrames && socket.TryReceiveFrameString(out reply, out more)) continue;
+                if (frames < MostFrames && connection.Socket.TryReceiveFrameString(out reply, out more)) continue;
                 OpenAgain();
                 return false;
             }
@@ -186,7 +162,7 @@ namespace NetMQExample
 
         private void WatchConnection()
         {
-            if (socket.HasOut == Connected)
+            if (connection.Socket.HasOut == Connected)
             {
                 if (!Connected && clock.Elapsed > lonelySince + Renew) OpenAgain();
                 return;
@@ -219,8 +195,8 @@ namespace NetMQExample
         private void Send(int id)
         {
             // Without a server it waits for the next connection, or for the next try.
-            if (Connected && socket.TrySendFrame(TimeSpan.Zero, id.ToString(CultureInfo.InvariantCulture), true) &&
-                !socket.TrySendFrame(TimeSpan.Zero, pending[id].text))
+            if (Connected && connection.Socket.TrySendFrame(TimeSpan.Zero, id.ToString(CultureInfo.InvariantCulture), true) &&
+                !connection.Socket.TrySendFrame(TimeSpan.Zero, pending[id].text))
                 OpenAgain();
         }
     }

@@ -1,7 +1,7 @@
 // What the lessons' components share: each has a network thread, and a queue from there to Update. A lesson overrides Talk,
 // which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the scene.
 //
-// Take home: this file, with NetMQLifetime.cs (lesson 01). For a component of your own, derive from it.
+// Take home: this file, with NetMQLifetime.cs. For a component of your own, derive from it.
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;

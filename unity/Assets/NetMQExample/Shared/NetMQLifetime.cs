@@ -1,5 +1,6 @@
-// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, a Stop that does not freeze,
-// and a connect that names what is wrong with an endpoint. Take it along with any client of this kit.
+// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, and a Stop that does not freeze.
+//
+// Take home: this file and NetMQConnection.cs, along with any client of this kit.
 //
 // NetMQ keeps one set of background threads per process. NetMQConfig.Cleanup() ends it, and with it every other
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
@@ -7,8 +8,6 @@
 using System;
 using System.Globalization;
 using System.IO;
-using System.Net;
-using System.Net.Sockets;
 using System.Text;
 using System.Threading;
 using AsyncIO;
@@ -149,42 +148,6 @@ namespace NetMQExample
                 at += width;
             }
             return line.ToString();
-        }
-
-        /// <summary>Connects, after a look at what NetMQ itself reports in riddles.</summary>
-        /// <param name="socket">A socket of the calling thread.</param>
-        /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        /// <exception cref="TimeoutException">The host's address could not be found out within 5 s.</exception>
-        public static void Connect(NetMQSocket socket, string endpoint)
-        {
-            const string cure = "write it like tcp://127.0.0.1:PORT, PORT from 1 to 65535";
-            // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
-            if (endpoint == null || !endpoint.StartsWith("tcp://", StringComparison.Ordinal))
-                throw new ArgumentException($"bad endpoint '{endpoint}': it does not begin with tcp://; {cure}");
-            var colon = endpoint.LastIndexOf(':');
-            if (!ushort.TryParse(endpoint.Substring(colon + 1), out var port) || port == 0)
-                throw new ArgumentException($"bad endpoint '{endpoint}': it has no port; {cure}");
-            var host = colon > 6 ? endpoint.Substring(6, colon - 6) : "";
-            try
-            {
-                // An address such as 127.0.0.1 or [::1] needs no name server, nor the thread that a look-up takes.
-                if (!IPAddress.TryParse(host, out _)) LookUp(host.Length == 0 ? "?" : host);
-                socket.Connect(endpoint);
-            }
-            catch (Exception e) when (e is SocketException || e is NetMQException || e is ArgumentException)
-            {
-                throw new ArgumentException($"bad endpoint '{endpoint}': unknown host '{host}'; check its spelling, or {cure}");
-            }
-        }
-
-        // The system may ask a name server that is silent for half a minute, and cannot be told to stop.
-        private static void LookUp(string host)
-        {
-            var lookUp = Dns.BeginGetHostAddresses(host, null, null);
-            if (!lookUp.AsyncWaitHandle.WaitOne(TimeSpan.FromSeconds(5)))
-                throw new TimeoutException($"no address for host '{host}' within 5 s; is the network there? Or write its number");
-            Dns.EndGetHostAddresses(lookUp);
         }
     }
 }

@@ -1,12 +1,11 @@
 // What a part of each frame costs: its time, and what it leaves for the garbage collector to clear away.
-// Only for measuring; the client does not need it.
 using System;
 using System.Diagnostics;
 
-namespace NetMQExample
+namespace NetMQExample.Lab
 {
     /// <summary>Call <see cref="Begin"/> and <see cref="End"/> around the part, in each frame.</summary>
-    public sealed class FrameCost
+    internal sealed class FrameCost
     {
         // In the first frames code is compiled and queues grow. What counts is what goes on for hours.
         private const int WarmUp = 100;

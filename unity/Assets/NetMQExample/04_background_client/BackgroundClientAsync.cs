@@ -1,0 +1,37 @@
+// Lesson 04 with await: var reply = await client.RequestAsync("hello", destroyCancellationToken);
+//
+// Take home: this file, with BackgroundClient.cs and what that needs. The main thread goes on in a later Poll, so call
+// Poll in Update as before.
+using System.IO;
+using System.Threading;
+using System.Threading.Tasks;
+
+namespace NetMQExample
+{
+    /// <summary>A request to await instead of callbacks.</summary>
+    public static class BackgroundClientAsync
+    {
+        /// <summary>Sends a request. Its task ends inside Poll, and what awaits it goes on there.</summary>
+        /// <param name="client">The client.</param>
+        /// <param name="text">The request, sent as UTF-8.</param>
+        /// <param name="cancel">Ends the wait at once. The server may do the request all the same.</param>
+        /// <returns>The reply's text.</returns>
+        /// <exception cref="IOException">There is no reply; the message has the reason.</exception>
+        public static async Task<string> RequestAsync(this BackgroundClient client, string text,
+            CancellationToken cancel = default)
+        {
+            cancel.ThrowIfCancellationRequested();
+            // Not RunContinuationsAsynchronously: that would go on in a thread of the pool.
+            var answer = new TaskCompletionSource<string>();
+            if (!client.Request(text, reply => answer.TrySetResult(reply), why => answer.TrySetException(new IOException(why))))
+                throw new IOException(client.LastError);
+            using (cancel.Register(() => answer.TrySetCanceled(cancel))) return await answer.Task;
+        }
+
+#if UNITY_6000_0_OR_NEWER
+        /// <summary>The same as Unity 6 has it: an Awaitable, which can be awaited once.</summary>
+        public static async UnityEngine.Awaitable<string> RequestAwaitable(this BackgroundClient client, string text,
+            CancellationToken cancel = default) => await client.RequestAsync(text, cancel);
+#endif
+    }
+}

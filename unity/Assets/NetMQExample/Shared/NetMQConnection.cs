@@ -1,0 +1,181 @@
+// A socket as every client of this kit uses it: with a checked endpoint, limits, and waits that can be ended.
+//
+//     using var connection = new NetMQConnection("tcp://127.0.0.1:5551", () => new RequestSocket());
+//     connection.Send(patience, stop, "Hello");
+//     var frames = connection.Receive(patience, stop);
+//
+// Take home: this file and NetMQLifetime.cs, along with any client of this kit.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Net;
+using System.Net.Sockets;
+using System.Text;
+using System.Threading;
+using NetMQ;
+
+namespace NetMQExample
+{
+    /// <summary>One socket at a time, on one connection. Make it, use it and dispose it on one thread, and not on Unity's
+    /// main thread: to send and to receive is to wait.</summary>
+    public sealed class NetMQConnection : IDisposable
+    {
+        private const string Cure = "write it like tcp://127.0.0.1:PORT, PORT from 1 to 65535";
+
+        private readonly NetMQLifetime lifetime = new NetMQLifetime();
+        private readonly string endpoint;
+        private readonly Func<NetMQSocket> make;
+        private readonly long maxBytes;
+        private NetMQSocket socket;
+
+        /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
+        /// <param name="make">Makes a socket, with the options that only this client needs.</param>
+        /// <param name="maxBytes">The longest frame to accept. A peer that announces more is disconnected before it is in
+        /// memory.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public NetMQConnection(string endpoint, Func<NetMQSocket> make, long maxBytes = 65536)
+        {
+            (this.endpoint, this.make, this.maxBytes) = (endpoint, make, maxBytes);
+            try
+            {
+                Open();
+            }
+            catch
+            {
+                Dispose();
+                throw;
+            }
+        }
+
+        /// <summary>How long one wait lasts: short enough that ten clients stop at once, one after the other, and long
+        /// enough to cost nothing.</summary>
+        public static TimeSpan Slice { get; } = TimeSpan.FromMilliseconds(10);
+
+        /// <summary>The socket; after <see cref="Close"/> a new one.</summary>
+        public NetMQSocket Socket => socket ?? Open();
+
+        /// <summary>Names what is wrong with an endpoint, where NetMQ itself reports in riddles.</summary>
+        /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="TimeoutException">The host's address could not be found out within 5 s.</exception>
+        public static void Check(string endpoint) => Connect(null, endpoint);
+
+        /// <summary>The time to wait, cut into slices; between two of them <paramref name="stop"/> is heard.</summary>
+        /// <param name="patience">How long to wait; zero gives one slice, of zero.</param>
+        /// <param name="stop">Ends the wait early.</param>
+        /// <returns>What to give to a method of NetMQ's that takes a timeout, until it succeeds.</returns>
+        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        public static IEnumerable<TimeSpan> Slices(TimeSpan patience, CancellationToken stop)
+        {
+            var waited = Stopwatch.StartNew();
+            do
+            {
+                stop.ThrowIfCancellationRequested();
+                var left = Math.Clamp((patience - waited.Elapsed).TotalMilliseconds, 0, Slice.TotalMilliseconds);
+                // Whole ones: NetMQ waits for ever when it is asked to wait for less than a millisecond.
+                yield return TimeSpan.FromMilliseconds((int)left);
+            }
+            while (waited.Elapsed < patience);
+        }
+
+        /// <summary>Sends a message, and waits when there is no connection to send on.</summary>
+        /// <param name="patience">How long to wait for a connection.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <param name="frames">Its frames, sent as UTF-8.</param>
+        /// <returns>False if it was not sent.</returns>
+        public bool TrySend(TimeSpan patience, CancellationToken stop, params string[] frames)
+        {
+            var message = new NetMQMessage();
+            // Without the encoding, NetMQ makes a question mark of every character that is not ASCII.
+            foreach (var frame in frames) message.Append(frame, Encoding.UTF8);
+            foreach (var slice in Slices(patience, stop))
+                if (Socket.TrySendMultipartMessage(slice, message)) return true;
+            return false;
+        }
+
+        /// <summary>Waits for a message.</summary>
+        /// <param name="patience">How long to wait.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <param name="frames">Its frames, as text. However many there are, they are one message.</param>
+        /// <returns>False if none came.</returns>
+        public bool TryReceive(TimeSpan patience, CancellationToken stop, out List<string> frames)
+        {
+            frames = null;
+            foreach (var slice in Slices(patience, stop))
+                if (Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) return true;
+            return false;
+        }
+
+        /// <summary>Sends as <see cref="TrySend"/> does.</summary>
+        /// <exception cref="TimeoutException">It was not sent.</exception>
+        public void Send(TimeSpan patience, CancellationToken stop, params string[] frames)
+        {
+            if (!TrySend(patience, stop, frames)) throw Silence(patience);
+        }
+
+        /// <summary>Receives as <see cref="TryReceive"/> does.</summary>
+        /// <exception cref="TimeoutException">No message came.</exception>
+        public List<string> Receive(TimeSpan patience, CancellationToken stop) =>
+            TryReceive(patience, stop, out var frames) ? frames : throw Silence(patience);
+
+        /// <summary>Closes the socket, with what it has not sent yet.</summary>
+        public void Close()
+        {
+            socket?.Dispose();
+            socket = null;
+        }
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose()
+        {
+            try { Close(); }
+            finally { lifetime.Dispose(); }
+        }
+
+        private NetMQSocket Open()
+        {
+            socket = make();
+            // What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
+            socket.Options.Linger = TimeSpan.Zero;
+            socket.Options.MaxMsgSize = maxBytes;
+            Connect(socket, endpoint);
+            return socket;
+        }
+
+        private TimeoutException Silence(TimeSpan patience) => new TimeoutException(FormattableString.Invariant(
+            $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+
+        private static void Connect(NetMQSocket socket, string endpoint)
+        {
+            // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
+            if (endpoint == null || !endpoint.StartsWith("tcp://", StringComparison.Ordinal))
+                throw new ArgumentException($"bad endpoint '{endpoint}': it does not begin with tcp://; {Cure}");
+            var colon = endpoint.LastIndexOf(':');
+            if (!ushort.TryParse(endpoint.Substring(colon + 1), out var port) || port == 0)
+                throw new ArgumentException($"bad endpoint '{endpoint}': it has no port; {Cure}");
+            var host = colon > 6 ? endpoint.Substring(6, colon - 6) : "";
+            try
+            {
+                // An address such as 127.0.0.1 or [::1] needs no name server, nor the thread that a look-up takes.
+                if (!IPAddress.TryParse(host, out _)) LookUp(host.Length == 0 ? "?" : host);
+                socket?.Connect(endpoint);
+            }
+            catch (Exception e) when (e is SocketException || e is NetMQException || e is ArgumentException)
+            {
+                throw new ArgumentException(
+                    $"bad endpoint '{endpoint}': unknown host '{host}'; check its spelling, or {Cure}");
+            }
+        }
+
+        // The system may ask a name server that is silent for half a minute, and cannot be told to stop.
+        private static void LookUp(string host)
+        {
+            var lookUp = Dns.BeginGetHostAddresses(host, null, null);
+            if (!lookUp.AsyncWaitHandle.WaitOne(TimeSpan.FromSeconds(5)))
+                throw new TimeoutException(
+                    $"no address for host '{host}' within 5 s; is the network there? Or write its number");
+            Dns.EndGetHostAddresses(lookUp);
+        }
+    }
+}
