@@ -27,6 +27,8 @@ import zmq
 Callback = Callable[[str], None]
 # How many milliseconds a wait for the network lasts before it looks whether the client was closed; how long a text is.
 SLICE, MAX_BYTES = 50, 65536
+# Seconds before a request is sent again after a wrong reply: without them, all tries are over in a millisecond.
+PAUSE = 0.25
 ENDED, SILENT = "the client was disposed", "is the server running, or the line slow?"
 
 
@@ -39,7 +41,7 @@ class BackgroundClient:
     """Asks a server without ever making the calling thread wait. Each client has its own thread."""
 
     def __init__(self, endpoint: str, patience: float = 1.0, tries: int = 3, capacity: int = 64) -> None:
-        """Patience is for the first try. The second waits twice as long, all others four times: on a far line the
+        """Patience is for the first try; each one after it waits twice as long, up to 8 times: on a far line the
         connection alone takes four round trips."""
         self.endpoint, self.patience, self.tries, self.capacity = endpoint, patience, tries, capacity
         # State and last error, in one variable: a reader never gets those of two moments. Only a reply proves that the
@@ -116,7 +118,7 @@ class BackgroundClient:
                 self._socket.linger, self._socket.maxmsgsize = 0, MAX_BYTES
                 self._socket.connect(self.endpoint)
             try:
-                return self._try(self._socket, request, self.patience * (attempt if attempt < 3 else 4))
+                return self._try(self._socket, request, self.patience * 2 ** min(attempt - 1, 3))
             except TimeoutError as error:
                 failure = f"{error} (try {attempt} of {self.tries})"
             # A REQ socket that waits for a reply takes no other request. A new one also never gets a late reply.
@@ -141,6 +143,8 @@ class BackgroundClient:
             # a broken message, which recv drops. The next socket has another connection.
             raise TimeoutError(f"no reply from {self.endpoint} within {limit:g} s; {SILENT}") from None
         if len(reply) != 2 or reply[0] != request[0]:
+            # It may have come at once, and so may the next.
+            time.sleep(PAUSE)
             raise TimeoutError(f"garbage from {self.endpoint}: not [id][text] in two frames; is it the right server?")
         self.round_trip = time.monotonic() - start
         self._note("Connected")
