@@ -23,7 +23,14 @@ VENV = ROOT / ".venv"
 BUILD = ROOT / ".build"
 CHOICE = BUILD / "python.json"
 # The name to import, and the distribution's package, where they are not simply the name on PyPI.
-IMPORTS = {"pyzmq": "zmq", "pytest-timeout": "pytest_timeout", "pillow": "PIL", "pyyaml": "yaml", "grpcio": "grpc"}
+IMPORTS = {
+    "pytest-xdist": "xdist",
+    "pyzmq": "zmq",
+    "pytest-timeout": "pytest_timeout",
+    "pillow": "PIL",
+    "pyyaml": "yaml",
+    "grpcio": "grpc",
+}
 # On a Mac /usr/bin/python3 is too old, or opens a window that offers developer tools.
 SYSTEM = [*(["/usr/bin/python3"] if sys.platform != "darwin" else []), "/usr/local/bin/python3"]
 # What pip says where no index answers, or does not hold a package.
