@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -139,12 +140,12 @@ def stop(process: subprocess.Popen[Any]) -> None:
             process.wait()
 
 
+@dataclass
 class Result:
     """How a command ended: its exit code and everything it printed."""
 
-    def __init__(self, code: int, output: str) -> None:
-        self.code = code
-        self.output = output
+    code: int
+    output: str
 
     @property
     def ok(self) -> bool:

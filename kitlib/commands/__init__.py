@@ -1,7 +1,7 @@
 """The words after kit.py: a module for each command, and one line with the cure for a wrong word.
 
-A command's module says what it is for in ABOUT and EXAMPLES, adds its options, and does it. What it does not know is
-answered with its CURE; or else, where PASSES_ON is true, given to the program that it starts, in `options.words`.
+A command's module says what it is for in ABOUT and EXAMPLES, adds its options, if it has some, and does it. A word that
+it does not know is answered with its CURE; or else, where PASSES_ON is true, it is for the program that is started.
 """
 
 from __future__ import annotations
@@ -83,7 +83,8 @@ def parse(command: ModuleType, words: list[str]) -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    command.add_options(parser)
+    if hasattr(command, "add_options"):
+        command.add_options(parser)
     # What comes after `--` is never taken for our own.
     end = words.index("--") if passes_on and "--" in words else len(words)
     options, rest = parser.parse_known_args(words[:end])

@@ -1,7 +1,5 @@
 """The performance lab, whose room is lab/."""
 
-from __future__ import annotations
-
 import argparse
 
 from kitlib.setup import dotnet

@@ -1,7 +1,5 @@
 """Runs a lesson's client alone."""
 
-from __future__ import annotations
-
 import argparse
 
 from kitlib.commands.run import add_client, client_command

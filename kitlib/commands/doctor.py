@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import errno
+import glob
 import os
+import re
 import shutil
 import socket
 import sys
@@ -21,10 +23,6 @@ EXAMPLES = ["doctor"]
 # Where an emulator of Android listens, and where every adb looks for one.
 ANDROID = (5554, 5555)
 Row = tuple[bool, str, str]
-
-
-def add_options(_: argparse.ArgumentParser) -> None:
-    pass
 
 
 def do(_: argparse.Namespace) -> int:
@@ -109,25 +107,16 @@ def taken(port: int) -> str:
 
 def listeners(port: int) -> list[str]:
     """The programs that listen on it, from Linux's /proc; of other users' programs only root hears."""
-    sockets = set()
-    for table in (Path("/proc/net/tcp"), Path("/proc/net/tcp6")):
-        for row in table.read_text().splitlines()[1:] if table.exists() else []:
-            _, address, _, state, *_, inode = row.split()[:10]
-            if state == "0A" and int(address.rpartition(":")[2], 16) == port:
-                sockets.add(f"socket:[{inode}]")
-    return [
-        f"{(process / 'cmdline').read_text().replace(chr(0), ' ').strip()} (process {process.name})"
-        for process in Path("/proc").glob("[0-9]*")
-        if sockets & files(process)
-    ]
-
-
-def files(process: Path) -> set[str]:
-    """What a process has open; nothing if it has ended meanwhile, or is not ours to ask."""
+    tables = "".join(path.read_text() for path in map(Path, ("/proc/net/tcp", "/proc/net/tcp6")) if path.exists())
+    inodes = re.findall(rf"^ *\d+: \w+:{port:04X} \S+ 0A(?: +\S+){{5}} +(\d+)", tables, re.MULTILINE)
     found = set()
-    try:
-        for file in (process / "fd").iterdir():
-            found.add(os.readlink(file))
-    except OSError:
-        pass
-    return found
+    for file in glob.glob("/proc/[0-9]*/fd/*") if inodes else []:
+        try:
+            if os.readlink(file) in [f"socket:[{inode}]" for inode in inodes]:
+                process = Path(file).parents[1]
+                command = (process / "cmdline").read_text().replace("\0", " ").strip()
+                found.add(f"{command} (process {process.name})")
+        except OSError:
+            # It was closed meanwhile, or is not ours to see.
+            pass
+    return sorted(found)

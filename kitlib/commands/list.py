@@ -1,17 +1,11 @@
 """Shows the lessons."""
 
-from __future__ import annotations
-
 import argparse
 
 from kitlib.lessons import lessons
 
 ABOUT = "Shows the lessons: the name of each, and its idea."
 EXAMPLES = ["list"]
-
-
-def add_options(_: argparse.ArgumentParser) -> None:
-    pass
 
 
 def do(_: argparse.Namespace) -> int:

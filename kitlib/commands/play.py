@@ -1,7 +1,5 @@
 """Plays scripts of a reader's own."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

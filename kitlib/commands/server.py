@@ -1,7 +1,5 @@
 """Runs a lesson's server alone."""
 
-from __future__ import annotations
-
 import argparse
 
 from kitlib.commands.run import server_command

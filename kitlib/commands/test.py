@@ -1,7 +1,5 @@
 """Runs the tests."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re
@@ -23,10 +21,6 @@ EXAMPLES = [
     "test -- --help          pytest's own options",
 ]
 PASSES_ON = True
-
-
-def add_options(_: argparse.ArgumentParser) -> None:
-    pass
 
 
 def do(options: argparse.Namespace) -> int:

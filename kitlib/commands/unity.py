@@ -1,7 +1,5 @@
 """Installs into a user's own Unity project; what that takes has a room of its own, kitlib/unity/."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

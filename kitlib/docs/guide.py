@@ -138,15 +138,7 @@ def csharp_lines(text: str, name: str) -> range | None:
 def run_command(source: str, engine: str | None = None) -> list[str | Path]:
     """The words that start `kit.py run SOURCE`, on ports that are free."""
     chosen = ["--engine", engine] if engine else []
-    return [
-        sys.executable,
-        ROOT / "kit.py",
-        "run",
-        *shlex.split(source),
-        *chosen,
-        "--endpoint",
-        "tcp://127.0.0.1:0",
-    ]
+    return [sys.executable, ROOT / "kit.py", "run", *shlex.split(source), *chosen, "--endpoint", "tcp://127.0.0.1:0"]
 
 
 @functools.cache

@@ -206,12 +206,7 @@ def remove(path: Path) -> None:
 
 def from_this_machine(required: list[str]) -> Path | None:
     """An interpreter that has the packages already."""
-    names = [
-        "python3",
-        "python",
-        *(f"python3.{minor}" for minor in range(11, 20)),
-        *SYSTEM,
-    ]
+    names = ["python3", "python", *(f"python3.{minor}" for minor in range(11, 20)), *SYSTEM]
     found = [sys.executable, *(shutil.which(candidate) for candidate in names)]
     for python in dict.fromkeys(path for path in found if path):
         if has(python, required):

@@ -90,11 +90,7 @@ PluginImporter:
 
 
 def install(
-    project: Path,
-    lesson: str | None = None,
-    force: bool = False,
-    scripts_only: bool = False,
-    dlls: Path | None = None,
+    project: Path, lesson: str | None = None, force: bool = False, scripts_only: bool = False, dlls: Path | None = None
 ) -> None:
     """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not.
 

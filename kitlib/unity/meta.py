@@ -218,13 +218,7 @@ def game_object(
 ) -> str:
     lines = "".join(f"  - component: {{fileID: {component}}}\n" for component in components)
     return GAME_OBJECT.format(
-        number=number,
-        transform=number + 1,
-        name=name,
-        tag=tag,
-        position=position,
-        rotation=rotation,
-        components=lines,
+        number=number, transform=number + 1, name=name, tag=tag, position=position, rotation=rotation, components=lines
     )
 
 
