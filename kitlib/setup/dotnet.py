@@ -227,8 +227,9 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
         # What a reader's scripts refer to was built with the console, a moment ago.
         *(["-p:BuildProjectReferences=false"] if own else []),
     ]
-    # MSBuild takes a variable for a property; on its command line a semicolon would end it.
-    environment = {**ENVIRONMENT, "OwnScripts": ";".join(map(str, own))}
+    # MSBuild takes a variable for a property; on its command line a semicolon would end it. In a name it is escaped.
+    names = [str(path).replace("%", "%25").replace(";", "%3B") for path in own]
+    environment = {**ENVIRONMENT, "OwnScripts": ";".join(names)}
     result = step(f"building {name} with {engine.name}", command, 300, environment)
     if not result.ok:
         raise KitError(failure(result))

@@ -36,7 +36,7 @@ KIT = ROOT / "kit.py"
 def copy(tmp_path):
     """What a fresh clone holds."""
     clone = tmp_path / "clone"
-    skipped = shutil.ignore_patterns(".git", ".build", ".venv", "__pycache__", ".*_cache")
+    skipped = shutil.ignore_patterns(".git", ".build", ".venv", "__pycache__", ".*_cache", "*.sqlite3*")
     shutil.copytree(ROOT, clone, ignore=skipped)
     return clone
 
