@@ -27,8 +27,6 @@ import zmq
 Callback = Callable[[str], None]
 # How many milliseconds a wait for the network lasts before it looks whether the client was closed; how long a text is.
 SLICE, MAX_BYTES = 50, 65536
-# Seconds before a request is sent again after a wrong reply: without them, all tries are over in a millisecond.
-PAUSE = 0.25
 ENDED, SILENT = "the client was disposed", "is the server running, or the line slow?"
 
 
@@ -143,8 +141,8 @@ class BackgroundClient:
             # a broken message, which recv drops. The next socket has another connection.
             raise TimeoutError(f"no reply from {self.endpoint} within {limit:g} s; {SILENT}") from None
         if len(reply) != 2 or reply[0] != request[0]:
-            # It may have come at once, and so may the next.
-            time.sleep(PAUSE)
+            # It may have come at once, and so may the next: without a pause all tries are over in a millisecond.
+            time.sleep(0.25)
             raise TimeoutError(f"garbage from {self.endpoint}: not [id][text] in two frames; is it the right server?")
         self.round_trip = time.monotonic() - start
         self._note("Connected")

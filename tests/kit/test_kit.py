@@ -36,7 +36,7 @@ KIT = ROOT / "kit.py"
 def copy(tmp_path):
     """What a fresh clone holds."""
     clone = tmp_path / "clone"
-    skipped = shutil.ignore_patterns(".git", ".build", ".venv", "__pycache__", ".*_cache")
+    skipped = shutil.ignore_patterns(".git", ".build", ".venv", "__pycache__", ".*_cache", "*.sqlite3*")
     shutil.copytree(ROOT, clone, ignore=skipped)
     return clone
 
@@ -102,7 +102,7 @@ def test_a_second_build_happens_only_after_a_change(engine, prepared, start):
     assert "asking NuGet" not in second.output
     script = prepared / "unity" / "Assets" / "NetMQExample" / "01_request_reply" / "HelloRequester.cs"
     script.write_text(
-        script.read_text(encoding="utf-8").replace("TrySendFrame(Slice, text)", 'TrySendFrame(Slice, "Bye")'),
+        script.read_text(encoding="utf-8").replace("Send(patience, stop, text)", 'Send(patience, stop, "Bye")'),
         encoding="utf-8",
     )
     third = start(*command)
@@ -220,8 +220,9 @@ def test_ctrl_c_in_the_build_leaves_nothing_running(engine, prepared, tmp_path):
 SLOW_TEST = """
 import subprocess, sys, time
 def test_slow():
-    deaf = "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); time.sleep(300)"
-    started = subprocess.Popen([sys.executable, "-c", deaf])
+    deaf = "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); print(flush=True); time.sleep(300)"
+    started = subprocess.Popen([sys.executable, "-c", deaf], stdout=subprocess.PIPE)
+    started.stdout.readline()
     try:
         print("started", flush=True)
         started.wait()

@@ -27,7 +27,7 @@ ITS_CLASS = """class Greeting : System.IDisposable
 {
     readonly NetMQExample.HelloRequester requester;
     public Greeting(string endpoint) { requester = new NetMQExample.HelloRequester(endpoint); }
-    public string Ask() { return requester.Request("Hello"); }
+    public string Ask() { return requester.Request("Hello", System.TimeSpan.FromSeconds(5)); }
     public void Dispose() { requester.Dispose(); }
 }
 """
