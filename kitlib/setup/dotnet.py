@@ -232,7 +232,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
         stamp.unlink(missing_ok=True)
         forget_damaged(engine)
         words = [*properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
-        # MSBuild takes a variable for a property; on its command line a semicolon would end it. In a name it is escaped.
+        # MSBuild takes a variable for a property; on its command line a semicolon would end it. A name is escaped.
         names = [str(path).replace("%", "%25").replace(";", "%3B") for path in own]
         environment = {**ENVIRONMENT, "OwnScripts": ";".join(names)}
         result = step(f"building {name} with {engine.name}", ["dotnet", "build", project, *words], 300, environment)
