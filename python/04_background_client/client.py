@@ -107,7 +107,7 @@ class BackgroundClient:
     def _ask(self, context: zmq.Context[zmq.Socket[bytes]], request: list[bytes]) -> str:
         if len(request[1]) > MAX_BYTES:
             raise ValueError(f"a text has at most {MAX_BYTES} bytes")
-        for attempt in itertools.count(1):
+        for attempt in range(1, self.tries + 1):
             if self._stopped:
                 raise InterruptedError(ENDED)
             if not self._socket:
@@ -121,9 +121,8 @@ class BackgroundClient:
                 failure = f"{error} (try {attempt} of {self.tries})"
             # A REQ socket that waits for a reply takes no other request. A new one also never gets a late reply.
             self._close_socket()
-            if attempt == self.tries:
-                break
-            self._note("Retrying", failure)
+            if attempt < self.tries:
+                self._note("Retrying", failure)
         raise TimeoutError(failure)
 
     def _try(self, socket: zmq.Socket[bytes], request: list[bytes], limit: float) -> str:
