@@ -66,8 +66,8 @@ def start() -> Iterator[Callable[..., Program]]:
     """Starts a program that the end of the test ends, whatever happens."""
     started: list[Program] = []
 
-    def start(*command: str | Path, **environment: str) -> Program:
-        program = Program(command, **environment)
+    def start(*command: str | Path, folder: Path = ROOT, **environment: str) -> Program:
+        program = Program(command, folder=folder, **environment)
         started.append(program)
         return program
 
@@ -77,11 +77,15 @@ def start() -> Iterator[Callable[..., Program]]:
 
 
 @pytest.fixture
-def serve(start: Callable[..., Program]) -> Callable[..., tuple[Program, str]]:
-    """serve("01_request_reply", "--delay", "1") starts a lesson's server on a free port: (program, endpoint)."""
+def serve(start: Callable[..., Program], tmp_path: Path) -> Callable[..., tuple[Program, str]]:
+    """serve("01_request_reply", "--delay", "1") starts a lesson's server on a free port: (program, endpoint).
+
+    It works in a folder of this test's own: side by side, two of lesson 02's would share one journal.
+    """
 
     def serve(key: str, *options: str, endpoint: str = "tcp://127.0.0.1:0", **environment: str) -> tuple[Program, str]:
-        program = start(PYTHON, ROOT / "python" / key / "server.py", "--endpoint", endpoint, *options, **environment)
+        words = [ROOT / "python" / key / "server.py", "--endpoint", endpoint, *options]
+        program = start(PYTHON, *words, folder=tmp_path, **environment)
         return program, program.wait_for(r"^listening on (\S+)")[1]
 
     return serve

@@ -51,7 +51,8 @@ namespace NetMQExample
         private readonly AutoResetEvent wake = new AutoResetEvent(false);
         private readonly CancellationTokenSource stop = new CancellationTokenSource();
         private readonly Stopwatch clock = new Stopwatch();
-        private readonly string endpoint;
+        // Made once: a refusal must cost the main thread nothing either.
+        private readonly string endpoint, full;
         private readonly TimeSpan patience;
         private readonly int tries, capacity;
         private readonly Thread thread;
@@ -70,6 +71,7 @@ namespace NetMQExample
         {
             if (tries < 1 || capacity < 1) throw new ArgumentException("tries and capacity must be at least 1");
             (this.endpoint, this.tries, this.capacity) = (endpoint, tries, capacity);
+            full = $"refused: {capacity} requests are under way already";
             this.patience = patience ?? TimeSpan.FromSeconds(1);
             waiting = new Queue<(string, Action<string>, Action<string>)>(capacity);
             done = new Queue<(Action<string>, string)>(capacity);
@@ -112,7 +114,7 @@ namespace NetMQExample
                 {
                     // While the server is silent, that silence is the cause, and stays.
                     if (Stopped || status.state != ClientState.Retrying)
-                        status.lastError = Stopped ? Ended : $"refused: {capacity} requests are under way already";
+                        status.lastError = Stopped ? Ended : full;
                     return false;
                 }
                 waiting.Enqueue((text, reply, error));
