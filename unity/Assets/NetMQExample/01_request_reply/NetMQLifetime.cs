@@ -153,8 +153,8 @@ namespace NetMQExample
             var host = colon > 6 ? endpoint.Substring(6, colon - 6) : "";
             try
             {
-                // Such as [::1], which is an address already.
-                if (!host.StartsWith("[", StringComparison.Ordinal)) LookUp(host.Length == 0 ? "?" : host);
+                // An address such as 127.0.0.1 or [::1] needs no name server, nor the thread that a look-up takes.
+                if (!IPAddress.TryParse(host, out _)) LookUp(host.Length == 0 ? "?" : host);
                 socket.Connect(endpoint);
             }
             catch (Exception e) when (e is SocketException || e is NetMQException || e is ArgumentException)
