@@ -31,6 +31,17 @@ namespace NetMQExample
         private static Stopwatch cleaning;
         private bool left;
 
+        // An assembly reload aborts the threads of its domain, and NetMQ's in the middle of their work leave sockets open. What
+        // Stop's 200 ms were too short for gets half a second more; most often nothing is left to wait for.
+        static NetMQLifetime() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
+        {
+            lock (Gate)
+            {
+                var waited = Stopwatch.StartNew();
+                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 500) Monitor.Wait(Gate, 50);
+            }
+        };
+
         /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
         /// <exception cref="TimeoutException">NetMQ has not ended since the last user left.</exception>
         public NetMQLifetime()
@@ -69,11 +80,15 @@ namespace NetMQExample
         // sockets are closed. Cleanup(false) does not, and their connections stay open until a garbage collection.
         private static void Cleanup()
         {
-            NetMQConfig.Cleanup();
-            lock (Gate)
+            try { NetMQConfig.Cleanup(); }
+            finally
             {
-                cleaning = null;
-                Monitor.PulseAll(Gate);
+                // Also where an assembly reload aborts this thread: whoever waits for it must not hold up the reload.
+                lock (Gate)
+                {
+                    cleaning = null;
+                    Monitor.PulseAll(Gate);
+                }
             }
         }
 
