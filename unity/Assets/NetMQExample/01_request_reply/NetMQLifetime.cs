@@ -31,14 +31,14 @@ namespace NetMQExample
         private static Stopwatch cleaning;
         private bool left;
 
-        // An assembly reload aborts the threads of its domain, and NetMQ's in the middle of their work leave sockets open. What
-        // Stop's 200 ms were too short for gets half a second more; most often nothing is left to wait for.
+        // An assembly reload aborts the threads of its domain. NetMQ's leave sockets open when that hits them at work, and now
+        // and then Mono itself ends. What Stop's 200 ms were too short for is waited for here; most often that is nothing.
         static NetMQLifetime() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
         {
             lock (Gate)
             {
                 var waited = Stopwatch.StartNew();
-                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 500) Monitor.Wait(Gate, 50);
+                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < Patience) Monitor.Wait(Gate, 50);
             }
         };
 
