@@ -448,9 +448,10 @@ def cable():
         command = ["ip", *(["-n", name] if inside else []), *words]
         return subprocess.run(command, capture_output=True, text=True, timeout=20)
 
+    # Before the try: one that is there already is another run's, and not to be taken away at the end.
+    if (made := ip("netns", "add", name)).returncode:
+        pytest.skip(f"no network namespace here: {made.stderr.strip()}")
     try:
-        if (made := ip("netns", "add", name)).returncode:
-            pytest.skip(f"no network namespace here: {made.stderr.strip()}")
         for words in (["link", "add", f"{name}0", "type", "veth", "peer", "name", "eth0", "netns", name],):
             if (made := ip(*words)).returncode:
                 pytest.skip(f"no virtual cable here: {made.stderr.strip()}")
