@@ -6,59 +6,43 @@
 Bytes: UTF-8 text, one frame each way. Take home: this file.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import sys
 import time
-from collections.abc import Callable
 from socket import getaddrinfo
-from typing import TypeVar
 
 import zmq
 
-T = TypeVar("T")
+ENDPOINT = "tcp://127.0.0.1:5551"
 
 
 def request(socket: zmq.Socket[bytes], text: str, patience: float) -> str:
-    """Send a request and wait for its reply, at most `patience` seconds each: TimeoutError after that."""
-    send(socket, text, patience)
+    """Send a request and wait for its reply, at most `patience` seconds: zmq.Again after that."""
+    # Where there is no connection to send on, as after a peer that is not ZeroMQ, this waits for socket.sndtimeo.
+    socket.send(text.encode(errors="replace"))
     return receive(socket, patience)
 
 
-def send(socket: zmq.Socket[bytes], text: str, patience: float) -> None:
-    """The first half. It waits when there is no connection to send on, as after a peer that is not ZeroMQ."""
-    within(patience, socket, zmq.POLLOUT, lambda: socket.send(text.encode(errors="replace"), zmq.NOBLOCK))
-
-
 def receive(socket: zmq.Socket[bytes], patience: float) -> str:
-    """The second half: wait for the reply."""
-    return within(patience, socket, zmq.POLLIN, lambda: socket.recv_multipart(zmq.NOBLOCK)[0].decode(errors="replace"))
-
-
-def within(patience: float, socket: zmq.Socket[bytes], event: int, act: Callable[[], T]) -> T:
-    """Do what raises Again while it would have to wait, in slices: on Windows Ctrl-C interrupts no longer wait."""
-    limit = time.monotonic() + patience
-    while True:
-        try:
-            return act()
-        except zmq.Again:
-            left = limit - time.monotonic()
-            if left <= 0:
-                where = socket.getsockopt_string(zmq.LAST_ENDPOINT)
-                raise TimeoutError(f"no reply from {where} within {patience:g} s; is the server running?") from None
-            socket.poll(min(200, int(left * 1000) + 1), event)
+    end = time.monotonic() + patience
+    # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+    while not socket.poll(200) and time.monotonic() < end:
+        pass
+    return socket.recv_multipart(zmq.NOBLOCK)[0].decode(errors="replace")
 
 
 def show_refusal(socket: zmq.Socket[bytes], text: str, patience: float) -> None:
     """REQ takes no second request before it has given the reply to the first."""
-    send(socket, text, patience)
+    socket.send_string(text)
     try:
-        send(socket, text, patience)
+        socket.send_string(text)
     except zmq.ZMQError as error:
         print(f"refused: {type(error).__name__}: {error}")
     print(f"received {printable(receive(socket, patience))}: now REQ may send again")
+
+
+# From here on all clients of this kit are the same, but for their own options.
 
 
 def printable(text: str) -> str:
@@ -67,16 +51,14 @@ def printable(text: str) -> str:
 
 
 def endpoint(text: str) -> str:
-    """What --endpoint takes. libzmq itself takes port 99999 and an unknown host without a word, and waits."""
+    """libzmq itself takes port 99999 and an unknown host without a word, and waits."""
     parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", text)
     if not parts or not 0 < int(parts[2]) < 65536:
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551, port 1 to 65535")
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 1 to 65535")
     try:
         getaddrinfo(parts[1], None)
     except (OSError, UnicodeError):
-        raise argparse.ArgumentTypeError(
-            f"bad endpoint '{text}': unknown host '{parts[1]}'; check its spelling"
-        ) from None
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': unknown host '{parts[1]}'; check it") from None
     return text
 
 
@@ -84,7 +66,7 @@ def main() -> None:
     # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Says Hello and waits for World.")
-    parser.add_argument("--endpoint", type=endpoint, default="tcp://127.0.0.1:5551", help="the server")
+    parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=10, help="how many times to ask")
     parser.add_argument("--text", default="Hello", help="what to say")
     parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait for each reply")
@@ -95,22 +77,22 @@ def main() -> None:
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
-        socket.linger = 0
-        # A peer that announces more is disconnected before it is in memory.
-        socket.maxmsgsize = 65536
+        # A peer that announces more than the largest message is disconnected before it is in memory.
+        socket.linger, socket.maxmsgsize, socket.sndtimeo = 0, 65_536, int(options.patience * 1000)
         socket.connect(options.endpoint)
-        if options.send_twice:
-            show_refusal(socket, options.text, options.patience)
-        for i in range(1, options.count + 1):
-            reply = request(socket, options.text, options.patience)
-            print(f"{i}: sent {options.text}, received {printable(reply)}", flush=True)
-        print(f"done: {options.count} replies")
+        try:
+            if options.send_twice:
+                show_refusal(socket, options.text, options.patience)
+            for i in range(1, options.count + 1):
+                reply = request(socket, options.text, options.patience)
+                print(f"{i}: sent {options.text}, received {printable(reply)}", flush=True)
+        except zmq.Again:
+            sys.exit(f"gave up: no reply from {options.endpoint} within {options.patience:g} s; is the server running?")
+    print(f"done: {options.count} replies")
 
 
 if __name__ == "__main__":
     try:
         main()
-    except TimeoutError as error:
-        sys.exit(f"gave up: {error}")
     except KeyboardInterrupt:
         sys.exit("stopped")

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import signal
 import socket
 import subprocess
 import sys
-import time
 
 import pytest
 import zmq
 
 from tests.bad_peers import ProtocolBreaker, zmtp_frame
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT
 
 KEY = "01_request_reply"
 SERVER = ROOT / "python" / KEY / "server.py"
@@ -47,9 +45,9 @@ def test_ten_exchanges(kind, serve, start, client_command):
     assert client.lines == [f"asking {endpoint}", *TEN]
     # The server prints after it has sent: its tenth line may come later than the client's end.
     for i in range(10):
-        server.wait_for("^sent World$", start=1 + i)
+        server.wait_for("^sent b'World'$", start=1 + i)
     assert server.stop() == 0
-    assert server.lines == [f"listening on {endpoint}", *["sent World"] * 10]
+    assert server.lines == [f"listening on {endpoint}", *["sent b'World'"] * 10]
 
 
 @pytest.mark.parametrize(
@@ -124,7 +122,7 @@ def test_numbers_and_text_are_the_same_under_a_german_locale(serve, start, clien
         LC_ALL="de_DE.UTF-8",
     )
     assert client.wait() == 0, client.output
-    assert client.lines[1].startswith("1: sent Grüße, received error: expected Hello, got 7 bytes")
+    assert client.lines[1].startswith("1: sent Grüße, received error: expected Hello, got 'Grüße'")
 
 
 GARBAGE = {
@@ -287,7 +285,7 @@ def test_a_request_that_is_too_large_is_not_read(serve, context):
         assert not rude.poll(0)
         rude.disable_monitor()
     assert server.stop() == 0
-    assert server.lines == [f"listening on {endpoint}", "sent World"]
+    assert server.lines == [f"listening on {endpoint}", "sent b'World'"]
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
@@ -318,9 +316,9 @@ def test_a_client_does_not_wait_for_ever_to_send(kind, start, client_command):
 @pytest.mark.parametrize(
     ("body", "reply"),
     [
-        ("raise ValueError('no\\nsuch world')", b"error: ValueError: no?such world"),
-        ("return None", b"error: AttributeError: "),
-        ("return chr(0xd800)", b"error: UnicodeEncodeError: "),
+        ("raise ValueError('no\\nsuch world')", b"error: ValueError('no\\nsuch world')"),
+        ("return None", b"error: AttributeError("),
+        ("return chr(0xd800)", b"error: UnicodeEncodeError("),
     ],
     ids=["an exception", "nothing", "half a character"],
 )
@@ -328,7 +326,7 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(body, reply, start, 
     code = (
         f"import sys; sys.path.insert(0, {str(SERVER.parent)!r}); import server\n"
         "first = [True]\n"
-        "def answer(frames):\n"
+        "def answer(text):\n"
         "    if first:\n"
         "        first.clear()\n"
         f"        {body}\n"
@@ -344,21 +342,14 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(body, reply, start, 
 
 def test_a_flood_of_bad_requests_is_no_flood_of_lines(serve, context):
     server, endpoint = serve(KEY)
-    rude = 0
     with context.socket(zmq.REQ) as asker:
         asker.linger = 0
         asker.connect(endpoint)
-        deadline = time.monotonic() + LIMIT
-        while "more in the last second" not in server.output:
-            assert time.monotonic() < deadline, server.output[-1000:]
+        for _ in range(100):
             asker.send(b"\x1b[2J")
             assert asker.poll(20_000)
-            asker.recv()
-            rude += 1
+            assert asker.recv() == rb"error: expected Hello, got '\x1b[2J'"
     assert ask(context, endpoint, b"Hello") == [b"World"]
-    server.wait_for("^sent World$")
+    server.wait_for("^sent b'World'$")
     assert server.stop() == 0
-    assert rude > 10
-    assert len(server.lines) <= 2 + 2 * LIMIT, "two lines a second at most"
-    left_out = sum(int(m[1].replace(",", "")) for m in re.finditer(r"^… ([\d,]+) more", server.output, re.MULTILINE))
-    assert 0 < left_out + server.output.count("sent error") <= rude
+    assert server.lines == [f"listening on {endpoint}", "sent b'World'"], "who asked knows it"

@@ -6,7 +6,6 @@ The table is *The contract of every program* in CONTRIBUTING.md. What a lesson's
 
 from __future__ import annotations
 
-import errno
 import functools
 import re
 import signal
@@ -155,20 +154,10 @@ def test_a_taken_port_is_named_with_its_cure(key, serve, start, tmp_path):
             ["--endpoint", place] if name == "listening" else ["--endpoint", "tcp://127.0.0.1:0", f"--{name}", place]
         )
         second = start(PYTHON, server_of(key), *kept_there(key, elsewhere), *words)
-        cure = "try --endpoint tcp://127.0.0.1:0, which takes a free one"
-        assert ended(second, 1) == f"cannot listen on {place}: the port is taken; {cure}"
-        assert len(second.lines) == 1
-
-
-@each_lesson
-def test_a_port_that_the_system_keeps_for_itself_is_not_called_taken(key, start, tmp_path):
-    code = (
-        f"import sys, zmq; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
-        f"def bind(*_): raise zmq.ZMQError({errno.EACCES})\n"
-        "zmq.Socket.bind = bind; server.main()"
-    )
-    server = start(PYTHON, "-c", code, *kept_there(key, tmp_path))
-    assert "the system reserves this port; try --endpoint tcp://127.0.0.1:0" in ended(server, 1)
+        cause = zmq.strerror(zmq.EADDRINUSE)
+        cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
+        assert ended(second, 1) == f"cannot listen on {place}: {cause}; {cure}"
+        assert "listening" not in second.output
 
 
 # A server goes on, and ends
@@ -193,9 +182,11 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(k
             rude.send_multipart(frames)
         assert rude.poll(20_000), "no answer to what is no request"
         assert HARM not in rude.recv_multipart()[-1:]
-    count = ["--count", "1"] if "--count" in options(client_of(key)) else []
-    client = start(*client_command("python", key, endpoint, *others(server), *count))
-    assert client.wait() == 0, client.output
+        # While the stranger is still there: when one that sends REP no empty frame leaves at once, libzmq up to 4.3.5
+        # loses the next client's reply, and asking again is lesson 02.
+        count = ["--count", "1"] if "--count" in options(client_of(key)) else []
+        client = start(*client_command("python", key, endpoint, *others(server), *count))
+        assert client.wait() == 0, client.output
     assert server.stop() == 0, server.output
     assert "Traceback" not in server.output
     assert [line for line in server.lines if not line.isprintable()] == []
