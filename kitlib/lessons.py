@@ -98,10 +98,19 @@ class Lesson:
         return folder if writable(folder) else ROOT
 
     @property
+    def header(self) -> str:
+        """What stands at the top of the server."""
+        return ast.get_docstring(ast.parse((self.python / "server.py").read_text(encoding="utf-8"))) or self.key
+
+    @property
     def title(self) -> str:
-        """The first line of the server, without the lesson's number."""
-        text = ast.get_docstring(ast.parse((self.python / "server.py").read_text(encoding="utf-8"))) or self.key
-        return re.sub(r"^Lesson \d+, ", "", text.splitlines()[0])
+        """Its first line, without the lesson's number."""
+        return re.sub(r"^Lesson \d+, ", "", self.header.splitlines()[0])
+
+    @property
+    def also(self) -> list[list[str]]:
+        """What else belongs to a run, as the header says it: `Also started: gateway.py --port 0`."""
+        return [line.split() for line in re.findall(r"^ *Also started: (.+)$", self.header, re.MULTILINE)]
 
 
 def lessons() -> list[Lesson]:

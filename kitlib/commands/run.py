@@ -46,7 +46,8 @@ def do(options: argparse.Namespace) -> int:
     python = python_setup.interpreter(lesson.key)
     client = [*client_command(options.client, lesson, python, options.engine), *for_client]
     given = ["--endpoint", options.endpoint] if options.endpoint else []
-    return run(lesson, [*server_command(lesson, python), *given, *for_server], client)
+    others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
+    return run(lesson, [*server_command(lesson, python), *given, *for_server], others, client)
 
 
 def server_command(lesson: Lesson, python: Path) -> list[str]:
@@ -70,8 +71,8 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
     return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]
 
 
-def run(lesson: Lesson, server: list[str], client: list[str]) -> int:
-    """Run both sides; returns the client's exit code."""
+def run(lesson: Lesson, server: list[str], others: list[list[str]], client: list[str]) -> int:
+    """Run both sides, and what else the lesson starts; returns the client's exit code."""
     started: list[Program] = []
     last: list[str] = []
 
@@ -91,6 +92,11 @@ def run(lesson: Lesson, server: list[str], client: list[str]) -> int:
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
         for name, address in ready(started[0]).items():
             client = [*client, f"--{name}", address]
+        for other in others:
+            with later():
+                heard = functools.partial(show, Path(other[1]).stem)
+                started.append(Program(other, folder=lesson.folder(), heard=heard))
+            ready(started[-1])
         with later():
             started.append(Program(client, folder=lesson.folder(), heard=hear_client))
         return wait(started[-1].process)

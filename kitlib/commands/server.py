@@ -1,11 +1,13 @@
 """Runs a lesson's server alone."""
 
 import argparse
+import socket
 
 from kitlib.commands.run import server_command
 from kitlib.lessons import find
 from kitlib.programs import alone
 from kitlib.setup import python_setup
+from kitlib.terminal import say
 
 ABOUT = "Runs a lesson's server in this terminal, until Ctrl-C. Other words than these are its own options."
 EXAMPLES = ["server 1", "server 4 --drop 3   it loses request 3"]
@@ -19,4 +21,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def do(options: argparse.Namespace) -> int:
     lesson = find(options.lesson)
     python = python_setup.interpreter(lesson.key)
+    if any("0.0.0.0" in word for word in options.words):
+        say(f"0.0.0.0 stands for every network that this machine is in; other machines connect to {address()}")
     return alone([*server_command(lesson, python), *options.words], lesson.folder())
+
+
+def address() -> str:
+    """By which others reach this machine: its address in the network through which it would answer them."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # For a datagram this only chooses the network: nothing is sent.
+            probe.connect(("192.0.2.1", 9))
+            return str(probe.getsockname()[0])
+        except OSError:
+            return "its address, but it is in no network now"

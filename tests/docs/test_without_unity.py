@@ -40,7 +40,7 @@ def test_the_readme_says_how_many_files_to_copy():
     words = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
     counts = [len(files) for row in table() for files in row[1:]]
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"Copy its files, {words[min(counts)]} to {words[max(counts)]} on each side" in readme
+    assert f"copy a lesson's files, {words[min(counts)]} to {words[max(counts)]} on each side" in readme
 
 
 def scripts(names):

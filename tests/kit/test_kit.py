@@ -108,7 +108,7 @@ def test_a_second_build_happens_only_after_a_change(engine, prepared, start):
     third = start(*command)
     assert third.wait(300) == 0
     assert "building" in third.output
-    assert "client | 1: sent Hello, received error: expected Hello, got 3 bytes beginning b'Bye'" in third.lines
+    assert "client | 1: sent Hello, received error: expected Hello, got 'Bye'" in third.lines
 
 
 class Stopped:
@@ -541,6 +541,36 @@ def test_the_last_line_is_the_clients(prepared, start):
     program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python")
     assert program.wait(120) == 0, program.output
     assert program.lines[-3:] == ["client | 1: sent Hello", "server | sent b'World'", "client | done: 1 replies"]
+
+
+SECOND = """
+import sys, time
+print("listening on tcp://127.0.0.1:1", flush=True)
+print("told", *sys.argv[1:], flush=True)
+time.sleep(60)
+"""
+
+
+def test_a_lesson_says_what_else_is_started(prepared, start):
+    lesson = prepared / "python" / "01_request_reply"
+    server = lesson / "server.py"
+    text = server.read_text(encoding="utf-8")
+    server.write_text(text.replace("Trouble on command", "Also started: second.py --port 0\nTrouble on command", 1))
+    (lesson / "second.py").write_text(SECOND, encoding="utf-8")
+    program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0")
+    assert program.wait(120) == 0, program.output
+    second = program.lines.index("second | listening on tcp://127.0.0.1:1")
+    assert "second | told --port 0" in program.lines
+    asked = next(i for i, line in enumerate(program.lines) if line.startswith("client | asking"))
+    assert second < asked, "the client is the last to start"
+
+
+def test_a_server_on_every_network_says_where_it_is_reached(start):
+    server = start(PYTHON, KIT, "server", "1", "--endpoint", "tcp://0.0.0.0:0")
+    assert re.search(
+        r"other machines connect to (\d+\.\d+\.\d+\.\d+|its address, but)", server.wait_for("^kit ").string
+    )
+    server.wait_for(r"^listening on tcp://0\.0\.0\.0:\d+$")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends a Ctrl-C in another way")
