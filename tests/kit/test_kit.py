@@ -627,6 +627,7 @@ def test_a_damaged_memory_is_as_good_as_none(damage, prepared, start):
         assert "Traceback" not in program.output
 
 
+@pytest.mark.long
 @pytest.mark.timeout(600)
 def test_what_a_full_disk_leaves_of_a_build_is_built_again(engine, prepared, start):
     """Empty files: .NET's own builds take them for finished."""
@@ -670,6 +671,7 @@ def has_wheels():
     return Path(links)
 
 
+@pytest.mark.long
 def test_a_damaged_venv_is_made_anew(copy, bare_python, start):
     has_wheels()
     command = own_run(copy, bare_python, "--client", "python")

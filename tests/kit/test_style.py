@@ -62,6 +62,7 @@ def test_mypy(files, tmp_path):
 PROJECTS = [path for tree in ("csharp-*", "lab", "tests") for path in ROOT.glob(f"{tree}/**/*.csproj")]
 
 
+@pytest.mark.long
 @pytest.mark.timeout(600)
 def test_dotnet_format(console, engine, tmp_path):
     """Every C# project of the solution, in one that every SDK reads: those before 9 do not read .slnx."""

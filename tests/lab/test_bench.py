@@ -67,6 +67,12 @@ def test_a_quick_run_measures_everything_that_can_run_here(quick):
 
 
 @finds_processes
+def test_what_measures_is_in_one_group(request):
+    """Beside each other they would measure each other."""
+    side_by_side = getattr(request.config.option, "loadgroup", False)
+    assert request.node.nodeid.endswith("@times") == side_by_side
+
+
 def test_nothing_of_a_run_is_left(quick):
     assert quick[2] == {}
 
