@@ -35,8 +35,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if "long" in item.keywords and not config.getoption("--long"):
             item.add_marker(pytest.mark.skip(reason="takes minutes: run with --long"))
-        # The names of a group's tests end in its name, by which a worker gets them all. Up to 3.8 pytest-xdist writes that
-        # into a field that pytest 9.2 does not read any more: github.com/pytest-dev/pytest-xdist/issues/1386.
+        # The names of a group's tests end in its name, by which a worker gets them all. Up to 3.8 pytest-xdist writes
+        # it into a field that pytest 9.2 does not read any more: github.com/pytest-dev/pytest-xdist/issues/1386.
         group = item.get_closest_marker("xdist_group")
         if group and getattr(config.option, "loadgroup", False) and not item.nodeid.endswith(f"@{group.args[0]}"):
             item._id = item._id.parse(f"{item.nodeid}@{group.args[0]}")  # type: ignore[attr-defined]
