@@ -101,7 +101,7 @@ def engines(asked: str | None) -> dict[str, dotnet.Engine]:
 def echoes(lab: Lab) -> list[dict[str, Any]]:
     """Round trips of each size, first the small ones that everybody can do."""
     everywhere = [TCP, BARE, POOLED, NAIVE, WEBSOCKET, HTTP, GRPC, JSON]
-    there = [*elsewhere("offline", "offline engine"), *elsewhere("mono", "on Mono")]
+    there = [*elsewhere("offline", "libzmq engine"), *elsewhere("mono", "on Mono")]
     found = []
     for title, size in SIZES.items():
         if size == 32:
@@ -114,7 +114,7 @@ def echoes(lab: Lab) -> list[dict[str, Any]]:
 
 def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     """One way, one to many, many to one, and a server that thinks."""
-    offline = [each for each in elsewhere("offline", "offline engine") if each.name == BARE.name]
+    offline = [each for each in elsewhere("offline", "libzmq engine") if each.name == BARE.name]
     one_way = [TCP, BARE, WEBSOCKET, JSON, *offline]
     stream = f"stream {{name}} {{endpoint}} {PICTURE} {lab.moment}"
     found = [lab.work("one way, frames of 230,400 B", one_way, stream)]

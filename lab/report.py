@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 FIRST, FRAMES = "milliseconds to the first reply", "main thread, each frame"
-RUNTIMES = {"dotnet": ".NET", "offline": ".NET, offline engine", "mono": "Mono"}
+RUNTIMES = {"dotnet": ".NET", "offline": ".NET, libzmq engine", "mono": "Mono"}
 HEAD = (
     *("", "a second", "least", "to TCP", "most", "p50 us", "p99 us", "p99.9 us"),
     *("client us", "server us", "client sleeps", "server sleeps"),
@@ -55,7 +55,7 @@ def goals(results: dict[str, Any]) -> list[str]:
     small, large = "echo of 32 B", "echo of 230,400 B"
     rows: list[tuple[str, ...]] = [("", "aimed at", "this run", "NetMQ alone", "libzmq alone")]
     for label, title, aim in (("lesson 01", small, "0.90"), ("lesson 05, pooled", large, "0.80")):
-        alone = [f"{middle(title, each):.2f}" for each in ("NetMQ alone", "NetMQ alone, offline engine")]
+        alone = [f"{middle(title, each):.2f}" for each in ("NetMQ alone", "NetMQ alone, libzmq engine")]
         rows.append((f"{label}, {title}, to raw TCP", aim, f"{middle(title, label):.2f}", *alone))
     for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
         first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")

@@ -25,7 +25,7 @@ if sys.platform == "win32":
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the offline engine over libzmq")
+    parser.addoption("--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the libzmq engine")
     parser.addoption("--long", action="store_true", help="also run the tests that take minutes")
 
 

@@ -74,7 +74,7 @@ def csharp_rows() -> Iterator[Row]:
     except KitError as error:
         yield False, "engine", str(error)
         return
-    cure = "" if engine.name == "netmq" else "; the offline engine serves all lessons, and NetMQ needs NuGet"
+    cure = "" if engine.name == "netmq" else "; the libzmq engine serves all lessons, and NetMQ needs NuGet"
     yield engine.name == "netmq", "NetMQ", f"{engine.why}{cure}"
     yield True, "engine", engine.name
 

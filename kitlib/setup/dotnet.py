@@ -24,7 +24,7 @@ BUILD = ROOT / ".build"
 CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
 ENGINES = ("netmq", "libzmq")
-ENGINE_HELP = "NetMQ from NuGet, or the offline engine over libzmq"
+ENGINE_HELP = "NetMQ from NuGet, or the libzmq engine"
 PROPS = BUILD / "engine.props"
 # Who builds or restores holds it: all projects share what stands in .build.
 LOCK = BUILD / "lock"
@@ -106,7 +106,7 @@ def forget_damaged(engine: Engine) -> None:
 
 
 def choose_engine(asked: str | None = None, ask_again: bool = False) -> Engine:
-    """NetMQ from NuGet; where NuGet cannot give it, the offline engine. `asked` overrides."""
+    """NetMQ from NuGet; where NuGet cannot give it, the libzmq engine. `asked` overrides."""
     memory = BUILD / "engine.json"
     settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.upper().startswith("NUGET"))
     targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")

@@ -18,7 +18,7 @@ from tests.programs import ROOT
 
 PAGE = ROOT / "docs" / "guide" / "without_unity.md"
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
-OFFLINE_ENGINE = ROOT / "csharp-support" / "libzmq-engine" / "NetMQ.csproj"
+LIBZMQ_ENGINE = ROOT / "csharp-support" / "libzmq-engine" / "NetMQ.csproj"
 
 
 def program(language):
@@ -97,7 +97,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     text = program("xml")
     if engine.name == "libzmq":
         package = re.search(r"<PackageReference.*/>", text)[0]
-        text = text.replace(package, f'<ProjectReference Include="{OFFLINE_ENGINE}" />')
+        text = text.replace(package, f'<ProjectReference Include="{LIBZMQ_ENGINE}" />')
     project.write_text(text, encoding="utf-8")
     (tmp_path / "Program.cs").write_text(program("csharp"), encoding="utf-8")
     for path in {path for _, csharp, _, _ in table() for path in scripts(csharp)}:
@@ -121,5 +121,6 @@ def test_the_python_program_runs(tmp_path, serve):
     _, endpoint = serve("05_messages")
     command = [PYTHON, tmp_path / "program.py", endpoint]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    said = re.search(r"answers where the bright pixel is: `(.*)`", PAGE.read_text(encoding="utf-8"))[1]
+    page = " ".join(PAGE.read_text(encoding="utf-8").split())
+    said = re.search(r"answers where the bright pixel is: `([^`]*)`", page)[1]
     assert done.stdout == f"{said}\n", done.stdout + done.stderr

@@ -720,7 +720,7 @@ def without_nuget(monkeypatch, tmp_path, output="error NU1301: Unable to load th
     monkeypatch.setattr(dotnet, "restore", lambda *_: Result(1, output) if output else Result(0, ""))
 
 
-def test_windows_has_no_libzmq_for_the_offline_engine(monkeypatch, tmp_path, capsys):
+def test_windows_has_no_libzmq_for_the_libzmq_engine(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(lessons, "WINDOWS", True)
     without_nuget(monkeypatch, tmp_path)
     for _ in range(2):

@@ -872,6 +872,6 @@ def measured(serve, start, console):
 
 def test_pooled_buffers_are_used_again(serve, start, console, engine):
     (naive, pooled), _ = measured(serve, start, console)
-    # NetMQ itself makes three arrays of a picture's size, the offline engine only the one that it gives to the user.
+    # NetMQ itself makes three arrays of a picture's size, the libzmq engine only the one that it gives to the user.
     assert naive > 230_400 * (3 if engine.name == "netmq" else 1)
     assert pooled < 23_040, "less than a tenth of one picture"
