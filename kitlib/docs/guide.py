@@ -189,9 +189,10 @@ def same(expected: Sequence[str], found: Sequence[str]) -> bool:
 def shape(lines: Sequence[str]) -> list[str]:
     """The lines with every number and id replaced, and what repeats itself said once.
 
-    In a column a number with one digit more has one space less before it, which is no other text.
+    In a column a number with one digit more has one space less before it, which is no other text. An id is hexadecimal,
+    and now and then it has only digits.
     """
-    plain = [re.sub(r" *-?\d+(\.\d+)?", " N", re.sub(r"\b[0-9a-f]{8,32}\b", "ID", line)) for line in lines]
+    plain = [re.sub(r" *(\b[0-9a-f]{8,32}\b|-?\d+(\.\d+)?)", " N", line) for line in lines]
     return [line for line, _ in groupby(plain)]
 
 
