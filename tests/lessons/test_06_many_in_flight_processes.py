@@ -216,16 +216,18 @@ def test_a_pulled_cable_is_known_within_2_s(kind, cable, start, client_command):
     there, inside, set_cable = cable
     server = start(*inside, PYTHON, SERVER, "--endpoint", f"tcp://{there}:*")
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    options = ("--count", "4", "--window", "2", "--text", "sleep 1", "--patience", "2", "--tries", "30")
+    options = ("--count", "6", "--window", "2", "--text", "sleep 1", "--patience", "2", "--tries", "30")
     client = start(*client_command(kind, KEY, endpoint, *options))
     server.wait_for("^clients: 1")
+    # There are heartbeats only once both have greeted each other; a connection without that ends after 30 s.
+    client.wait_for("sent sleep 1")
     since = time.monotonic()
     set_cable("down")
     server.wait_for("^clients: 0")
     assert time.monotonic() - since < 2.5
     set_cable("up")
     assert client.wait() == 0, client.output
-    assert client.lines[-1] == "done: 4 replies"
+    assert client.lines[-1] == "done: 6 replies"
 
 
 def crowded(kinds, crowds, clients, requests, each, kill_every, serve, start, client_command):
