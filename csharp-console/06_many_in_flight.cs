@@ -1,7 +1,7 @@
 // Lesson 06 in a terminal: the console twin of ManyClient.cs, with the same ManyRequester.
 //
-//     dotnet run --project csharp-console -- 6                a slow request does not hold up the others
-//     dotnet run --project csharp-console -- 6 --measure      how much faster it is; lesson 01's server must run as well
+//     dotnet run --project csharp-console -- 6                  a slow request does not hold up the others
+//     dotnet run --project csharp-console -- 6 --window 1       one after the other, as in lesson 01
 using System;
 using System.Linq;
 
@@ -13,34 +13,29 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5556");
             var count = arguments.Whole("count", 6);
-            var texts = arguments.Text("text", "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three").Split('|');
+            var text = arguments.Text("text", "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three");
             var window = arguments.Whole("window", 4);
             var patience = arguments.Seconds("patience", 2.5);
             var tries = arguments.Whole("tries", 3);
-            var quiet = arguments.Flag("quiet");
-            var measure = arguments.Flag("measure");
-            var rounds = arguments.Whole("rounds", 9);
-            var alternation = arguments.Text("alternation", "tcp://127.0.0.1:5551");
             arguments.RefuseTheRest();
-            if (window < 1 || tries < 1) throw new UsageException("--window and --tries take a whole number, 1 or more");
-            if (measure)
-            {
-                Measure06.Run(endpoint, alternation, Math.Max(1, rounds));
-                return;
-            }
+            if (window < 1 || tries < 1)
+                throw new UsageException("--window and --tries take a whole number, 1 or more");
 
             Console.WriteLine($"asking {endpoint}, {window} in flight");
             using var requester = new ManyRequester(endpoint, window, patience, tries, Console.WriteLine);
-            var failures = 0;
-            foreach (var answer in requester.RequestMany(Enumerable.Range(0, count).Select(i => texts[i % texts.Length])))
+            var (texts, failures) = (text.Split('|'), 0);
+            var requests = Enumerable.Range(0, count).Select(i => texts[i % texts.Length]);
+            foreach (var answer in requester.RequestMany(requests))
             {
                 if (answer.Failure != null) failures++;
-                var outcome = answer.Failure == null ? $"received {NetMQLifetime.Printable(answer.Reply)}" : $"gave up: {answer.Failure}";
-                if (answer.Failure != null || !quiet)
-                    Console.WriteLine($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
+                var outcome = answer.Failure == null
+                    ? $"received {NetMQLifetime.Printable(answer.Reply)}"
+                    : $"gave up: {answer.Failure}";
+                Console.WriteLine($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
             }
             Console.WriteLine($"done: {count - failures} replies");
-            if (failures > 0) throw new TimeoutException($"{failures} of {count} requests to {endpoint} have no reply; see above");
+            var where = $"{count} requests to {endpoint}";
+            if (failures > 0) throw new TimeoutException($"{failures} of {where} have no reply; see above");
         }
     }
 }

@@ -1,10 +1,9 @@
 """Lesson 06, the router: takes requests of many clients in, lets workers have them in turn, and sends replies out.
 
-Take home: this file, workers.py and server.py, which shows their use.
+Take home: this file, workers.py, server_processes.py, which shows their use, and server.py.
 """
 
-from __future__ import annotations
-
+import contextlib
 import time
 from collections import OrderedDict
 
@@ -12,19 +11,23 @@ import zmq
 from workers import Work, Workers, attempt
 from zmq.utils.monitor import recv_monitor_message
 
-# The bytes of a text, and of all that wait, whoever sent them: who comes and goes leaves some behind for a while.
-LIMIT, ALL_LIMIT = 65_536, 100_000_000
-# What a request takes in memory beside its own bytes, roughly.
-OVERHEAD = 300
+# The bytes of a text, and of all that wait, whoever sent them: who comes and goes leaves some behind for a while. And
+# what a request takes in memory beside its own bytes, roughly.
+LIMIT, ALL_LIMIT, OVERHEAD = 65_536, 100_000_000, 300
+
+
+def footprint(request_id: bytes, text: bytes) -> int:
+    return len(request_id) + len(text) + OVERHEAD
 
 
 class Router:
-    """Answers requests over a ROUTER socket, which it alone uses. What begins with one of `at_once` needs no worker."""
+    """Answers requests over a ROUTER socket, which it alone uses."""
 
-    def __init__(
-        self, socket: zmq.Socket[bytes], workers: Workers, work: Work, queue: int, at_once: tuple[bytes, ...] = ()
-    ) -> None:
-        self.socket, self.workers, self.work, self.queue, self.at_once = socket, workers, work, queue, at_once
+    # What begins so is answered by the router itself: handing it to a worker would cost more than this work.
+    at_once: tuple[bytes, ...] = ()
+
+    def __init__(self, socket: zmq.Socket[bytes], workers: Workers, work: Work, queue: int) -> None:
+        self.socket, self.workers, self.work, self.queue = socket, workers, work, queue
         # client -> id -> text: the clients in the order in which it is their turn, each with its own queue.
         self.waiting: OrderedDict[bytes, OrderedDict[bytes, bytes]] = OrderedDict()
         self.size = 0
@@ -38,15 +41,13 @@ class Router:
         clients, told, said = 0, 0, 0.0
         while True:
             # A poll with a limit, because on Windows Ctrl-C does not interrupt a wait without one.
-            ready = dict(poller.poll(200))
-            if self.monitor in ready:
-                clients += self.newcomers()
+            poller.poll(200)
+            clients += self.newcomers()
             # One such line a second: many that come and go must not fill a disk.
             if clients != told and time.monotonic() >= said + 1:
                 print(f"clients: {clients}", flush=True)
                 told, said = clients, time.monotonic()
-            if self.socket in ready:
-                self.take_in()
+            self.take_in()
             for client, request_id, text in self.workers.finished():
                 self.at_work.discard((client, request_id))
                 self.reply(client, request_id, text)
@@ -55,17 +56,14 @@ class Router:
     def newcomers(self) -> int:
         """How many clients more there are than before."""
         more = 0
-        try:
-            for _ in range(1000):
-                more += 1 if recv_monitor_message(self.monitor, zmq.NOBLOCK)["event"] == zmq.EVENT_ACCEPTED else -1
-        except zmq.Again:
-            pass
+        while self.monitor.poll(0):
+            more += 1 if recv_monitor_message(self.monitor)["event"] == zmq.EVENT_ACCEPTED else -1
         return more
 
     def take_in(self) -> None:
         """Everything that has arrived, up to a limit: one poll for many requests is what makes it fast."""
         receive, more = self.socket.recv, self.socket.getsockopt
-        try:
+        with contextlib.suppress(zmq.Again):
             for _ in range(1000):
                 # Frame by frame: recv_multipart asks more questions for each message, and costs a third of the rate.
                 client, request_id = receive(zmq.NOBLOCK), receive(zmq.NOBLOCK)
@@ -77,8 +75,6 @@ class Router:
                     self.reply(client, request_id, attempt(self.work, text))
                 else:
                     self.enqueue(client, request_id, text)
-        except zmq.Again:
-            pass
 
     def enqueue(self, client: bytes, request_id: bytes, text: bytes) -> None:
         mine = self.waiting.get(client, OrderedDict())
@@ -87,22 +83,18 @@ class Router:
             return
         if len(mine) >= self.queue:
             self.reply(client, request_id, b"error: busy: %d requests of yours wait already" % self.queue)
-        elif self.size + self.footprint(request_id, text) > ALL_LIMIT:
+        elif self.size + footprint(request_id, text) > ALL_LIMIT:
             self.reply(client, request_id, b"error: busy: %d bytes of requests wait already" % self.size)
         else:
             self.waiting.setdefault(client, mine)[request_id] = text
-            self.size += self.footprint(request_id, text)
-
-    @staticmethod
-    def footprint(request_id: bytes, text: bytes) -> int:
-        return len(request_id) + len(text) + OVERHEAD
+            self.size += footprint(request_id, text)
 
     def hand_out(self) -> None:
         """One request of each client in turn, however many one of them has waiting."""
         while self.waiting and self.workers.free:
             client, mine = self.waiting.popitem(last=False)
             request_id, text = mine.popitem(last=False)
-            self.size -= self.footprint(request_id, text)
+            self.size -= footprint(request_id, text)
             self.at_work.add((client, request_id))
             self.workers.take((client, request_id, text))
             if mine:
@@ -112,13 +104,11 @@ class Router:
         if len(text) > LIMIT:
             text = b"error: the reply has %d bytes, the limit is %d" % (len(text), LIMIT)
         try:
-            self.socket.send(client, zmq.SNDMORE | zmq.NOBLOCK)
-            self.socket.send(request_id, zmq.SNDMORE | zmq.NOBLOCK)
-            self.socket.send(text, zmq.NOBLOCK)
+            self.socket.send_multipart([client, request_id, text], zmq.NOBLOCK)
         except zmq.Again:
             # It does not read its replies. Keeping them would fill the memory; it may ask again.
             pass
         except zmq.ZMQError:
             # It is gone: nobody waits for the rest of its requests.
             mine = self.waiting.pop(client, OrderedDict())
-            self.size -= sum(self.footprint(*request) for request in mine.items())
+            self.size -= sum(footprint(*request) for request in mine.items())

@@ -5,10 +5,8 @@
 
 Python computes on one thread at a time, so threads share one core and processes have one each. A process that dies
 takes one request with it, which is answered with an error, and the next one has a new process.
-Take home: this file, router.py and server.py.
+Take home: this file, router.py, server_processes.py and server.py.
 """
-
-from __future__ import annotations
 
 import multiprocessing
 import random

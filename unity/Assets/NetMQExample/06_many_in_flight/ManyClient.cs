@@ -35,7 +35,8 @@ namespace NetMQExample
                 Log($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
             }
             Log($"done: {count - failures} replies");
-            if (failures > 0) throw new TimeoutException($"{failures} of {count} requests to {endpoint} have no reply; see above");
+            var where = $"{count} requests to {endpoint}";
+            if (failures > 0) throw new TimeoutException($"{failures} of {where} have no reply; see above");
         }
     }
 }
