@@ -76,7 +76,6 @@ class BackgroundClient:
             for number, (text, reply, error) in enumerate(iter(self.waiting.get, None), 1):
                 try:
                     self.done.put((reply, self._ask(context, number, text)))
-                    self.status = "Connected", self.status[1]
                 except Exception as failure:
                     # Whatever it is, this thread goes on, and the caller gets to know.
                     self.status = "Lost", str(failure)
@@ -95,31 +94,27 @@ class BackgroundClient:
                 self.socket.connect(self.endpoint)
             # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
             patience = self.patience * min(2 ** (attempt - 1), 8)
-            frames = self._exchange(self.socket, request, patience)
+            end, frames = time.monotonic() + patience, list[bytes]()
+            with contextlib.suppress(zmq.Again):
+                # Without waiting: after a peer that broke the protocol there may be no connection to send on.
+                self.socket.send_multipart(request, zmq.NOBLOCK)
+                while not self.socket.poll(50) and time.monotonic() < end and not self.stop.is_set():
+                    pass
+                frames = self.socket.recv_multipart(zmq.NOBLOCK)
             if len(frames) == 2 and frames[0] == request[0]:
+                self.status = "Connected", self.status[1]
                 return frames[1].decode(errors="replace")
             trouble = "dropped a reply to another request" if frames else f"no reply within {patience:g} s"
             # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
             self._close_socket()
+            if time.monotonic() < end:
+                # It came at once, and so may the next: without a pause all tries are over in a millisecond.
+                self.stop.wait(0.25)
             if attempt < self.tries:
                 self.status = "Retrying", f"{number}: {trouble}; try {attempt + 1} of {self.tries}"
         what = f"{self.tries} tries to ask {self.endpoint}, the last: {trouble}"
         cure = "is the right server running, or the line slow?"
         raise TimeoutError(f"{what}; {cure} '{text.decode()}' may have been done or not")
-
-    def _exchange(self, socket: zmq.Socket[bytes], request: list[bytes], patience: float) -> list[bytes]:
-        """One try: the frames that came back, if any."""
-        end, frames = time.monotonic() + patience, list[bytes]()
-        with contextlib.suppress(zmq.Again):
-            # Without waiting: after a peer that broke the protocol there may be no connection to send on.
-            socket.send_multipart(request, zmq.NOBLOCK)
-            while not socket.poll(50) and time.monotonic() < end and not self.stop.is_set():
-                pass
-            frames = socket.recv_multipart(zmq.NOBLOCK)
-        if frames[:1] != request[:1] and time.monotonic() < end:
-            # It may have come at once, and so may the next: without a pause all tries are over in a millisecond.
-            self.stop.wait(0.25)
-        return frames
 
     def _close_socket(self) -> None:
         if self.socket:
