@@ -8,7 +8,7 @@ from kitlib.programs import alone
 from kitlib.setup import python_setup
 
 ABOUT = "Runs a lesson's server in this terminal, until Ctrl-C. Other words than these are its own options."
-EXAMPLES = ["server 1", "server 4 --drop 3   it loses request 3"]
+EXAMPLES = ["server 1", "server 2 --drop 3   it loses reply 3"]
 PASSES_ON = True
 
 
