@@ -1,7 +1,7 @@
 // Lesson 02 in Unity: the lazy pirate asks on a thread of its own, and Update logs what it brings back.
 //
-// Use: start python/02_lazy_pirate/server.py, add this component to any GameObject, set Count to 100000, press Play. Then
-// stop the server, see the retries in the console, and start it again: the count goes on where it was.
+// Use: start python/02_lazy_pirate/server.py, add this component to any GameObject, set Count to 100000, press Play.
+// Then stop the server, see the retries in the console, and start it again: the count goes on where it was.
 using System.Threading;
 using UnityEngine;
 

@@ -49,7 +49,8 @@ namespace NetMQExample
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The reply's text.</returns>
-        /// <exception cref="TimeoutException">No try was answered. The request may have been done all the same.</exception>
+        /// <exception cref="TimeoutException">No try was answered. The request may have been done all the
+        /// same.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Request(string text, CancellationToken stop = default)
         {

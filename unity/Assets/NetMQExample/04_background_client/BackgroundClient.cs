@@ -9,8 +9,8 @@
 // BackgroundClientAsync.cs. The Python side is python/04_background_client/server.py.
 // Bytes: those of lesson 02, [id][text] each way. Its LazyPirateRequester asks and asks again; here are only the thread
 // that lets it wait, and the queues between that thread and yours.
-// Trouble: --slow-on of the server, or no server at all. Update goes on, State and LastError say what is wrong, and each
-// request ends in exactly one of its two callbacks.
+// Trouble: --slow-on of the server, or no server at all. Update goes on, State and LastError say what is wrong, and
+// each request ends in exactly one of its two callbacks.
 // Cost: nothing is allocated on the main thread if you make the callbacks once and keep them in fields. Written as
 // above, `reply => …` at the call, each request makes new objects, which is fine for a few requests a second.
 using System;
@@ -58,15 +58,16 @@ namespace NetMQExample
 
         /// <summary>Starts the network thread, and succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5554</c>.</param>
-        /// <param name="patience">How long the first try waits for its reply, 1 s when left out. Each try waits twice as
-        /// long as the one before, at most 8 times as long as the first.</param>
+        /// <param name="patience">How long the first try waits for its reply, 1 s when left out. Each try waits twice
+        /// as long as the one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="capacity">How many requests may be under way; one more is refused.</param>
         public BackgroundClient(string endpoint, TimeSpan? patience = null, int tries = 3, int capacity = 64)
         {
             if (tries < 1 || capacity < 1) throw new ArgumentException("tries and capacity must be at least 1");
             this.capacity = capacity;
-            thread = new Thread(() => Talk(endpoint, patience ?? TimeSpan.FromSeconds(1), tries)) { IsBackground = true };
+            var first = patience ?? TimeSpan.FromSeconds(1);
+            thread = new Thread(() => Talk(endpoint, first, tries)) { IsBackground = true };
             thread.Start();
         }
 
@@ -92,8 +93,8 @@ namespace NetMQExample
         /// <param name="reply">Gets the reply's text. A text that begins with <c>error:</c> is a reply too.</param>
         /// <param name="error">Gets the reason why there is no reply.</param>
         /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
-        /// <returns>False if refused, because as many as have room are under way, or after Dispose: neither callback will
-        /// run.</returns>
+        /// <returns>False if refused, because as many as have room are under way, or after Dispose: neither callback
+        /// will run.</returns>
         public bool Request(string text, Action<string> reply, Action<string> error = null)
         {
             if (Encoding.UTF8.GetByteCount(text) > MaxBytes) throw new ArgumentException($"more than {MaxBytes} bytes");
@@ -121,7 +122,8 @@ namespace NetMQExample
         {
             stop.Cancel();
             wake.Set();
-            // The limit is for what nobody foresaw, such as a slow look-up of a host name: Stop must never freeze Unity.
+            // The limit is for what nobody foresaw, such as a slow look-up of a host name: Stop must never freeze
+            // Unity.
             NetMQLifetime.Join(thread);
             lock (gate)
             {

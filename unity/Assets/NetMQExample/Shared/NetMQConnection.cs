@@ -16,8 +16,8 @@ using NetMQ;
 
 namespace NetMQExample
 {
-    /// <summary>One socket at a time, on one connection. Make it, use it and dispose it on one thread, and not on Unity's
-    /// main thread: to send and to receive is to wait.</summary>
+    /// <summary>One socket at a time, on one connection. Make it, use it and dispose it on one thread, and not on
+    /// Unity's main thread: to send and to receive is to wait.</summary>
     public sealed class NetMQConnection : IDisposable
     {
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
@@ -29,8 +29,8 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
         /// <param name="make">Makes a socket, with the options that only this client needs.</param>
-        /// <param name="maxBytes">The longest frame to accept. A peer that announces more is disconnected before it is in
-        /// memory.</param>
+        /// <param name="maxBytes">The longest frame to accept. A peer that announces more is disconnected before it is
+        /// in memory.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public NetMQConnection(string endpoint, Func<NetMQSocket> make, long maxBytes = 65536)
         {
@@ -139,8 +139,8 @@ namespace NetMQExample
             return socket;
         }
 
-        private TimeoutException Silence(TimeSpan patience) => new TimeoutException(
-            FormattableString.Invariant($"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+        private TimeoutException Silence(TimeSpan patience) => new TimeoutException(FormattableString.Invariant(
+            $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
 
         private static void Connect(NetMQSocket socket, string endpoint)
         {

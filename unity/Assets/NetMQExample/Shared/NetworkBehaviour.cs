@@ -1,5 +1,6 @@
-// What the lessons' components share: each has a network thread, and a queue from there to Update. A lesson overrides Talk,
-// which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the scene.
+// What the lessons' components share: each has a network thread, and a queue from there to Update. A lesson overrides
+// Talk, which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the
+// scene.
 //
 // Take home: this file, with ConnectedBehaviour.cs and NetMQLifetime.cs. For a component of your own, derive from it.
 using System;
@@ -16,8 +17,8 @@ namespace NetMQExample
     /// <summary>A component that talks to the network on a thread of its own while it is enabled.</summary>
     public abstract class NetworkBehaviour : ConnectedBehaviour
     {
-        // How much may wait for Update. Whoever has more waits on its own thread, so that a fast server can fill neither
-        // a frame nor the memory, also while the editor is paused and no Update comes.
+        // How much may wait for Update. Whoever has more waits on its own thread, so that a fast server can fill
+        // neither a frame nor the memory, also while the editor is paused and no Update comes.
         private const int Room = 50;
         // What Update spends in a frame. One action is always done, however long it takes.
         private static readonly long Budget = Stopwatch.Frequency / 500;
@@ -38,7 +39,8 @@ namespace NetMQExample
         /// <param name="line">The line.</param>
         protected void Log(string line) => InUpdate(() => Debug.Log(line));
 
-        /// <summary>Has something done in Update, and waits while much else is to be done there. For the network thread.
+        /// <summary>Has something done in Update, and waits while much else is to be done there. For the network
+        /// thread.
         /// </summary>
         /// <param name="action">What may touch the scene; after Stop it is dropped.</param>
         protected void InUpdate(Action action)
@@ -97,7 +99,8 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Tells the thread to end, and does not wait for that: a destroyed object must cost no frame.</summary>
+        /// <summary>Tells the thread to end, and does not wait for that: a destroyed object must cost no
+        /// frame.</summary>
         protected override void OnDisable() => run.Stop.Cancel();
 
         /// <summary>Stop, and the end of the game: nothing may run on in the editor.</summary>
