@@ -2,7 +2,6 @@
 //
 //     dotnet run --project csharp-console -- 2
 //     dotnet run --project csharp-console -- 2 --text balance     only asks
-//     dotnet run --project csharp-console -- 2 --relaxed          keeps its socket: the second way to ask again
 using System;
 
 namespace NetMQExample.Terminal
@@ -16,11 +15,9 @@ namespace NetMQExample.Terminal
             var text = arguments.Text("text", "add 1");
             var patience = arguments.Seconds("patience", 0.5);
             var tries = arguments.Whole("tries", 5);
-            var relaxed = arguments.Flag("relaxed");
             arguments.RefuseTheRest();
 
-            using var pirate = new LazyPirateRequester(endpoint, patience, tries, e => Console.WriteLine(e.Message),
-                relaxed);
+            using var pirate = new LazyPirateRequester(endpoint, patience, tries, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
             {

@@ -22,34 +22,24 @@ namespace NetMQExample.Terminal
             // The client would say it too, but only as the error of a request. A terminal has the time to look first.
             NetMQConnection.Check(endpoint);
             using var client = new BackgroundClient(endpoint, patience, tries);
-            Play(client, text, count, naive);
-        }
 
-        // What a game does: frame after frame. Each one runs what came back, and asks once.
-        private static void Play(BackgroundClient client, string text, int count, bool naive)
-        {
+            // What a game does: frame after frame. Each one runs what came back, and asks once.
             var (asked, replies, frames, longest, shown, why) = (0, 0, 0, 0L, "", (string?)null);
-            void ShowTrouble()
+            void OnReply(string reply) =>
+                Console.WriteLine($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+            for (var frame = Stopwatch.StartNew(); replies < count && why == null; frames++, frame.Restart())
             {
                 var (state, error) = client.Status;
                 if (error != shown && state != ClientState.Lost) Console.WriteLine($"trouble: {shown = error}");
-            }
-            void OnReply(string reply)
-            {
-                ShowTrouble();
-                Console.WriteLine($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
-            }
-            for (var frame = Stopwatch.StartNew(); replies < count && why == null; frames++, frame.Restart())
-            {
                 client.Poll();
-                if (asked < count && client.Request(text, OnReply, error => why ??= error)) asked++;
+                if (asked < count && client.Request(text, OnReply, reason => why ??= reason)) asked++;
                 while (naive && replies < asked && why == null) client.Poll();
-                ShowTrouble();
                 Thread.Sleep(TimeSpan.FromSeconds(1 / 60.0));
                 longest = Math.Max(longest, frame.ElapsedMilliseconds);
             }
             Console.WriteLine($"frames: {frames}, the longest took {longest} ms");
-            Console.WriteLine(why == null ? $"done: {replies} replies" : throw new TimeoutException(why));
+            if (why != null) throw new TimeoutException(why);
+            Console.WriteLine($"done: {replies} replies");
         }
     }
 }

@@ -18,7 +18,7 @@ ABOUT = "Runs a lesson: starts its Python server and a client, shows both line b
 EXAMPLES = [
     "run 1                            lesson 01 with the C# client",
     "run lazy-pirate --client unity   its Unity scripts, played without Unity",
-    'run 4 --server="--drop 3"        the server loses request 3',
+    'run 4 --server="--slow-on 3"     the server is late with reply 3',
     'run 1 --options="--count 3"      the client asks three times',
 ]
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'

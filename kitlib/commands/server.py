@@ -10,7 +10,7 @@ from kitlib.setup import python_setup
 from kitlib.terminal import say
 
 ABOUT = "Runs a lesson's server in this terminal, until Ctrl-C. Other words than these are its own options."
-EXAMPLES = ["server 1", "server 4 --drop 3   it loses request 3"]
+EXAMPLES = ["server 1", "server 2 --drop 3   it loses reply 3"]
 PASSES_ON = True
 
 

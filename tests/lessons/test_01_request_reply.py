@@ -14,27 +14,12 @@ import zmq
 
 from tests.bad_peers import ProtocolBreaker, zmtp_frame
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import ask
 from tests.programs import ROOT
 
 KEY = "01_request_reply"
 SERVER = ROOT / "python" / KEY / "server.py"
 TEN = [*(f"{i}: sent Hello, received World" for i in range(1, 11)), "done: 10 replies"]
-
-
-@pytest.fixture
-def context():
-    with zmq.Context() as context:
-        yield context
-
-
-def ask(context, endpoint, *frames, kind=zmq.REQ):
-    """One request of a client that is not the kit's; the reply's frames."""
-    with context.socket(kind) as asker:
-        asker.linger = 0
-        asker.connect(endpoint)
-        asker.send_multipart(frames)
-        assert asker.poll(20_000), f"no reply to {frames!r:.80}"
-        return asker.recv_multipart()
 
 
 @pytest.mark.parametrize("kind", CLIENTS)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import re
-import signal
 import socket
 import sqlite3
 import subprocess
@@ -22,30 +22,21 @@ except ImportError:
 
 from tests.bad_peers import ProtocolBreaker, SlowLine
 from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import ask
 from tests.programs import LIMIT, ROOT, steady_port
 
 KEY = "02_lazy_pirate"
 SERVER = ROOT / "python" / KEY / "server.py"
-# Throwing the socket away, and keeping it. For the player, --relaxed is a field and needs a value.
-WAYS = [
-    ("python", ()),
-    ("python", ("--relaxed",)),
-    ("csharp", ()),
-    ("csharp", ("--relaxed",)),
-    ("unity", ()),
-    ("unity", ("--relaxed", "true")),
-]
-ways = pytest.mark.parametrize(("kind", "way"), WAYS, ids=[" ".join([kind, *way[:1]]) for kind, way in WAYS])
+clients = pytest.mark.parametrize("kind", CLIENTS)
 
 
 def received(numbers):
     return [f"{i}: sent add 1, received {i}" for i in numbers]
 
 
-def retry(i, attempt, way=(), tries=5, patience=0.5):
+def retry(i, attempt, tries=5, patience=0.5):
     """What a client says before this try: each has waited twice as long as the one before, at most 8 times."""
-    patience = f"{patience * 2 ** min(attempt - 2, 3):g}"
-    return f"{i}: no reply within {patience} s; try {attempt} of {tries}, on {'the same' if way else 'a new'} socket"
+    return f"{i}: no reply within {patience * 2 ** min(attempt - 2, 3):g} s; try {attempt} of {tries}"
 
 
 def replies(client):
@@ -57,7 +48,7 @@ def fate(server, word):
 
     The server's own count goes by tries, of which there are more on a busy machine.
     """
-    return int(server.wait_for(rf"…-(\d+): \d+(?:, from the journal)?, {word}")[1])
+    return int(server.wait_for(rf"b'(\d+)-\w+': '\d+'(?:, from the journal)?, {word}")[1])
 
 
 @pytest.fixture
@@ -75,100 +66,51 @@ def pirate_server(serve, journal):
     return pirate_server
 
 
-@pytest.fixture
-def context():
-    with zmq.Context() as context:
-        yield context
-
-
-def ask(context, endpoint, *frames, kind=zmq.REQ):
-    """One request of a client that is not the kit's; the reply's frames."""
-    with context.socket(kind) as asker:
-        asker.linger = 0
-        asker.connect(endpoint)
-        asker.send_multipart(frames)
-        assert asker.poll(20_000), f"no reply to {frames!r:.80}"
-        return asker.recv_multipart()
-
-
 def balance(context, endpoint):
     return int(ask(context, endpoint, os.urandom(8).hex().encode(), b"balance")[1])
 
 
-@ways
-def test_ten_additions(kind, way, pirate_server, start, client_command):
+@clients
+def test_ten_additions(kind, pirate_server, start, client_command):
     server, endpoint = pirate_server()
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "20", *way))
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "20"))
     assert client.wait() == 0, client.output
     assert client.lines == [f"asking {endpoint}", *received(range(1, 11)), "done: 10 replies"]
     assert server.stop() == 0
     assert re.fullmatch(r"journal \S*journal\.sqlite3, balance 0", server.lines[0])
     assert server.lines[1] == f"listening on {endpoint}"
-    matches = [re.fullmatch(r"request (\d+), ([0-9a-f]{8})…-(\d+): (\d+)", line) for line in server.lines[2:]]
-    assert [(m[1], m[3], m[4]) for m in matches] == [(str(i),) * 3 for i in range(1, 11)]
-    assert len({m[2] for m in matches}) == 1
+    matches = [re.fullmatch(r"request (\d+), b'(\d+)-([0-9a-f]{7,8})': '(\d+)'", line) for line in server.lines[2:]]
+    assert [(m[1], m[2], m[4]) for m in matches] == [(str(i),) * 3 for i in range(1, 11)]
+    assert len({m[3][:7] for m in matches}) == 1
 
 
-@ways
-def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, way, pirate_server, start, client_command):
+@clients
+def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, pirate_server, start, client_command):
     server, endpoint = pirate_server("--drop", "2")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "3", *way))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "3"))
     assert client.wait() == 0, client.output
     i = fate(server, "dropped")
-    assert retry(i, 2, way) in client.lines
+    assert retry(i, 2) in client.lines
     assert replies(client) == received([1, 2, 3])
-    assert f"-{i}: {i}, from the journal" in server.output
+    assert re.search(rf"b'{i}-\w+': '{i}', from the journal", server.output)
 
 
-@ways
-def test_a_slow_reply_comes_with_a_later_try(kind, way, pirate_server, start, client_command):
-    server, endpoint = pirate_server("--slow-on", "2", "--delay", "2.2")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "3", *way))
-    assert client.wait() == 0, client.output
-    i = fate(server, "2.2 s late")
-    assert {retry(i, 2, way), retry(i, 3, way)} < set(client.lines)
-    assert replies(client) == received([1, 2, 3])
-    # Every try reached the server, those of thrown away sockets too.
-    assert server.output.count(f"-{i}: {i}, from the journal") >= 2
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_late_reply_to_an_earlier_request_is_dropped(kind, pirate_server, start, client_command):
-    _, endpoint = pirate_server("--late", "2")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "4", "--patience", "20"))
-    assert client.wait() == 0, client.output
-    dropped = client.lines.pop(3)
-    assert re.fullmatch(
-        r"3: dropped a reply to another request \([0-9a-f]{8}…-2 2\); try 2 of 5, on a new socket", dropped
-    )
-    assert client.lines[1:] == [*received([1, 2, 3, 4]), "done: 4 replies"]
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_relaxed_socket_drops_a_late_reply_itself(kind, pirate_server, start, client_command):
-    server, endpoint = pirate_server("--late", "2")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "4", "--patience", "20", "--relaxed"))
-    assert client.wait() == 0, client.output
-    assert client.lines[1:] == [*received([1, 2, 3, 4]), "done: 4 replies"]
-    assert "request 2 is answered once more" in server.lines
-
-
-@ways
-def test_a_crash_between_the_work_and_the_reply(kind, way, pirate_server, start, client_command):
+@clients
+def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, client_command):
     endpoint = f"tcp://127.0.0.1:{steady_port()}"
     server, _ = pirate_server("--crash-on", "3", endpoint=endpoint)
-    client = start(*client_command(kind, KEY, endpoint, "--count", "5", *way))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "5"))
     assert server.wait() == 1
     i = fate(server, "crash")
     again, _ = pirate_server(endpoint=endpoint)
     assert client.wait() == 0, client.output
     assert again.lines[0].endswith(f"balance {i}"), "the crash came after the commit"
-    assert again.lines[2].endswith(f"-{i}: {i}, from the journal")
+    assert re.fullmatch(rf"request 1, b'{i}-\w+': '{i}', from the journal", again.lines[2])
     assert replies(client) == received(range(1, 6))
-    assert retry(i, 2, way) in client.lines
+    assert retry(i, 2) in client.lines
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
+@clients
 def test_without_a_server_it_gives_up(kind, start, client_command):
     endpoint = f"tcp://127.0.0.1:{steady_port()}"
     client = start(*client_command(kind, KEY, endpoint, "--patience", "0.25", "--tries", "3"))
@@ -176,94 +118,49 @@ def test_without_a_server_it_gives_up(kind, start, client_command):
     assert client.lines[1:] == [
         retry(1, 2, tries=3, patience=0.25),
         retry(1, 3, tries=3, patience=0.25),
-        f"gave up: 3 tries to ask {endpoint}, the last: no reply within 1 s; is the server running, or the line slow? "
-        "'add 1' may have been done or not",
+        f"gave up: 3 tries to ask {endpoint}, the last: no reply within 1 s; "
+        "is the right server running, or the line slow? 'add 1' may have been done or not",
     ]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_client_that_starts_before_its_server(kind, pirate_server, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
-    client = start(*client_command(kind, KEY, endpoint, "--count", "2"))
-    client.wait_for("try 2 of 5")
-    pirate_server(endpoint=endpoint)
-    assert client.wait() == 0, client.output
-    assert replies(client) == received([1, 2])
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_more_retries_than_a_queue_holds_on_a_relaxed_socket(kind, start, client_command):
-    """A thousand requests fill the queue of a connection that nobody answers; the next send would wait for ever."""
-    options = ["--patience", "0.0002", "--tries", "1200", "--relaxed"]
-    client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{steady_port()}", *options))
-    assert client.wait() == 1, client.output
-    assert "gave up: 1200 tries" in client.lines[-1]
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
+@clients
 def test_a_server_that_speaks_otherwise(kind, serve, start, client_command):
-    """Lesson 01's server: its answer is shown, so that the reader sees what is wrong."""
+    """Its answer is shown, so that the reader sees what is wrong; and a wrong answer does not use up all tries at once,
+    because the right server may be there in a moment."""
     _, endpoint = serve("01_request_reply")
-    client = start(*client_command(kind, KEY, endpoint, "--tries", "2", "--patience", "20"))
-    assert client.wait() == 1, client.output
-    assert client.lines[1].startswith(
-        "1: dropped a reply to another request (error: expected one frame, got 2); try 2 of 2"
-    )
-    assert client.lines[-1] == (
-        f"gave up: 2 tries to ask {endpoint}, the last: dropped a reply to another request "
-        "(error: expected one frame, got 2); is it the right server? 'add 1' may have been done or not"
-    )
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_wrong_replies_do_not_use_up_all_tries_at_once(kind, serve, start, client_command):
-    """The server that is not the right one may be a late reply, or be replaced in a moment."""
-    _, endpoint = serve("01_request_reply")
-    client = start(*client_command(kind, KEY, endpoint))
-    client.wait_for("try 2 of 5")
     began = time.monotonic()
+    client = start(*client_command(kind, KEY, endpoint, "--tries", "4", "--patience", "20"))
     assert client.wait() == 1, client.output
-    assert sum(" try " in line for line in client.lines) == 4
-    assert time.monotonic() - began > 0.5
+    # A pause before each of the three retries, and no wait for what was answered.
+    assert time.monotonic() - began > 3 * 0.25
+    wrong = r"dropped a reply to another request \(error: expected Hello, got .*\)"
+    for line, attempt in zip(client.lines[1:4], (2, 3, 4), strict=True):
+        assert re.fullmatch(rf"1: {wrong}; try {attempt} of 4", line)
+    assert re.fullmatch(
+        rf"gave up: 4 tries to ask {endpoint}, the last: {wrong}; is the right server .*", client.lines[-1]
+    )
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_relaxed_client_does_not_wait_for_ever_for_what_it_dropped(kind, start, client_command, context):
-    """A late reply to an older try makes its socket readable, and is dropped while it is read."""
-    with context.socket(zmq.ROUTER) as router:
-        router.linger = 0
-        port = router.bind_to_random_port("tcp://127.0.0.1")
-        options = ["--relaxed", "--patience", "0.3", "--tries", "4"]
-        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", *options))
-        assert router.poll(20_000)
-        first = router.recv_multipart()
-        assert router.poll(20_000)
-        router.recv_multipart()
-        router.send_multipart(first)
-        assert client.wait() == 1, client.output
-    assert client.lines[-1].startswith("gave up: 4 tries to ask ")
-
-
-@ways
-def test_a_far_server_is_reached_with_the_defaults(kind, way, pirate_server, start, client_command):
+@clients
+def test_a_far_server_is_reached_with_the_defaults(kind, pirate_server, start, client_command):
     """A round trip of 400 ms. A new connection takes several of them, so that a try of 0.5 s never succeeds."""
     _, endpoint = pirate_server()
     with SlowLine(endpoint, 0.4) as line:
-        client = start(*client_command(kind, KEY, line.endpoint, "--count", "2", *way))
+        client = start(*client_command(kind, KEY, line.endpoint, "--count", "2"))
         assert client.wait() == 0, client.output
     assert replies(client) == received([1, 2])
 
 
-@ways
-def test_a_client_survives_a_peer_that_breaks_the_protocol(kind, way, start, client_command):
+@clients
+def test_a_client_survives_a_peer_that_breaks_the_protocol(kind, start, client_command):
     """There may be no connection left to send the next request on, nor to get one again: only a new socket helps."""
     with ProtocolBreaker(lambda frames: [frames[0], b"1"]) as peer:
-        client = start(*client_command(kind, KEY, peer.endpoint, "--count", "5", *way))
+        client = start(*client_command(kind, KEY, peer.endpoint, "--count", "5"))
         assert client.wait() == 0, client.output
     assert replies(client) == [f"{i}: sent add 1, received 1" for i in range(1, 6)]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
+@clients
 def test_the_bytes_of_a_client(kind, start, client_command, context):
     """Against a plain REP: two frames, an id that every retry repeats and no other request has, UTF-8 both ways."""
     with context.socket(zmq.REP) as rep:
@@ -293,13 +190,6 @@ def test_the_bytes_of_a_client(kind, start, client_command, context):
     assert "dropped a reply to another request (one two)" in client.lines[3]
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_patience_is_more_than_none(kind, start, client_command):
-    client = start(*client_command(kind, KEY, "tcp://127.0.0.1:5552", "--patience", "0"))
-    assert client.wait() == 2, client.output
-    assert "patience" in client.lines[-1]
-
-
 GARBAGE = {
     "one frame": [b"add 1"],
     "three frames": [b"1", b"add 1", b""],
@@ -323,8 +213,7 @@ GARBAGE = {
 def test_a_bad_request_gets_an_error_and_changes_nothing(frames, pirate_server, context):
     server, endpoint = pirate_server()
     reply = ask(context, endpoint, *frames)
-    assert len(reply) == 2
-    assert reply[1].startswith(b"error: expected ")
+    assert reply[-1].startswith(b"error: expected ")
     assert ask(context, endpoint, b"first", b"add 2") == [b"first", b"2"]
     assert balance(context, endpoint) == 2
     assert server.stop() == 0
@@ -338,13 +227,11 @@ def test_peers_that_leave_half_way_and_envelopes_that_are_none(pirate_server, co
     for noise in [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, greeting[:20], greeting + b"\x04\xff" + bytes(40)]:
         with socket.create_connection(("127.0.0.1", port)) as raw:
             raw.sendall(noise)
-    # Without REQ's empty frame there is no way back; REP would drop such a message.
-    for frames in ([b"1", b"add 1"], [b"add 1"], [b""], [b"", b"", b""]):
-        with context.socket(zmq.DEALER) as dealer:
-            dealer.linger = 1000
-            dealer.connect(endpoint)
-            dealer.send_multipart(frames)
+    # Too little, and no text; a DEALER may leave out REQ's empty frame.
+    for frames in ([b""], [b"", b"", b""]):
+        assert ask(context, endpoint, *frames, kind=zmq.DEALER)[-1].startswith(b"error: expected ")
     assert ask(context, endpoint, b"", b"x", b"add 1", kind=zmq.DEALER) == [b"", b"x", b"1"]
+    assert ask(context, endpoint, b"x", b"add 1", kind=zmq.DEALER) == [b"x", b"1"]
     # A longer way back, as brokers make it, is returned whole.
     assert ask(context, endpoint, b"hop", b"hip", b"", b"y", b"add 1", kind=zmq.DEALER) == [
         b"hop",
@@ -368,10 +255,9 @@ def test_an_id_is_answered_from_the_journal_whoever_asks_and_whenever(pirate_ser
 
 
 def test_the_journal_does_not_grow_for_ever(start, journal, context):
-    short = (
-        f"import runpy, sys; sys.path.insert(0, {str(SERVER.parent)!r}); import server; server.KEEP = 10; server.main()"
-    )
-    server = start(PYTHON, "-c", short, "--endpoint", "tcp://127.0.0.1:*", "--journal", journal)
+    short = "import journal, server; journal.KEEP = 10; server.main()"
+    words = ["--endpoint", "tcp://127.0.0.1:*", "--journal", journal]
+    server = start(PYTHON, "-c", short, *words, PYTHONPATH=str(SERVER.parent))
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     for i in range(25):
         assert ask(context, endpoint, b"%d" % i, b"add 1") == [b"%d" % i, b"%d" % (i + 1)]
@@ -384,25 +270,9 @@ def test_the_journal_does_not_grow_for_ever(start, journal, context):
     db.close()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-@pytest.mark.parametrize("signal_", [signal.SIGINT, signal.SIGTERM])
-def test_a_busy_server_ends_at_once_and_leaves_its_port(signal_, pirate_server, context):
-    server, endpoint = pirate_server("--slow-on", "1", "--delay", "60")
-    with context.socket(zmq.REQ) as asker:
-        asker.linger = 1000
-        asker.connect(endpoint)
-        asker.send_multipart([b"1", b"add 1"])
-    server.wait_for("60 s late")
-    # The contract says half a second; the rest is the interpreter's own end on a busy machine.
-    assert server.stop(signal_, limit=5) == 0
-    assert "Traceback" not in server.output
-    _, same = pirate_server(endpoint=endpoint)
-    assert same == endpoint
-
-
 @pytest.mark.parametrize(
     "options",
-    [["--delay", "-1"], ["--delay", "nan"], ["--crash-on", "x"], ["--journal", ""], ["--journal", ":memory:"]],
+    [["--crash-on", "x"], ["--journal", ""], ["--journal", ":memory:"]],
     ids="=".join,
 )
 def test_wrong_usage_of_the_server(options, start, journal):
@@ -420,8 +290,8 @@ def test_a_journal_that_is_none_is_named_with_its_cure(start, tmp_path):
     db.close()
     for path in (text, alien, tmp_path, tmp_path / "nowhere" / "journal.sqlite3"):
         server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", path)
-        assert server.wait() == 1
-        assert server.lines[-1].startswith(f"cannot use the journal {path}: ")
+        assert server.wait() == 2
+        assert f"cannot use the journal {path}: " in server.lines[-1]
         assert server.lines[-1].endswith("; try --journal another.sqlite3")
         assert "Traceback" not in server.output
     assert text.read_text().startswith("not a database")
@@ -433,10 +303,14 @@ def test_a_locked_journal_is_waited_for(kind, pirate_server, journal, start, cli
     other = sqlite3.connect(journal, isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
     client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--tries", "20"))
-    server.wait_for(rf"^request 1, [0-9a-f]{{8}}…-1: no reply, cannot use the journal {journal}: database is locked$")
+    server.wait_for(rf"^cannot use the journal {journal}: database is locked; no replies until it is over$")
+    # Said once, however often it is asked meanwhile.
+    client.wait_for("try 3 of 20")
     other.execute("ROLLBACK")
     other.close()
     assert client.wait() == 0, client.output
+    server.wait_for(f"^the journal {journal} can be used again$")
+    assert sum("cannot use" in line for line in server.lines) == 1
     assert replies(client) == received([1, 2, 3])
     assert server.stop() == 0
     assert "Traceback" not in server.output
@@ -449,7 +323,7 @@ def test_a_full_disk_is_waited_for(pirate_server, journal, start, client_command
     # No file may grow: to SQLite a disk on which nothing can be written any more.
     _, hard = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (1, resource.RLIM_INFINITY))
     client = start(*client_command("python", KEY, endpoint, "--count", "3", "--tries", "20"))
-    server.wait_for(rf"^request \d+, [0-9a-f]{{8}}…-1: no reply, cannot use the journal {journal}: disk I/O error$")
+    server.wait_for(rf"^cannot use the journal {journal}: disk I/O error; no replies until it is over$")
     resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (hard, hard))
     assert client.wait() == 0, client.output
     assert replies(client) == [f"{i}: sent add 1, received {i + 1}" for i in (1, 2, 3)]
@@ -465,7 +339,7 @@ def test_a_deleted_journal_is_noticed(end, pirate_server, journal, tmp_path, sta
     gone = journal.with_name(journal.name + end)
     gone.rename(tmp_path / "elsewhere")
     client = start(*client_command("python", KEY, endpoint, "--count", "1", "--tries", "20"))
-    said = server.wait_for(r"^request 2, [0-9a-f]{8}…-1: no reply, cannot use the journal (.*)$")[1]
+    said = server.wait_for(r"^cannot use the journal (.*); no replies until it is over$")[1]
     assert said == f"{journal}: it was deleted or replaced; put it back, or start the server again"
     # Another file in its place is not it.
     gone.write_bytes((tmp_path / "elsewhere").read_bytes())
@@ -486,11 +360,10 @@ def test_what_a_client_sends_is_printed_without_harm(serve, journal, context):
     assert ask(context, endpoint, b"z" * 60_000, b"add 1")[1].startswith(b"error: ")
     assert server.stop() == 0
     assert server.lines[2:] == [
-        "request 1, \ufffd: 1",
-        "request 2, ?[2J??fake?: 2",
-        "request 3, grün ✓: 3",
-        f"request 4, {'x' * 100}: 4",
-        f"request 5, {'z' * 200}…: error: expected two frames, an id of 1 to 100 bytes and 'add 1' or 'balance'",
+        r"request 1, b'\xff': '1'",
+        r"request 2, b'\x1b[2J\r\nfake': '2'",
+        r"request 3, b'gr\xc3\xbcn \xe2\x9c\x93': '3'",
+        "request 4, b'xxxxxxxxxx': '4'",
     ]
 
 
@@ -510,36 +383,36 @@ def test_a_request_that_is_too_large_is_not_read(pirate_server, context):
 
 
 def test_a_flood_of_bad_requests_is_no_flood_of_lines(pirate_server, context):
+    """Nor does it drive what was done out of the journal."""
     server, endpoint = pirate_server()
-    rude = 0
+    assert ask(context, endpoint, b"first", b"add 1") == [b"first", b"1"]
     with context.socket(zmq.REQ) as asker:
         asker.linger = 0
         asker.connect(endpoint)
-        deadline = time.monotonic() + LIMIT
-        while "more in the last second" not in server.output:
-            assert time.monotonic() < deadline, server.output[-1000:]
-            asker.send(b"rude")
+        for i in range(1000):
+            asker.send_multipart([b"%d" % i, b"rude"])
             assert asker.poll(20_000)
             asker.recv_multipart()
-            rude += 1
     assert server.stop() == 0
-    assert rude > 10
-    assert len(server.lines) <= 2 + 2 * LIMIT, "two lines a second at most"
+    assert len(server.lines) == 3
+    with contextlib.closing(sqlite3.connect(server.lines[0].split()[1].rstrip(","))) as db:
+        assert db.execute("SELECT id FROM journal").fetchall() == [(b"first",)]
 
 
 def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(start, journal, context):
     code = (
         f"import sys; sys.path.insert(0, {str(SERVER.parent)!r}); import server\n"
         "right = server.answer\n"
-        "def answer(db, request_id, text):\n"
-        "    if request_id == b'bad':\n"
+        "def answer(db, text):\n"
+        "    reply = right(db, text)\n"
+        "    if text == 'add 7':\n"
         "        raise KeyError('no such\\nkey')\n"
-        "    return right(db, request_id, text)\n"
+        "    return reply\n"
         "server.answer = answer; server.main()"
     )
     server = start(PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:0", "--journal", journal)
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    assert ask(context, endpoint, b"bad", b"add 1") == [b"bad", b"error: KeyError: 'no such\\nkey'"]
+    assert ask(context, endpoint, b"bad", b"add 7") == [b"bad", b"error: KeyError('no such\\nkey')"]
     server.wait_for("^Traceback")
     assert ask(context, endpoint, b"good", b"add 1") == [b"good", b"1"]
 
@@ -551,8 +424,6 @@ class Storm:
         self.start, self.journal, self.mean = start, journal, mean
         self.endpoint = f"tcp://127.0.0.1:{steady_port()}"
         self.kills = 0
-        # Of each restart, the seconds until every client had its next answer.
-        self.delays = []
         self.servers = [self.begin()]
         self.ready()
         self.clients = [start(*command(self.endpoint, "--count", str(adds), "--tries", "20")) for _ in range(clients)]
@@ -581,7 +452,7 @@ class Storm:
                 self.kill()
             self.servers.append(self.begin())
             self.ready()
-            self.measure()
+            self.wait_for_answers()
 
     def kill(self):
         self.servers[-1].kill()
@@ -599,19 +470,16 @@ class Storm:
             except AssertionError:
                 assert server.process.poll() is None, server.output
 
-    def measure(self):
+    def wait_for_answers(self):
         """Sometimes wait until each client is answered; at other times the next kill may come before."""
         if random.random() < 0.2:
             return
-        began = time.monotonic()
         seen = {client: len(client.lines) for client in self.running()}
         for client, lines in seen.items():
             try:
                 client.wait_for("received", start=lines)
             except AssertionError:
                 assert client.wait() == 0, client.output
-        if seen:
-            self.delays.append(time.monotonic() - began)
 
     @property
     def repeats(self):
@@ -620,11 +488,7 @@ class Storm:
     def figures(self):
         requests = sum(line.startswith("request ") for server in self.servers for line in server.lines)
         retries = sum(" try " in line for client in self.clients for line in client.lines)
-        return (
-            f"{self.kills} kills, {requests} requests, {retries} retries, {self.repeats} answered from the journal; "
-            f"answer after a restart: {sorted(self.delays)[len(self.delays) // 2]:.2f} s in the middle, "
-            f"{max(self.delays):.2f} s at most, of {len(self.delays)}"
-        )
+        return f"{self.kills} kills, {requests} requests, {retries} retries, {self.repeats} answered from the journal"
 
 
 def weather(storm, adds, context):
@@ -637,10 +501,6 @@ def weather(storm, adds, context):
         assert len(balances) == adds
         assert balances == sorted(set(balances)), "each addition is answered with the balance after it"
     assert balance(context, storm.endpoint) == adds * len(storm.clients)
-    # A request that the killed server had is sent again when its try is over: the first lasts half a second, and the
-    # longest, of a client that was unlucky again and again, four.
-    assert sorted(storm.delays)[len(storm.delays) // 2] < 1
-    assert max(storm.delays) < 8
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])

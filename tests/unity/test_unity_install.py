@@ -137,6 +137,7 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
     if key.startswith("01"):
         assert copied == {
             "BufferManager.cs",
+            "ConnectedBehaviour.cs",
             "HelloClient.cs",
             "HelloRequester.cs",
             "NetMQConnection.cs",

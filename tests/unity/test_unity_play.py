@@ -152,8 +152,8 @@ class Editor:
         )
 
     def nothing_left(self) -> None:
-        """What ends a little later than Stop gets a second."""
-        deadline = time.monotonic() + 1
+        """What ends a little later than Stop is waited for; the limit only ends what never ends."""
+        deadline = time.monotonic() + 20
         while (left := self.left()) != (0, 0) and time.monotonic() < deadline:
             time.sleep(0.01)
         self.row.threads, self.row.sockets = left

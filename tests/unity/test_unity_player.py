@@ -149,7 +149,7 @@ def test_plays_the_console_twins_lines(
 def test_an_error_in_the_log_is_exit_code_1(console: list[str], start: Callable[..., Any]) -> None:
     played = start(*console, "1", "--unity", "--set", "endpoint=127.0.0.1:5551")
     assert played.wait() == 1
-    assert "does not begin with tcp://" in played.output
+    assert "write it like tcp://" in played.output
 
 
 @pytest.mark.parametrize(

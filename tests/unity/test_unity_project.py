@@ -232,7 +232,7 @@ def test_no_third_party_dll_is_in_the_repository() -> None:
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.cs")), ids=relative)
 def test_a_script_is_a_file_that_unity_can_attach(path: Path) -> None:
     """A MonoBehaviour whose class is not named like its file cannot be put on a game object."""
-    classes = re.findall(r"class (\w+) : (?:Mono|Network)Behaviour\b", path.read_text(encoding="utf-8"))
+    classes = re.findall(r"class (\w+) : (?:Mono|Network|Connected)Behaviour\b", path.read_text(encoding="utf-8"))
     assert classes in ([], [path.stem])
 
 

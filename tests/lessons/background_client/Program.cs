@@ -75,11 +75,13 @@ namespace NetMQExample.Tests
             }
         }
 
+        // It waits 200 ms at the most, and no client here has a shorter patience than 1 s unless it says so: whatever the
+        // machine does beside, this tells a Dispose that waits for its request from one that does not.
         private static void StopInTime(BackgroundClient client)
         {
             var took = Stopwatch.StartNew();
             client.Dispose();
-            Check(took.ElapsedMilliseconds <= 250, $"Dispose took {took.ElapsedMilliseconds} ms");
+            Check(took.ElapsedMilliseconds < 900, $"Dispose took {took.ElapsedMilliseconds} ms");
             Console.WriteLine($"stopped in {took.ElapsedMilliseconds} ms");
             Equal(ClientState.Disposed, client.State);
         }
@@ -102,7 +104,6 @@ namespace NetMQExample.Tests
                 }), "refused too early");
             }
             Check(!client.Request("hello", _ => Check(false, "a reply"), _ => Check(false, "an error")), "not refused");
-            Equal("refused: 4 requests are under way already", client.LastError);
             var refused = client.RequestAsync("hello");
             Check(refused.Exception?.InnerException is IOException, "RequestAsync of a full client");
             client.Poll();
@@ -112,7 +113,6 @@ namespace NetMQExample.Tests
             client.Poll();
             client.Dispose();
             Check(!client.Request("hello", null), "accepted after Dispose");
-            Equal("the client was disposed", client.LastError);
             Equal(4, ended.Count);
         }
 
@@ -143,21 +143,17 @@ namespace NetMQExample.Tests
 
         private static void OneAfterAnother(string endpoint)
         {
-            // A game that changes its server now and then: each of the waits has its own time.
-            for (var i = 0; i < 4; i++)
-            {
-                var ending = new Thread(() => Thread.Sleep(30));
-                ending.Start();
-                NetMQLifetime.Join(ending);
-                Check(!ending.IsAlive, $"thread {i} was not waited for");
-                Thread.Sleep(300);
-            }
-            // Those of one Stop share 200 ms.
-            var stuck = Enumerable.Range(0, 5).Select(_ => new Thread(() => Thread.Sleep(20000)) { IsBackground = true }).ToArray();
+            // What never ends is given up. Those of one Stop share 200 ms; were each waited for so long, it would be 10 s.
+            var stuck = Enumerable.Range(0, 50).Select(_ => new Thread(() => Thread.Sleep(60000)) { IsBackground = true }).ToArray();
             foreach (var thread in stuck) thread.Start();
             var watch = Stopwatch.StartNew();
             foreach (var thread in stuck) NetMQLifetime.Join(thread);
-            Check(watch.Elapsed < TimeSpan.FromSeconds(0.9), $"five waits took {watch.Elapsed}");
+            Check(watch.Elapsed < TimeSpan.FromSeconds(8), $"fifty waits took {watch.Elapsed}");
+            // A game that changes its server now and then: a wait that comes a second later has its own time.
+            Thread.Sleep(1100);
+            watch.Restart();
+            NetMQLifetime.Join(stuck[0]);
+            Check(watch.ElapsedMilliseconds > 100, $"the next Stop waited for {watch.ElapsedMilliseconds} ms only");
         }
 
         private static void Why(string endpoint)
@@ -377,7 +373,7 @@ namespace NetMQExample.Tests
             }
         }
 
-        // What a head-up display shows; the test has a server that loses its second reply and garbles its fourth.
+        // What a head-up display shows; the test has a server that is late with its second reply.
         private static void State(string endpoint)
         {
             var client = new BackgroundClient(endpoint);
@@ -413,7 +409,7 @@ namespace NetMQExample.Tests
                 for (; !Volatile.Read(ref done); reads++)
                 {
                     var (state, error) = client.Status;
-                    var expected = state == ClientState.Retrying ? "(try 1 of 2)" : state == ClientState.Lost ? "(try 2 of 2)" : "";
+                    var expected = state == ClientState.Retrying ? "try 2 of 2" : state == ClientState.Lost ? "may have been done or not" : "";
                     if (!error.EndsWith(expected, StringComparison.Ordinal)) wrong = $"{state} {error}";
                 }
             });
@@ -435,10 +431,15 @@ namespace NetMQExample.Tests
         {
             using var client = new BackgroundClient(endpoint);
             string got = null;
-            client.Request(new string('ü', 40000), text => got = text, why => got = why);
-            Until(() => got != null, client);
-            Equal("a text has at most 65536 bytes", got);
-            got = null;
+            try
+            {
+                client.Request(new string('ü', 40000), null);
+                Check(false, "a text of 80,000 bytes was taken");
+            }
+            catch (ArgumentException e)
+            {
+                Equal("more than 65536 bytes", e.Message);
+            }
             client.Request("echo " + new string('ü', 20000), text => got = text, why => got = why);
             Until(() => got != null, client);
             Equal(new string('ü', 20000), got);

@@ -38,12 +38,13 @@ namespace NetMQExample
             return Receive(patience, stop);
         }
 
-        /// <summary>The first half of a request. It waits when there is no connection to send on, as after a peer that is
-        /// not ZeroMQ.</summary>
+        /// <summary>The first half of a request. It waits when there is no connection to send on, as after a peer that
+        /// is not ZeroMQ.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="patience">How long to wait for a connection.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <exception cref="FiniteStateMachineException">The reply to the last request was not received yet.</exception>
+        /// <exception cref="FiniteStateMachineException">The reply to the last request was not received
+        /// yet.</exception>
         public void Send(string text, TimeSpan patience, CancellationToken stop = default) =>
             connection.Send(patience, stop, text);
 

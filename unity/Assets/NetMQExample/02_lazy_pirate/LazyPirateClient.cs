@@ -1,7 +1,7 @@
 // Lesson 02 in Unity: the lazy pirate asks on a thread of its own, and Update logs what it brings back.
 //
-// Use: start python/02_lazy_pirate/server.py, add this component to any GameObject, set Count to 100000, press Play. Then
-// stop the server, see the retries in the console, and start it again: the count goes on where it was.
+// Use: start python/02_lazy_pirate/server.py, add this component to any GameObject, set Count to 100000, press Play.
+// Then stop the server, see the retries in the console, and start it again: the count goes on where it was.
 using System.Threading;
 using UnityEngine;
 
@@ -15,14 +15,12 @@ namespace NetMQExample
         [SerializeField, Tooltip("add 1, or balance")] private string text = "add 1";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float patience = 0.5f;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 5;
-        [SerializeField, Tooltip("Keep the socket for the next try")] private bool relaxed = false;
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var pirate = new LazyPirateRequester(endpoint, Seconds(patience), tries, e => Log(e.Message),
-                relaxed);
+            using var pirate = new LazyPirateRequester(endpoint, Seconds(patience), tries, Log);
             for (var i = 1; i <= count; i++)
             {
                 var reply = NetMQLifetime.Printable(pirate.Request(text, stop));

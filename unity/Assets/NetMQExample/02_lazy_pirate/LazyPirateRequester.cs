@@ -3,32 +3,15 @@
 // Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/02_lazy_pirate/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. Every retry of a request carries the same id, by which the
 // server knows that it has done it already.
-// Trouble: start the server with --crash-on 3, --drop 3, --slow-on 3 or --late 3, or kill it and start it again.
+// Trouble: start the server with --crash-on 3 or --drop 3, or kill it and start it again.
 using System;
 using System.Collections.Generic;
-using System.Text.RegularExpressions;
 using System.Threading;
-using NetMQ;
 using NetMQ.Sockets;
+using Stopwatch = System.Diagnostics.Stopwatch;
 
 namespace NetMQExample
 {
-    /// <summary>A request has no reply: in one try, as it is reported, or in none of them, as it is thrown.</summary>
-    public sealed class NoReplyException : TimeoutException
-    {
-        internal NoReplyException(string message, int attempt, TimeSpan limit, bool wrong) : base(message) =>
-            (Attempt, Limit, Wrong) = (attempt, limit, wrong);
-
-        /// <summary>Which try was in vain; 1 for the first.</summary>
-        public int Attempt { get; }
-
-        /// <summary>How long it waited at most.</summary>
-        public TimeSpan Limit { get; }
-
-        /// <summary>True if something came that is no reply to this request.</summary>
-        public bool Wrong { get; }
-    }
-
     /// <summary>
     /// Asks a server over one REQ socket at a time, again and again. Make it, use it and dispose it on one thread, and
     /// not on Unity's main thread: a request blocks until it is answered or given up.
@@ -44,8 +27,7 @@ namespace NetMQExample
         private readonly string endpoint;
         private readonly TimeSpan patience;
         private readonly int tries;
-        private readonly bool relaxed;
-        private readonly Action<NoReplyException> report;
+        private readonly Action<string> report;
         private int number;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
@@ -53,90 +35,62 @@ namespace NetMQExample
         /// <param name="patience">How long to wait for the reply to the first try. Each try waits twice as long as the
         /// one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
-        /// <param name="report">Called, on the thread of the request, before each retry; the message is a line to log.</param>
-        /// <param name="relaxed">Keep the socket for the next try, instead of making a new one.</param>
+        /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public LazyPirateRequester(string endpoint, TimeSpan patience, int tries,
-            Action<NoReplyException> report, bool relaxed = false)
+        public LazyPirateRequester(string endpoint, TimeSpan patience, int tries, Action<string> report)
         {
             if (tries < 1 || patience <= TimeSpan.Zero)
                 throw new ArgumentException("tries must be 1 or more, and patience longer than 0 s");
-            (this.endpoint, this.patience, this.tries) = (endpoint, patience, tries);
-            (this.report, this.relaxed) = (report, relaxed);
-            connection = new NetMQConnection(endpoint, () => relaxed ? MakeRelaxed() : new RequestSocket());
+            (this.endpoint, this.patience, this.tries, this.report) = (endpoint, patience, tries, report);
+            connection = new NetMQConnection(endpoint, () => new RequestSocket());
         }
 
         /// <summary>Sends a request until it is answered.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The reply's text.</returns>
-        /// <exception cref="NoReplyException">No try was answered. The request may have been done all the same.</exception>
+        /// <exception cref="TimeoutException">No try was answered. The request may have been done all the
+        /// same.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Request(string text, CancellationToken stop = default)
         {
-            var id = $"{name}-{++number}";
+            var id = $"{++number}-{name}";
             for (var attempt = 1; ; attempt++)
             {
                 // A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
                 var limit = TimeSpan.FromTicks(patience.Ticks << Math.Min(attempt - 1, 3));
                 if (Try(id, text, limit, stop, out var frames)) return frames[1];
-                // A wrong reply may have come at once, and so may the next.
-                if (frames != null) stop.WaitHandle.WaitOne(Pause);
-                stop.ThrowIfCancellationRequested();
-                var (trouble, hint) = frames == null
-                    ? (FormattableString.Invariant($"no reply within {limit.TotalSeconds} s"),
-                        "is the server running, or the line slow?")
-                    : ($"dropped a reply to another request ({Short(string.Join(" ", frames))})", "is it the right server?");
-                NoReplyException InVain(string message) =>
-                    new NoReplyException(message, attempt, limit, frames != null);
+                var trouble = frames == null
+                    ? FormattableString.Invariant($"no reply within {limit.TotalSeconds} s")
+                    : $"dropped a reply to another request ({NetMQLifetime.Printable(string.Join(" ", frames))})";
                 if (attempt == tries)
-                    throw InVain($"{tries} tries to ask {endpoint}, the last: {trouble}; {hint} "
-                        + $"'{text}' may have been done or not");
-                var how = relaxed ? "on the same socket" : "on a new socket";
-                report(InVain($"{number}: {trouble}; try {attempt + 1} of {tries}, {how}"));
+                    throw new TimeoutException($"{tries} tries to ask {endpoint}, the last: {trouble}; "
+                        + $"is the right server running, or the line slow? '{text}' may have been done or not");
+                report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
 
-        // One try. Its frames are those of a wrong reply if it is in vain, or null.
+        // One try, with the frames that came back, if any.
         private bool Try(string id, string text, TimeSpan limit, CancellationToken stop, out List<string> frames)
         {
-            var answered = false;
+            var (waited, answered) = (Stopwatch.StartNew(), false);
+            frames = null;
             try
             {
-                // Where there is nothing to send on, as after a peer that broke the protocol, only a new socket helps.
-                if (!connection.TrySend(TimeSpan.Zero, stop, id, text))
-                {
-                    connection.Close();
-                    connection.Send(limit, stop, id, text);
-                }
-                // A late reply to an earlier request, taken for this one's, would shift all that follow by one.
-                answered = connection.TryReceive(limit, stop, out frames) && frames.Count == 2 && frames[0] == id;
+                // Without waiting: after a peer that broke the protocol there may be no connection to send on.
+                answered = connection.TrySend(TimeSpan.Zero, stop, id, text)
+                    && connection.TryReceive(limit, stop, out frames) && frames.Count == 2 && frames[0] == id;
+                if (!answered && waited.Elapsed < limit) stop.WaitHandle.WaitOne(Pause);
             }
             finally
             {
                 // A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
-                if (!answered && !relaxed) connection.Close();
+                if (!answered) connection.Close();
             }
             return answered;
         }
-
-        private static NetMQSocket MakeRelaxed() => new RequestSocket
-        {
-            Options =
-            {
-                // It may send again without a reply, and numbers what it sends: only the newest try is answered.
-                Relaxed = true,
-                Correlate = true,
-                // Tries pile up while no server is there. At the usual limit, a thousand, a send would wait for ever.
-                SendHighWatermark = 0,
-            },
-        };
-
-        /// <summary>A reply with its id, as it is printed: of the long random number, the beginning is enough.</summary>
-        private static string Short(string text) =>
-            Regex.Replace(NetMQLifetime.Printable(text), "^([0-9a-f]{8})[0-9a-f]{24}-", "$1…-");
     }
 }

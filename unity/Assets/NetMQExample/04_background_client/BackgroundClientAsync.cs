@@ -23,8 +23,9 @@ namespace NetMQExample
             cancel.ThrowIfCancellationRequested();
             // Not RunContinuationsAsynchronously: that would go on in a thread of the pool.
             var answer = new TaskCompletionSource<string>();
-            if (!client.Request(text, reply => answer.TrySetResult(reply), why => answer.TrySetException(new IOException(why))))
-                throw new IOException(client.LastError);
+            if (!client.Request(text, reply => answer.TrySetResult(reply),
+                why => answer.TrySetException(new IOException(why))))
+                throw new IOException("refused: too many requests are under way, or the client was disposed");
             using (cancel.Register(() => answer.TrySetCanceled(cancel))) return await answer.Task;
         }
 

@@ -1,8 +1,10 @@
-// A head-up display for lesson 04: what a BackgroundClient knows, in the corner of the game's view. A headset shows
-// nothing that is drawn there: with a TextMesh (3D Object, Legacy, 3D Text) on the same GameObject it stands in the scene.
+// A head-up display for lesson 04: what a BackgroundClient knows, in the corner of the game's view; when it is done, a
+// line in the log says how many frames there were and how long the longest took.
+// A headset shows nothing that is drawn there: with a TextMesh (3D Object, Legacy, 3D Text) on the same GameObject it
+// stands in the scene.
 //
-// Use: add it to the GameObject with HelloBackground. For a component of your own, write its name in place of that one, and
-// let it have a property Client.
+// Use: add it to the GameObject with HelloBackground. For a component of your own, write its name in place of that one,
+// and let it have a property Client.
 using UnityEngine;
 
 namespace NetMQExample
@@ -17,8 +19,9 @@ namespace NetMQExample
         private HelloBackground source;
         private BackgroundClient client;
         private TextMesh mesh;
-        private float next, before;
-        private int repliesBefore;
+        private float next, before, longest;
+        private int repliesBefore, frames;
+        private bool done;
 
         /// <summary>What is drawn.</summary>
         public string Text { get; private set; } = "";
@@ -32,6 +35,10 @@ namespace NetMQExample
 
         private void Update()
         {
+            // Time.deltaTime never says more than Time.maximumDeltaTime, a third of a second.
+            if (frames++ > 0 && !done) longest = System.Math.Max(longest, Time.unscaledDeltaTime);
+            if (source.Done && !done) Debug.Log($"frames: {frames}, the longest took {longest * 1000:F0} ms");
+            done = source.Done;
             var now = Time.realtimeSinceStartup;
             if (source.Client == null || now < next) return;
             if (client != source.Client) (client, before, repliesBefore) = (source.Client, now, 0);

@@ -1,6 +1,8 @@
-// What the lessons log, in the scene itself: where a headset or a phone has no console, and so that a scene shows something.
+// What the lessons log, in the scene itself: where a headset or a phone has no console, and so that a scene shows
+// something.
 //
-// Use: it is on the 3D text of each lesson's scene. For one of your own: 3D Object, Legacy, 3D Text, and this component.
+// Use: it is on the 3D text of each lesson's scene. For one of your own: 3D Object, Legacy, 3D Text, and this
+// component.
 using UnityEngine;
 
 namespace NetMQExample

@@ -9,19 +9,17 @@ using System;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.Net;
-using System.Net.Sockets;
 using System.Text;
+using System.Text.RegularExpressions;
 using System.Threading;
 using NetMQ;
 
 namespace NetMQExample
 {
-    /// <summary>One socket at a time, on one connection. Make it, use it and dispose it on one thread, and not on Unity's
-    /// main thread: to send and to receive is to wait.</summary>
+    /// <summary>One socket at a time, on one connection. Make it, use it and dispose it on one thread, and not on
+    /// Unity's main thread: to send and to receive is to wait.</summary>
     public sealed class NetMQConnection : IDisposable
     {
-        private const string Cure = "write it like tcp://127.0.0.1:PORT, PORT from 1 to 65535";
-
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
         private readonly string endpoint;
         private readonly Func<NetMQSocket> make;
@@ -31,16 +29,13 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
         /// <param name="make">Makes a socket, with the options that only this client needs.</param>
-        /// <param name="maxBytes">The longest frame to accept. A peer that announces more is disconnected before it is in
-        /// memory.</param>
+        /// <param name="maxBytes">The longest frame to accept. A peer that announces more is disconnected before it is
+        /// in memory.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public NetMQConnection(string endpoint, Func<NetMQSocket> make, long maxBytes = 65536)
         {
             (this.endpoint, this.make, this.maxBytes) = (endpoint, make, maxBytes);
-            try
-            {
-                Open();
-            }
+            try { Open(); }
             catch
             {
                 Dispose();
@@ -122,15 +117,16 @@ namespace NetMQExample
         /// <summary>Closes the socket, with what it has not sent yet.</summary>
         public void Close()
         {
-            socket?.Dispose();
+            try { socket?.Dispose(); }
+            catch (Exception) { /* Somebody called NetMQConfig.Cleanup, and the socket went with it. */ }
             socket = null;
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
-            try { Close(); }
-            finally { lifetime.Dispose(); }
+            Close();
+            lifetime.Dispose();
         }
 
         private NetMQSocket Open()
@@ -148,23 +144,21 @@ namespace NetMQExample
 
         private static void Connect(NetMQSocket socket, string endpoint)
         {
+            ArgumentException Bad(string why) => new ArgumentException(
+                $"bad endpoint '{endpoint}': {why}write it like tcp://127.0.0.1:PORT, PORT from 1 to 65535");
             // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
-            if (endpoint == null || !endpoint.StartsWith("tcp://", StringComparison.Ordinal))
-                throw new ArgumentException($"bad endpoint '{endpoint}': it does not begin with tcp://; {Cure}");
-            var colon = endpoint.LastIndexOf(':');
-            if (!ushort.TryParse(endpoint.Substring(colon + 1), out var port) || port == 0)
-                throw new ArgumentException($"bad endpoint '{endpoint}': it has no port; {Cure}");
-            var host = colon > 6 ? endpoint.Substring(6, colon - 6) : "";
+            var parts = Regex.Match(endpoint ?? "", @"^tcp://(\S+):(\d+)$");
+            if (!ushort.TryParse(parts.Groups[2].Value, out var port) || port == 0) throw Bad("");
+            var host = parts.Groups[1].Value;
             try
             {
                 // An address such as 127.0.0.1 or [::1] needs no name server, nor the thread that a look-up takes.
-                if (!IPAddress.TryParse(host, out _)) LookUp(host.Length == 0 ? "?" : host);
+                if (!IPAddress.TryParse(host, out _)) LookUp(host);
                 socket?.Connect(endpoint);
             }
-            catch (Exception e) when (e is SocketException || e is NetMQException || e is ArgumentException)
+            catch (Exception e) when (!(e is TimeoutException))
             {
-                throw new ArgumentException(
-                    $"bad endpoint '{endpoint}': unknown host '{host}'; check its spelling, or {Cure}");
+                throw Bad($"unknown host '{host}'; check its spelling, or ");
             }
         }
 

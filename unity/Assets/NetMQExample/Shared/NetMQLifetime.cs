@@ -1,4 +1,5 @@
-// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, and a Stop that does not freeze.
+// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, and a Stop that does not
+// freeze.
 //
 // Take home: this file and NetMQConnection.cs, along with any client of this kit.
 //
@@ -30,8 +31,9 @@ namespace NetMQExample
         private static Stopwatch cleaning;
         private bool left;
 
-        // An assembly reload aborts the threads of its domain. NetMQ's leave sockets open when that hits them at work, and now
-        // and then Mono itself ends. What Stop's 200 ms were too short for is waited for here; most often that is nothing.
+        // An assembly reload aborts the threads of its domain. NetMQ's leave sockets open when that hits them at work,
+        // and now and then Mono itself ends. What Stop's 200 ms were too short for is waited for here; most often that
+        // is nothing.
         static NetMQLifetime() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
         {
             lock (Gate)
@@ -91,8 +93,8 @@ namespace NetMQExample
             }
         }
 
-        // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never ends
-        // is waited for once.
+        // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never
+        // ends is waited for once.
         private static bool Cleaned()
         {
             while (cleaning != null)
@@ -118,8 +120,8 @@ namespace NetMQExample
             SinceJoin.Restart();
         }
 
-        /// <summary>What to show of an exception on the network thread. Those of this kit name cause and cure in one line;
-        /// of all others the type and the stack are needed too, above all in a build on a device.</summary>
+        /// <summary>What to show of an exception on the network thread. Those of this kit name cause and cure in one
+        /// line; of all others the type and the stack are needed too, above all in a build on a device.</summary>
         /// <param name="e">The exception.</param>
         /// <returns>Its message, or everything that is known of it.</returns>
         public static string Why(Exception e) =>
@@ -127,9 +129,11 @@ namespace NetMQExample
                 ? e.Message
                 : e.ToString();
 
-        /// <summary>What a peer sent, fit for one line of a log: no control characters, cut to a readable length.</summary>
+        /// <summary>What a peer sent, fit for one line of a log: no control characters, cut to a readable
+        /// length.</summary>
         /// <param name="text">Whatever came.</param>
-        /// <returns>At most 200 characters and an ellipsis; a question mark for each one that cannot be shown.</returns>
+        /// <returns>At most 200 characters and an ellipsis; a question mark for each one that cannot be
+        /// shown.</returns>
         public static string Printable(string text)
         {
             var line = new StringBuilder();

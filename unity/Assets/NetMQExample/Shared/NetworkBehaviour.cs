@@ -1,7 +1,8 @@
-// What the lessons' components share: each has a network thread, and a queue from there to Update. A lesson overrides Talk,
-// which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the scene.
+// What the lessons' components share: each has a network thread, and a queue from there to Update. A lesson overrides
+// Talk, which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the
+// scene.
 //
-// Take home: this file, with NetMQLifetime.cs. For a component of your own, derive from it.
+// Take home: this file, with ConnectedBehaviour.cs and NetMQLifetime.cs. For a component of your own, derive from it.
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
@@ -14,10 +15,10 @@ using Stopwatch = System.Diagnostics.Stopwatch;
 namespace NetMQExample
 {
     /// <summary>A component that talks to the network on a thread of its own while it is enabled.</summary>
-    public abstract class NetworkBehaviour : MonoBehaviour
+    public abstract class NetworkBehaviour : ConnectedBehaviour
     {
-        // How much may wait for Update. Whoever has more waits on its own thread, so that a fast server can fill neither
-        // a frame nor the memory, also while the editor is paused and no Update comes.
+        // How much may wait for Update. Whoever has more waits on its own thread, so that a fast server can fill
+        // neither a frame nor the memory, also while the editor is paused and no Update comes.
         private const int Room = 50;
         // What Update spends in a frame. One action is always done, however long it takes.
         private static readonly long Budget = Stopwatch.Frequency / 500;
@@ -25,14 +26,10 @@ namespace NetMQExample
         private static readonly List<Run> Runs = new List<Run>();
         [ThreadStatic] private static Run own;
 
-        [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
-        private bool runInBackground = true;
-
         private Run run;
-        private bool interrupted;
 
-        /// <summary>True once the last line, or the reason why there is none, was logged.</summary>
-        public bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
+        /// <inheritdoc/>
+        public override bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
 
         /// <summary>The lesson, on the network thread. What it throws is logged as the reason for giving up.</summary>
         /// <param name="stop">Cancelled when the component is disabled. Look at least every 50 ms.</param>
@@ -42,7 +39,8 @@ namespace NetMQExample
         /// <param name="line">The line.</param>
         protected void Log(string line) => InUpdate(() => Debug.Log(line));
 
-        /// <summary>Has something done in Update, and waits while much else is to be done there. For the network thread.
+        /// <summary>Has something done in Update, and waits while much else is to be done there. For the network
+        /// thread.
         /// </summary>
         /// <param name="action">What may touch the scene; after Stop it is dropped.</param>
         protected void InUpdate(Action action)
@@ -70,22 +68,9 @@ namespace NetMQExample
             return task.GetAwaiter().GetResult();
         }
 
-        /// <summary>What the inspector has as seconds.</summary>
-        /// <param name="patience">More than 0, and a day at the most.</param>
-        /// <returns>The same.</returns>
-        protected static TimeSpan Seconds(float patience) => patience > 0 && patience <= 86400
-            ? TimeSpan.FromSeconds(patience)
-            : throw new ArgumentException($"patience must be more than 0 s and at most a day, not {patience}");
-
         /// <summary>Starts the thread.</summary>
-        protected virtual void OnEnable()
+        protected override void Begin()
         {
-            if (runInBackground && !Application.runInBackground)
-            {
-                // Without it Unity stops calling Update when another window has the focus.
-                Application.runInBackground = true;
-                Debug.Log("Application.runInBackground is now true");
-            }
             // Whoever was destroyed just now hears of no OnApplicationQuit, and its thread may still be ending.
             Application.quitting -= EndAll;
             Application.quitting += EndAll;
@@ -94,8 +79,14 @@ namespace NetMQExample
             UnityEditor.AssemblyReloadEvents.beforeAssemblyReload -= EndAll;
             UnityEditor.AssemblyReloadEvents.beforeAssemblyReload += EndAll;
 #endif
-            Begin();
+            run = new Run(Talk, GetType().Name);
+            Runs.RemoveAll(one => !one.Thread.IsAlive);
+            Runs.Add(run);
+            run.Thread.Start();
         }
+
+        /// <inheritdoc/>
+        protected override void End() => EndAll();
 
         /// <summary>Does what the network thread has for this frame.</summary>
         protected virtual void Update()
@@ -108,22 +99,12 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Tells the thread to end, and does not wait for that: a destroyed object must cost no frame.</summary>
-        protected virtual void OnDisable() => run.Stop.Cancel();
+        /// <summary>Tells the thread to end, and does not wait for that: a destroyed object must cost no
+        /// frame.</summary>
+        protected override void OnDisable() => run.Stop.Cancel();
 
         /// <summary>Stop, and the end of the game: nothing may run on in the editor.</summary>
         protected virtual void OnApplicationQuit() => EndAll();
-
-        /// <summary>iOS and Android take the sockets of an app that is not seen: they are closed before, and the lesson
-        /// begins again when the app is back.</summary>
-        /// <param name="paused">True when it goes.</param>
-        protected virtual void OnApplicationPause(bool paused)
-        {
-            if (!Application.isMobilePlatform || !isActiveAndEnabled) return;
-            if (!paused && interrupted) Begin();
-            interrupted = paused && !Done;
-            if (paused) EndAll();
-        }
 
         // All are told before the first one is waited for: ten clients end in the time of one, 200 ms at the most.
         private static void EndAll()
@@ -131,14 +112,6 @@ namespace NetMQExample
             foreach (var one in Runs) one.Stop.Cancel();
             foreach (var one in Runs) NetMQLifetime.Join(one.Thread);
             Runs.RemoveAll(one => !one.Thread.IsAlive);
-        }
-
-        private void Begin()
-        {
-            run = new Run(Talk, GetType().Name);
-            Runs.RemoveAll(one => !one.Thread.IsAlive);
-            Runs.Add(run);
-            run.Thread.Start();
         }
 
         /// <summary>One run of the thread. What a run before it has left behind is never mixed with it.</summary>

@@ -43,7 +43,7 @@ namespace NetMQExample.Tests
         public IEnumerator SaysWhatIsWrongWithAnEndpoint()
         {
             var client = Create("127.0.0.1:5551", 1);
-            LogAssert.Expect(LogType.Error, new Regex("does not begin with tcp://"));
+            LogAssert.Expect(LogType.Error, new Regex("write it like tcp://"));
             yield return UntilDone(client);
             Object.Destroy(client.gameObject);
         }

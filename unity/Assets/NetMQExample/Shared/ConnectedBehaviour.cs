@@ -1,0 +1,65 @@
+// When a component may talk: while it is enabled, and on a phone while the game is seen.
+//
+// Take home: this file, with the component that derives from it.
+using System;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>A component that is connected while it is enabled. How, its own Begin and End say.</summary>
+    public abstract class ConnectedBehaviour : MonoBehaviour
+    {
+        [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
+        private bool runInBackground = true;
+
+        private bool interrupted;
+
+        /// <summary>True once the last line, or the reason why there is none, was logged.</summary>
+        public abstract bool Done { get; }
+
+        /// <summary>Connects, and begins from the start.</summary>
+        /// <exception cref="ArgumentException">A field is wrong; the message is logged as the reason.</exception>
+        protected abstract void Begin();
+
+        /// <summary>Closes the sockets. It may wait for that, as NetMQLifetime.Join does.</summary>
+        protected abstract void End();
+
+        /// <summary>What the inspector has as seconds.</summary>
+        /// <param name="patience">More than 0, and a day at the most.</param>
+        /// <returns>The same.</returns>
+        protected static TimeSpan Seconds(float patience) => patience > 0 && patience <= 86400
+            ? TimeSpan.FromSeconds(patience)
+            : throw new ArgumentException($"patience must be more than 0 s and at most a day, not {patience}");
+
+        /// <summary>Begins.</summary>
+        protected virtual void OnEnable()
+        {
+            if (runInBackground && !Application.runInBackground)
+            {
+                // Without it Unity stops calling Update when another window has the focus.
+                Application.runInBackground = true;
+                Debug.Log("Application.runInBackground is now true");
+            }
+            try { Begin(); }
+            catch (ArgumentException e)
+            {
+                Debug.LogError($"gave up: {e.Message}");
+                enabled = false;
+            }
+        }
+
+        /// <summary>Ends, also at Stop and before Unity loads recompiled scripts.</summary>
+        protected virtual void OnDisable() => End();
+
+        /// <summary>iOS and Android take the sockets of an app that is not seen: they are closed before, and the lesson
+        /// begins again when the app is back.</summary>
+        /// <param name="paused">True when it goes.</param>
+        protected virtual void OnApplicationPause(bool paused)
+        {
+            if (!Application.isMobilePlatform || !isActiveAndEnabled) return;
+            if (!paused && interrupted) Begin();
+            interrupted = paused && !Done;
+            if (paused) End();
+        }
+    }
+}
