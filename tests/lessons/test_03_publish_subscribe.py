@@ -172,7 +172,7 @@ def test_the_bytes_of_the_stream(serve):
         stream.linger = 0
         stream.subscribe("")
         stream.connect(endpoint)
-        topics, ahead, last = set(), None, 0
+        topics, ahead, last = set(), None, 0.0
         while topics != {"pose/", "news/", "newsflash/"}:
             assert stream.poll(20_000)
             (frame,) = stream.recv_multipart()
