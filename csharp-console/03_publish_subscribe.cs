@@ -1,11 +1,10 @@
-// Lesson 03 in a terminal: the console twin of PoseFollower.cs, with the same PoseSubscriber.
+// Lesson 03 in a terminal: the console twin of PoseFollower.cs, with the same TopicListener.
 //
-//     dotnet run --project csharp-console -- 3                         follow 300 poses, and know of each one missed
-//     dotnet run --project csharp-console -- 3 --newest --work 0.1     only the newest pose: drain what waits
-//     dotnet run --project csharp-console -- 3 --listen news           a topic is a prefix: newsflash/ comes as well
-//     dotnet run --project csharp-console -- 3 --listen news/          the delimiter at its end cures that
+//     dotnet run --project csharp-console -- 3                              300 poses, one in 60 is printed
+//     dotnet run --project csharp-console -- 3 --work 0.1 --newest          only the newest: drain what waits
+//     dotnet run --project csharp-console -- 3 --topic news --every 1       a topic is a prefix: newsflash/ comes too
+//     dotnet run --project csharp-console -- 3 --topic news/ --every 1      the delimiter at its end cures that
 using System;
-using System.Diagnostics;
 using System.Threading;
 
 namespace NetMQExample.Terminal
@@ -14,35 +13,24 @@ namespace NetMQExample.Terminal
     {
         public static void Run(Arguments arguments)
         {
-            var (endpoint, snapshots) = (arguments.Text("endpoint", "tcp://127.0.0.1:5553"), arguments.Text("snapshots", ""));
-            var (count, until) = (arguments.Whole("count", 300), arguments.Whole("until", 0));
-            var (seconds, patience) = (arguments.Seconds("seconds", 60), arguments.Seconds("patience", 5));
-            var (every, hwm) = (arguments.Whole("every", 60), arguments.Whole("hwm", 1000));
-            var (work, newest) = (arguments.Seconds("work", 0), arguments.Flag("newest"));
-            // A word that no topic begins with stands for: do not listen, follow.
-            var prefix = arguments.Text("listen", "(nothing)");
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5553");
+            var topic = arguments.Text("topic", "pose/");
+            var count = arguments.Whole("count", 300);
+            var every = arguments.Whole("every", 60);
+            var patience = arguments.Seconds("patience", 5);
+            var work = arguments.Seconds("work", 0);
+            var hwm = arguments.Whole("hwm", 1000);
+            var newest = arguments.Flag("newest");
             arguments.RefuseTheRest();
-            if (prefix != "(nothing)") Listen(endpoint, prefix, count, patience);
-            else
-            {
-                using var subscriber = new PoseSubscriber(endpoint, snapshots, Console.WriteLine, hwm);
-                var time = Stopwatch.StartNew();
-                while (subscriber.Received < count && time.Elapsed < seconds)
-                {
-                    var news = newest ? subscriber.ReceiveNewest(patience) : subscriber.Receive(patience);
-                    if (news && every > 0 && subscriber.Received % every == 0) Console.WriteLine(subscriber.Pose);
-                    if (until > 0 && subscriber.Pose.Number >= until) break;
-                    Thread.Sleep(work);
-                }
-                Console.WriteLine(subscriber.Summary());
-            }
-        }
 
-        private static void Listen(string endpoint, string prefix, int count, TimeSpan patience)
-        {
-            using var listener = new TopicListener(endpoint, prefix);
-            Console.WriteLine($"listening to '{prefix}' from {endpoint}");
-            for (var i = 0; i < count; i++) Console.WriteLine($"received {NetMQLifetime.Printable(listener.Receive(patience))}");
+            using var listener = new TopicListener(endpoint, topic, hwm);
+            Console.WriteLine($"listening to '{topic}' from {endpoint}");
+            for (var i = 0; i < count; i++)
+            {
+                var message = newest ? listener.Newest(patience) : listener.Receive(patience);
+                if (every > 0 && i % every == 0) Console.WriteLine($"received {NetMQLifetime.Printable(message)}");
+                Thread.Sleep(work);
+            }
             Console.WriteLine($"done: received {count}");
         }
     }

@@ -46,7 +46,7 @@ def steady_port() -> int:
 
 
 def two_ports() -> str:
-    """An endpoint whose neighbour, 100 higher, is free as well: lesson 03 has two."""
+    """An endpoint whose neighbour, 100 higher, is free as well: lesson 07 has two."""
     while True:
         port = steady_port()
         with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port + 100)):

@@ -1,4 +1,4 @@
-"""Lesson 03: the exact state after joining late, loss and a restart; prefixes; newest only; and all that goes wrong."""
+"""Lesson 03: topics, the newest only, and a publisher that is far, wrong at first, or sends what is no pose."""
 
 from __future__ import annotations
 
@@ -14,609 +14,167 @@ import pytest
 import zmq
 
 from tests.bad_peers import SlowLine
-from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, free_port, steady_port
+from tests.conftest import CLIENTS
+from tests.programs import LIMIT, steady_port
 
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = ["python", "csharp"]
-JOINED = r"^joined run (\w+) at (\d+), checksum (\d+)$"
-DONE = r"^done: received (\d+), missed (\d+); run (\w+) at (\d+), checksum (\d+)$"
+MODES = pytest.mark.parametrize("mode", [["--newest"], ["--topic", "pose/"]], ids=["newest", "each"])
 
 
 @pytest.fixture
-def context():
-    with zmq.Context() as context:
-        yield context
+def listen(start, client_command):
+    def listen(kind, endpoint, *options, **environment):
+        return start(*client_command(kind, KEY, endpoint, *options), **environment)
+
+    return listen
 
 
-@pytest.fixture
-def publish(serve):
-    """Starts the server: the program, the stream's endpoint and the snapshots'."""
-
-    def publish(*options, **where):
-        server, endpoint = serve(KEY, *options, **where)
-        return server, endpoint, server.wait_for(r"^snapshots on (\S+)")[1]
-
-    return publish
-
-
-@pytest.fixture
-def follow(start, client_command):
-    """Starts a client against both endpoints."""
-
-    def follow(kind, endpoint, snapshots, *options, **environment):
-        return start(*client_command(kind, KEY, endpoint, "--snapshots", snapshots, *options), **environment)
-
-    return follow
-
-
-def numbers(client, pattern):
-    """All matches of the pattern in the client's lines, each as a list of its whole numbers."""
-    found = (re.search(pattern, line) for line in client.lines)
-    return [[int(word) for word in match.groups() if word.isdecimal()] for match in found if match]
-
-
-def request(context, endpoint, *frames):
-    with context.socket(zmq.REQ) as asker:
-        asker.linger = 0
-        asker.connect(endpoint)
-        asker.send_multipart(frames)
-        assert asker.poll(20_000), f"no reply to {frames!r:.80}"
-        (reply,) = asker.recv_multipart()
-        return reply
-
-
-def add(checksum, message):
-    return (31 * checksum + sum(message)) % 2**32
-
-
-# With the real server
-
-
+@pytest.mark.parametrize("environment", [{}, GERMAN], ids=["", "german"])
 @pytest.mark.parametrize("kind", CLIENTS)
-def test_following(kind, publish, follow):
-    server, endpoint, snapshots = publish("--rate", "600")
-    client = follow(kind, endpoint, snapshots, "--count", "120")
+def test_listening_from_some_message_on(kind, environment, serve, listen):
+    """The slow joiner: what was sent before the publisher knew of the listener is lost, and after that nothing is."""
+    _, endpoint = serve(KEY, "--interval", "0.005", **environment)
+    client = listen(kind, endpoint, "--count", "121", **environment)
     assert client.wait() == 0, client.output
-    assert client.lines[0] == f"following {endpoint}, snapshots from {snapshots}"
-    run, joined, checksum = re.search(JOINED, client.lines[1]).groups()
-    server.wait_for(f"^snapshot at {joined}, checksum {checksum}$")
-    for line, number in zip(client.lines[2:5], (int(joined) + n for n in (0, 60, 120)), strict=True):
-        assert re.fullmatch(rf"{number}: at -?[0-2]\.\d{{4}} 0\.0000 -?[0-2]\.\d{{4}}", line), line
-    assert re.fullmatch(
-        rf"done: received 120, missed 0; run {run} at {int(joined) + 120}, checksum \d+", client.lines[5]
-    )
-    assert len(client.lines) == 6
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_joining_in_the_middle_of_100_000_messages_gives_the_exact_state(kind, publish, follow):
-    total = 100_000
-    server, endpoint, snapshots = publish("--rate", "15000", "--count", str(total), "--hwm", "0")
-    options = ["--hwm", "0", "--count", str(total), "--until", str(total), "--every", "0"]
-    client = follow(kind, endpoint, snapshots, *options)
-    assert client.wait(60) == 0, client.output
-    joined = int(client.wait_for(JOINED)[2])
-    assert 0 < joined < total, "the client did not join in the middle"
-    received, missed, _, last, checksum = client.wait_for(DONE).groups()
-    assert (int(received), int(missed), int(last)) == (total - joined, 0, total)
-    assert server.wait_for(r"^published 100000, checksum (\d+)")[1] == checksum
+    assert client.lines[0] == f"listening to 'pose/' from {endpoint}"
+    assert client.lines[-1] == "done: received 121"
+    heard = [re.fullmatch(r"received pose/ (\d+)( -?\d\.\d{4}){7}", line) for line in client.lines[1:-1]]
+    assert all(heard), client.output
+    first, *_, last = (int(match[1]) for match in heard)
+    assert len(heard) == 3
+    # Unity takes the newest, which on a busy machine skips some.
+    assert last - first == 120 or (kind == "unity" and last - first > 120)
 
 
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_a_slow_subscriber_loses_messages_says_which_and_has_the_exact_state(kind, publish, follow):
-    total = 400_000
-    server, endpoint, snapshots = publish("--rate", "0", "--count", str(total), "--hwm", "50")
-    options = ["--hwm", "50", "--count", str(total), "--until", str(total), "--every", "0", "--work", "0.001"]
-    client = follow(kind, endpoint, snapshots, *options)
-    assert client.wait(90) == 0, client.output
-    joined = int(client.wait_for(JOINED)[2])
-    assert 0 < joined < total, "the client did not join in the middle"
-    received, missed, _, last, checksum = client.wait_for(DONE).groups()
-    gaps = numbers(client, r"^missed (\d+) to (\d+)$")
-    assert gaps
-    assert sum(last - first + 1 for first, last in gaps) == int(missed)
-    assert int(received) + int(missed) == int(last) - joined == total - joined
-    assert server.wait_for(r"^published 400000, checksum (\d+)")[1] == checksum
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_after_a_restart_the_subscriber_goes_on_and_says_what_it_missed(kind, publish, follow):
-    first, endpoint, snapshots = publish("--rate", "300")
-    options = ["--count", "1000000", "--until", "1500", "--every", "30", "--patience", "20"]
-    client = follow(kind, endpoint, snapshots, *options)
-    run = client.wait_for(JOINED)[1]
-    client.wait_for(r"^\d+: at ", start=3)
-    first.kill()
-    second, _, _ = publish("--rate", "300", "--count", "1500", "--snapshots", snapshots, endpoint=endpoint)
-    said = client.wait_for(rf"^missed run {run} from (\d+) on, and run (\w+) up to (\d+)$")
-    assert said[2] != run
-    assert client.wait() == 0, client.output
-    received, missed, last_run, last, checksum = client.wait_for(DONE).groups()
-    assert (last_run, last) == (said[2], "1500")
-    assert second.wait_for(r"^published 1500, checksum (\d+)")[1] == checksum
-    # Each number of both runs was either received or missed, and none was both.
-    joined = int(client.wait_for(JOINED)[2])
-    within = sum(last - first + 1 for first, last in numbers(client, r"^missed (\d+) to (\d+)$"))
-    assert int(missed) == int(said[3]) + within
-    assert int(received) + within == int(said[1]) - 1 - joined + 1500 - int(said[3])
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_who_comes_when_all_is_said_has_the_state_too(kind, publish, follow):
-    server, endpoint, snapshots = publish("--rate", "0", "--count", "1000")
-    checksum = server.wait_for(r"^published 1000, checksum (\d+)")[1]
-    client = follow(kind, endpoint, snapshots, "--until", "1000")
-    assert client.wait() == 0, client.output
-    run = client.wait_for(JOINED)[1]
-    assert client.lines[-1] == f"done: received 0, missed 0; run {run} at 1000, checksum {checksum}"
-
-
-@pytest.mark.parametrize("kind", TERMINAL)
-def test_a_topic_is_a_prefix_and_a_delimiter_cures_it(kind, publish, start, client_command):
-    _, endpoint, _ = publish("--rate", "3000")
-    loose = start(*client_command(kind, KEY, endpoint, "--count", "20", "--listen", "news"))
-    strict = start(*client_command(kind, KEY, endpoint, "--count", "20", "--listen", "news/"))
+def test_a_topic_is_a_prefix_and_a_delimiter_cures_it(kind, serve, listen):
+    _, endpoint = serve(KEY, "--interval", "0.0003")
+    options = ["--count", "20", "--every", "1"]
+    loose = listen(kind, endpoint, *options, "--topic", "news")
+    strict = listen(kind, endpoint, *options, "--topic", "news/")
     assert (loose.wait(), strict.wait()) == (0, 0)
     assert loose.lines[0] == f"listening to 'news' from {endpoint}"
-    assert loose.lines[-1] == "done: received 20"
     assert {line.split()[1] for line in loose.lines[1:-1]} == {"news/", "newsflash/"}
     assert {line.split()[1] for line in strict.lines[1:-1]} == {"news/"}
-    heard = [int(line.split()[3]) for line in strict.lines[1:-1]]
-    assert heard == list(range(heard[0], heard[0] + 20))
 
 
 @pytest.mark.parametrize("kind", TERMINAL)
-@pytest.mark.parametrize("mode", [["--newest"], ["--listen", "news/"]], ids=["newest", "listen"])
-def test_the_other_modes_without_a_server_give_up_too(kind, mode, start, client_command):
-    client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{free_port()}", "--patience", "0.5", *mode))
-    assert client.wait() == 1, client.output
-    assert re.match(r"gave up: no.* within 0\.5 s; is the server running, or the line slow\?", client.lines[-1])
+@MODES
+def test_the_wrong_server_first(kind, mode, serve, listen):
+    """After a peer that is no publisher, libzmq never connects again by itself."""
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    wrong, _ = serve("01_request_reply", endpoint=endpoint)
+    client = listen(kind, endpoint, "--count", "3", "--patience", "25", *mode)
+    client.wait_for("^listening")
+    # Not a wait for something: that long the wrong server has the port.
+    time.sleep(0.5)
+    wrong.kill()
+    serve(KEY, endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert client.lines[-1] == "done: received 3"
+
+
+@pytest.mark.parametrize("kind", TERMINAL)
+@MODES
+def test_a_far_publisher(kind, mode, serve, listen):
+    """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
+    _, endpoint = serve(KEY)
+    with SlowLine(endpoint, 0.4) as far:
+        client = listen(kind, far.endpoint, "--count", "5", *mode)
+        assert client.wait() == 0, client.output
 
 
 # With a publisher of the test's own, which decides on every message
 
 
-class FakePublisher:
-    """An XPUB, which sees subscriptions come, and a ROUTER, which answers a request when the test says so."""
-
-    def __init__(self, context):
-        self.stream, self.router = context.socket(zmq.XPUB), context.socket(zmq.ROUTER)
-        for end in (self.stream, self.router):
-            end.linger = 0
-        self.endpoint = f"tcp://127.0.0.1:{self.stream.bind_to_random_port('tcp://127.0.0.1')}"
-        self.snapshots = f"tcp://127.0.0.1:{self.router.bind_to_random_port('tcp://127.0.0.1')}"
-
-    def close(self):
-        self.stream.close()
-        self.router.close()
-
-    def subscribed(self):
-        assert self.stream.poll(20_000), "nobody subscribed"
-        return self.stream.recv()
-
-    def request(self):
-        """The next request: who asks, and what."""
-        assert self.router.poll(20_000), "nobody asked for a snapshot"
-        who, empty, *frames = self.router.recv_multipart()
-        assert empty == b""
-        return who, frames
-
-    def reply(self, who, frame):
-        self.router.send_multipart([who, b"", frame])
-
-    def asked_for_a_snapshot(self, frame):
-        who, frames = self.request()
-        assert frames == [b"pose/"]
-        self.reply(who, frame)
-
-
 @pytest.fixture
-def fake(context):
-    publisher = FakePublisher(context)
-    yield publisher
-    publisher.close()
+def fake():
+    """An XPUB, which sees subscriptions come."""
+    with zmq.Context() as context, context.socket(zmq.XPUB) as stream:
+        stream.linger = 0
+        stream.bind("tcp://127.0.0.1:0")
+        yield stream
 
 
-def pose(run, number):
-    return f"pose/ {run} {number} {number}.5 -0.25 1234.0625 0.0000 0.7071 0.0000 -0.7071".encode()
+def where(stream):
+    return stream.getsockopt_string(zmq.LAST_ENDPOINT)
 
 
-def place(number):
-    return f"{number}: at {number}.5000 -0.2500 1234.0625"
+def subscribed(stream):
+    assert stream.poll(20_000), "nobody subscribed"
+    return stream.recv()
 
 
-@pytest.mark.parametrize("environment", [{}, GERMAN], ids=["", "german"])
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
-    """Byte for byte as the server's header says; numbers have a point under a German locale, too."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "4", "--every", "1", **environment)
-    assert fake.subscribed() == b"\x01pose/"
-    fake.stream.send(pose("one", 5))
-    who, frames = fake.request()
-    assert frames == [b"pose/"]
-    # 6 and 7 are on their way when the snapshot, which contains 6, is made.
-    fake.stream.send(pose("one", 6))
-    fake.stream.send(pose("one", 7))
-    fake.reply(who, b"4000000000 " + pose("one", 6))
-    fake.stream.send(pose("one", 8))
-    fake.stream.send(pose("one", 8))
-    # 9 is lost.
-    fake.stream.send(pose("one", 10))
-    fake.asked_for_a_snapshot(b"17 " + pose("one", 10))
-    fake.stream.send(pose("one", 11))
-    client.wait_for("^11: at")
-    # What is no pose is checked against a snapshot, and changes nothing.
-    for noise in (
-        [b"pose/ hello"],
-        [b"pose/", pose("one", 12)],
-        [b"pose/ \xff"],
-        [pose("one", 12) + b" 1"],
-        [b"pose/"],
-    ):
-        fake.stream.send_multipart(noise)
-        fake.asked_for_a_snapshot(b"99 " + pose("one", 11))
-    # The publisher was restarted. A message of its first run comes late.
-    fake.stream.send(pose("two", 3))
-    fake.asked_for_a_snapshot(b"0 " + pose("two", 4))
-    fake.stream.send(pose("one", 12))
-    fake.asked_for_a_snapshot(b"0 " + pose("two", 4))
-    fake.stream.send(pose("two", 4))
-    fake.stream.send(pose("two", 5))
-    assert client.wait() == 0, client.output
-    assert client.lines == [
-        f"following {fake.endpoint}, snapshots from {fake.snapshots}",
-        "joined run one at 6, checksum 4000000000",
-        place(6),
-        place(7),
-        place(8),
-        "missed 9 to 10",
-        place(10),
-        place(11),
-        "missed run one from 12 on, and run two up to 4",
-        place(4),
-        place(5),
-        f"done: received 4, missed 6; run two at 5, checksum {add(0, pose('two', 5))}",
-    ]
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_gap_is_noticed_at_once_and_not_by_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "0")
-    fake.subscribed()
-    fake.stream.send(pose("one", 1))
-    fake.asked_for_a_snapshot(b"0 " + pose("one", 1))
-    # 2 is lost, and from then on the stream is never silent for long.
-    for number in range(3, 200):
-        fake.stream.send(pose("one", number))
-        if fake.router.poll(100):
-            break
-    else:
-        pytest.fail("nobody asked for a snapshot")
-    fake.asked_for_a_snapshot(b"0 " + pose("one", number))
-    client.wait_for(f"^missed 2 to {number}$")
-    fake.stream.send(pose("one", number + 1))
-    assert client.wait() == 0, client.output
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_every_message_counts_in_the_checksum(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0")
-    fake.subscribed()
-    fake.stream.send(pose("one", 1))
-    fake.asked_for_a_snapshot(b"4294967295 " + pose("one", 1))
-    checksum = 4294967295
-    for number in range(2, 22):
-        fake.stream.send(pose("one", number))
-        checksum = add(checksum, pose("one", number))
-    assert client.wait() == 0, client.output
-    assert client.lines[-1] == f"done: received 20, missed 0; run one at 21, checksum {checksum}"
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4")
-    fake.subscribed()
-    fake.stream.send(pose("one", 2))
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
-    fake.stream.send(pose("one", 3))
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 4))
-    assert client.wait() == 0, client.output
-    assert client.lines[-2:] == ["missed 4 to 4", "done: received 1, missed 1; run one at 4, checksum 1"]
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_request_that_got_lost_is_asked_again(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2", "--patience", "30")
-    fake.subscribed()
-    fake.request()
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
-    assert client.wait() == 0, client.output
-    assert client.lines[-1] == "done: received 0, missed 0; run one at 2, checksum 1"
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_stream_that_never_comes_is_said(kind, fake, follow):
-    """Such as a firewall that lets only the snapshots through."""
-    nowhere = f"tcp://127.0.0.1:{free_port()}"
-    client = follow(kind, nowhere, fake.snapshots, "--until", "9")
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 9))
-    assert client.wait() == 1, client.output
-    assert client.lines[-1] == f"gave up: no pose came over {nowhere}; is that the publisher, and its port open?"
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
 @pytest.mark.parametrize(
-    "answer",
-    [
-        b"error: expected Hello",
-        b"",
-        b"\xff\xfe",
-        b"-1 " + pose("one", 1),
-        pose("one", 1),
-        b"1" * 5000 + b" " + pose("one", 1),
-        b"4294967296 " + pose("one", 1),
-        "٣ ".encode() + pose("one", 1),
-        b"\x1b[2J\r\n\a" + b"x" * 60_000,
-    ],
-    ids=lambda answer: repr(answer)[:20],
+    ("kind", "how"), [("python", "--newest"), ("python", "--conflate"), ("csharp", "--newest")], ids=lambda word: word
 )
-def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots)
-    fake.asked_for_a_snapshot(answer)
-    assert client.wait() == 1, client.output
-    assert client.lines[-1].startswith(f"gave up: what answers at {fake.snapshots} gives no snapshots: ")
-    assert len(client.lines) == 2
-    # Fit for a terminal: of a readable length, and without what would clear the screen.
-    assert len(client.lines[-1]) < 400
-    assert client.lines[-1].isprintable()
-
-
-def wrong_poses(number):
-    """They are no poses in any language, though some library of some language takes them."""
-    good, digits = pose("one", number).decode(), str(number)
-    for odd in (f"1_{digits[1:]}", f"-{digits}", f"+{digits}", "١٢", "9" * 5000, "1e1", ""):
-        yield good.replace(f" {digits} ", f" {odd} ", 1)
-    for odd in ("nan", "inf", "-Infinity", "1e39", "1_0.5", "٣", "0x1", "\t1", "1,5"):
-        yield good.replace("1234.0625", odd)
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_only_plain_numbers_are_numbers(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "1")
-    fake.subscribed()
-    fake.stream.send(pose("one", 11))
-    fake.asked_for_a_snapshot(b"7 " + pose("one", 11))
-    for noise in wrong_poses(12):
-        fake.stream.send(noise.encode())
-        fake.asked_for_a_snapshot(b"7 " + pose("one", 11))
-    fake.stream.send(pose("one", 12))
+def test_newest_only(kind, how, fake, listen):
+    """While the listener works on 1, the others arrive; it then takes the last of them."""
+    client = listen(kind, where(fake), "--count", "2", "--every", "1", "--work", "2", how)
+    assert subscribed(fake) == b"\x01pose/"
+    fake.send(b"pose/ 1")
+    client.wait_for("^received pose/ 1$")
+    for number in range(2, 501):
+        fake.send(b"pose/ %d" % number)
     assert client.wait() == 0, client.output
-    assert client.lines[1:] == [
-        "joined run one at 11, checksum 7",
-        place(11),
-        place(12),
-        f"done: received 1, missed 0; run one at 12, checksum {add(7, pose('one', 12))}",
-    ]
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_what_is_printed_is_fit_for_a_terminal(kind, fake, follow):
-    run = "\x1b[2J\u2028" + "r" * 5000
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2")
-    fake.subscribed()
-    fake.asked_for_a_snapshot(b"1 " + pose(run, 2))
-    assert client.wait() == 0, client.output
-    assert client.lines[1] == f"joined run ?[2J?{'r' * 195}… at 2, checksum 1"
-    assert len(client.lines) == 4
-    assert all(line.isprintable() and len(line) < 400 for line in client.lines)
+    assert client.lines[1:] == ["received pose/ 1", "received pose/ 500", "done: received 2"]
 
 
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_a_listener_prints_what_is_fit_and_takes_nothing_endless(kind, fake, start, client_command):
-    client = start(*client_command(kind, KEY, fake.endpoint, "--listen", "", "--count", "2", "--patience", "25"))
-    fake.subscribed()
-    fake.stream.send(b"x" * 100_000)
+def test_a_listener_prints_what_is_fit_and_takes_nothing_endless(kind, fake, listen):
+    client = listen(kind, where(fake), "--topic", "", "--count", "2", "--every", "1", "--patience", "25")
+    subscribed(fake)
+    fake.send(b"x" * 100_000)
     # ZeroMQ closes the connection for it. The listener makes another.
     deadline = time.monotonic() + LIMIT
     while client.process.poll() is None and time.monotonic() < deadline:
-        fake.stream.send("\x1b[2Jgrün ✓\n\xad\x85".encode() + b"\xff" + b"y" * 1000)
+        fake.send_multipart(["\x1b[2Jgrün ✓\n\xad\x85".encode() + b"\xff" + b"y" * 1000, b"a frame too many"])
         time.sleep(0.01)
     assert client.wait() == 0, client.output
     line = f"received ?[2Jgrün ✓???\ufffd{'y' * 186}…"
     assert client.lines[1:] == [line, line, "done: received 2"]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-@pytest.mark.parametrize("number", [5, 4], ids=["the same", "a lower one"])
-def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow):
-    """Such as a frozen robot that sends its last pose again and again."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "1.5", "--count", "9")
-    fake.subscribed()
-    deadline = time.monotonic() + LIMIT
-    while client.process.poll() is None and time.monotonic() < deadline:
-        fake.stream.send(pose("one", number))
-        if fake.router.poll(5):
-            fake.asked_for_a_snapshot(b"7 " + pose("one", 5))
-    assert client.wait(1) == 0, client.output
-    assert client.lines[-1] == "done: received 0, missed 0; run one at 5, checksum 7"
-
-
-@pytest.mark.parametrize(("kind", "how"), [("python", "--newest"), ("csharp", "--newest")])
-def test_a_repeated_pose_is_not_missed(kind, how, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "3", "--every", "1", how)
-    fake.subscribed()
-    for said, number in enumerate((5, 5, 3), start=1):
-        fake.stream.send(pose("one", number))
-        client.wait_for("^done" if said == 3 else place(number).replace(".", r"\."), start=said)
-    assert client.wait() == 0
-    assert client.lines[-1] == "done: received 3, missed 0; run one at 3, checksum 0"
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_broken_reply_is_waited_for_no_longer_than_another(kind, fake, follow):
-    """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "1")
-    fake.subscribed()
-    who, _ = fake.request()
-    fake.router.send_multipart([who, b"no empty frame"])
-    assert client.wait() == 1, client.output
-    assert client.lines[-1].startswith(f"gave up: no snapshot from {fake.snapshots} within 1 s")
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_the_wrong_server_first_and_then_the_right_one(kind, publish, serve, follow):
-    """After a peer that is no publisher, libzmq never connects again by itself."""
-    endpoint, snapshots = (f"tcp://127.0.0.1:{steady_port()}" for _ in range(2))
-    wrong = [serve("01_request_reply", endpoint=where)[0] for where in (endpoint, snapshots)]
-    client = follow(kind, endpoint, snapshots, "--count", "50", "--until", "0", "--patience", "25", "--every", "0")
-    client.wait_for("^following")
-    # Lesson 01's server answers whoever asks it for a snapshot, and the client says so and ends. So it gets no answer.
-    for server in wrong[1:]:
-        server.kill()
-    time.sleep(0.5)
-    wrong[0].kill()
-    publish("--rate", "200", "--snapshots", snapshots, endpoint=endpoint)
+def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):
+    client = listen("unity", where(fake), "--count", "7", "--every", "1")
+    subscribed(fake)
+    numbers = ["1", "2", "3", "0", "0", "0", "1"]
+    for number, odd in enumerate(("nan", "1e99", "1,5", "x", "", "1 1", "1"), start=1):
+        message = " ".join(["pose/", str(number), odd, *numbers[1:]])
+        fake.send_string(message)
+        client.wait_for(f"^received {re.escape(message)}$")
     assert client.wait() == 0, client.output
-    assert client.wait_for(DONE)[1] == "50"
-
-
-@pytest.mark.parametrize("kind", TERMINAL)
-@pytest.mark.parametrize("mode", [["--newest"], ["--listen", "news/"]], ids=["newest", "listen"])
-def test_the_wrong_server_first_in_the_other_modes(kind, mode, publish, serve, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
-    wrong, _ = serve("01_request_reply", endpoint=endpoint)
-    client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--patience", "25", *mode))
-    client.wait_for("^(following|listening)")
-    # Not a wait for something: that long the wrong server has the port.
-    time.sleep(0.5)
-    wrong.kill()
-    publish("--rate", "600", "--snapshots", "tcp://127.0.0.1:0", endpoint=endpoint)
-    assert client.wait() == 0, client.output
-    assert client.lines[-1].startswith("done: received 3")
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_far_publisher_is_followed(kind, publish, follow):
-    """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
-    _, endpoint, snapshots = publish()
-    with SlowLine(endpoint, 0.4) as far, SlowLine(snapshots, 0.4) as far_snapshots:
-        client = follow(kind, far.endpoint, far_snapshots.endpoint, "--count", "30")
-        assert client.wait() == 0, client.output
-    assert client.wait_for(DONE)[1] == "30"
-
-
-@pytest.mark.parametrize("kind", TERMINAL)
-@pytest.mark.parametrize("mode", [["--newest"], ["--listen", "pose/"]], ids=["newest", "listen"])
-def test_a_far_publisher_in_the_other_modes(kind, mode, publish, start, client_command):
-    _, endpoint, _ = publish()
-    with SlowLine(endpoint, 0.4) as far:
-        client = start(*client_command(kind, KEY, far.endpoint, "--count", "5", *mode))
-        assert client.wait() == 0, client.output
-
-
-@pytest.mark.parametrize(
-    ("kind", "how"), [("python", "--newest"), ("python", "--conflate"), ("csharp", "--newest")], ids=lambda word: word
-)
-def test_newest_only(kind, how, fake, follow):
-    """While the subscriber works on 1, the others arrive; it then takes the last of them."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "2", "--every", "1", "--work", "2", how)
-    fake.subscribed()
-    fake.stream.send(pose("one", 1))
-    client.wait_for("^1: at")
-    for number in range(2, 501):
-        fake.stream.send(pose("one", number))
-    assert client.wait() == 0, client.output
-    assert client.lines[1:] == [
-        place(1),
-        place(500),
-        "done: received 2, missed 498; run one at 500, checksum 0",
-    ]
+    assert client.lines[-1] == "done: received 7"
 
 
 # The server by itself
 
 
-def snapshot_of(reply):
-    """Checksum and number."""
-    checksum, _, _, number = reply.split(b" ")[:4]
-    return int(checksum), int(number)
-
-
-def test_the_bytes_of_the_stream_and_of_a_snapshot(start, context):
-    server = start(
-        PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:*", "--rate", "600", **GERMAN
-    )
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    snapshots = server.wait_for(r"^snapshots on (\S+)")[1]
-    with context.socket(zmq.SUB) as stream:
+def test_the_bytes_of_the_stream(serve):
+    server, endpoint = serve(KEY, "--interval", "0.002", **GERMAN)
+    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
         stream.linger = 0
         stream.subscribe("")
         stream.connect(endpoint)
-        last, runs, checksum, target = {}, set(), 0, None
-        while last.get("newsflash/", 0) < 2 or not target or last["pose/"] < target[1]:
+        topics, ahead, last = set(), None, 0.0
+        while topics != {"pose/", "news/", "newsflash/"}:
             assert stream.poll(20_000)
             (frame,) = stream.recv_multipart()
-            topic, run, number, body = frame.decode().split(" ", 3)
-            assert int(number) == last.get(topic, int(number) - 1) + 1, "numbers follow one another in each topic"
-            runs.add(run)
-            if topic == "pose/":
-                assert re.fullmatch(r"(-?\d\.\d{4} ){6}-?\d\.\d{4}", body), body
-                x, y, z, *turn = map(float, body.split(" "))
-                assert (x * x + z * z, y) == (pytest.approx(4, abs=0.01), 0)
-                assert sum(value * value for value in turn) == pytest.approx(1, abs=0.001)
-                # From one snapshot, with the stream, to exactly what the next snapshot says.
-                if topic not in last:
-                    checksum, at = snapshot_of(request(context, snapshots, b"pose/"))
-                elif int(number) > at:
-                    checksum = add(checksum, frame)
-                if not target and int(number) == at + 100:
-                    target = snapshot_of(request(context, snapshots, b"pose/"))
-            last[topic] = int(number)
-            if target and (topic, int(number)) == ("pose/", target[1]):
-                assert checksum == target[0]
-        assert len(runs) == 1
-    assert set(last) == {"pose/", "news/", "newsflash/"}
-    assert server.stop() == 0
-
-
-def test_facing_forward(context, publish):
-    """Unity's forward, (0, 0, 1) turned by the rotation, points to where the next pose is."""
-    poses = []
-    for count in ("1", "2"):
-        server, _, snapshots = publish("--rate", "0", "--count", count)
-        server.wait_for("^published")
-        poses.append([float(word) for word in request(context, snapshots, b"pose/").split(b" ")[4:]])
-    (x, _, z, qx, qy, qz, qw), (next_x, _, next_z, *_) = poses
-    forward = 2 * (qx * qz + qw * qy), 1 - 2 * (qx * qx + qy * qy)
-    assert (x + forward[0] / 30, z + forward[1] / 30) == pytest.approx((next_x, next_z), abs=0.001)
-
-
-@pytest.mark.parametrize("frames", [[b""], [b"pose"], [b"pose/", b"pose/"], [b"\xff\xfe"], [b"x" * 900], [b"", b""]])
-def test_a_bad_request_gets_an_error_and_the_next_one_a_snapshot(frames, publish, context):
-    server, _, snapshots = publish()
-    assert request(context, snapshots, *frames).startswith(b"error: expected pose/")
-    assert re.match(rb"\d+ pose/ \w+ \d+ ", request(context, snapshots, b"pose/"))
-    assert server.stop() == 0
-
-
-def test_a_broken_request_does_not_hold_the_stream(publish, context):
-    """REP drops a request without the empty frame in front: there is something to receive, and then there is not."""
-    server, endpoint, snapshots = publish("--rate", "600")
-    with context.socket(zmq.SUB) as stream, context.socket(zmq.DEALER) as rude:
-        stream.linger = rude.linger = 0
-        stream.subscribe("pose/")
-        stream.connect(endpoint)
-        assert stream.poll(20_000)
-        rude.connect(snapshots)
-        for _ in range(3):
-            rude.send(b"no empty frame in front")
-        # Those that wait here were sent before; a second of poses was not.
-        for _ in range(1200):
-            assert stream.poll(10_000), "the publisher is held"
-            stream.recv()
+            topic, body = frame.decode().split(" ", 1)
+            topics.add(topic)
+            if topic != "pose/":
+                continue
+            assert re.fullmatch(r"\d+( -?\d\.\d{4}){7}", body), body
+            number, x, y, z, qx, qy, qz, qw = map(float, body.split(" "))
+            assert number == last + 1 or not last, "numbers follow one another"
+            assert (x * x + z * z, y) == (pytest.approx(4, abs=0.01), 0)
+            assert qx * qx + qy * qy + qz * qz + qw * qw == pytest.approx(1, abs=0.001)
+            # Unity's forward, (0, 0, 1) turned by the rotation, points to where the next pose is.
+            assert ahead is None or (x, z) == pytest.approx(ahead, abs=0.001)
+            ahead = x + (qx * qz + qw * qy) / 15, z + (1 - 2 * (qx * qx + qy * qy)) / 30
+            last = number
     assert server.stop() == 0
 
 
@@ -628,10 +186,12 @@ def memory(program):
     return int(re.search(r"VmRSS:\s+(\d+) kB", status.read_text(encoding="utf-8"))[1]) / 1000
 
 
-def test_an_endless_subscription_costs_nothing(publish, follow):
-    server, *places = publish("--rate", "600")
+@pytest.mark.parametrize("key", [KEY, "07_catch_up"])
+def test_an_endless_subscription_costs_nothing(key, serve, start, client_command):
+    server, endpoint = serve(key)
+    others = [word for name, place in server.endpoints().items() if name != "endpoint" for word in (f"--{name}", place)]
     before = memory(server)
-    with socket.create_connection(("127.0.0.1", int(places[0].rpartition(":")[2]))) as rude:
+    with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as rude:
         # By hand, because a SUB socket with such a subscription would fall first.
         rude.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
         ready = b"\x05READY" + b"\x0bSocket-Type" + (3).to_bytes(4, "big") + b"SUB"
@@ -643,38 +203,13 @@ def test_an_endless_subscription_costs_nothing(publish, follow):
         while time.monotonic() < deadline and memory(server) < before + 100:
             time.sleep(0.05)
         assert memory(server) < before + 100
-    client = follow("python", *places, "--count", "60")
+    client = start(*client_command("python", key, endpoint, *others, "--count", "60"))
     assert client.wait() == 0, client.output
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-def test_a_server_that_never_waits_ends_at_once(how, publish):
-    server, _, _ = publish("--rate", "0")
+def test_a_server_that_never_waits_ends_at_once(how, serve):
+    server, _ = serve(KEY, "--interval", "0")
     assert server.stop(how, limit=5) == 0
     assert "Traceback" not in server.output
-
-
-@pytest.mark.parametrize(
-    ("options", "code"),
-    [
-        (["--endpoint", "tcp://127.0.0.1:65500"], 2),
-        (["--endpoint", "tcp://127.0.0.1:*", "--snapshots", "here"], 2),
-        (["--rate", "-1"], 2),
-        (["--rate", "60.5"], 2),
-        (["--hwm", "3000000000"], 2),
-        (["--count", "many"], 2),
-    ],
-)
-def test_a_server_names_what_is_wrong(options, code, start):
-    server = start(PYTHON, ROOT / "python" / KEY / "server.py", *options)
-    assert server.wait() == code, server.output
-    assert "Traceback" not in server.output
-    assert options[0] in server.lines[-1] or "--snapshots" in server.lines[-1]
-
-
-def test_without_its_own_option_the_snapshots_are_100_higher(serve):
-    port = free_port()
-    server, endpoint = serve(KEY, endpoint=f"tcp://127.0.0.1:{port}")
-    assert endpoint == f"tcp://127.0.0.1:{port}"
-    assert server.wait_for(r"^snapshots on (\S+)")[1] == f"tcp://127.0.0.1:{port + 100}"

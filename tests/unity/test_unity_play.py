@@ -356,10 +356,10 @@ def test_a_recompile_while_playing(runtime: str, editor: Callable[..., Any], ser
 def test_a_phone_closes_the_sockets_of_a_game_that_is_not_seen(
     runtime: str, key: str, editor: Callable[..., Any], serve: Callable[..., Any]
 ) -> None:
-    # Lesson 03's second port is 100 higher if nobody says otherwise.
+    # Lesson 07's second port is 100 higher if nobody says otherwise.
     endpoint = serve(key, endpoint=f"tcp://127.0.0.1:{steady_port()}")[1]
     unity = editor(runtime, "keep", key, endpoint, 2, f"{key} x 2, paused as on a phone")
-    reply = r"^\d+: |^snapshot"
+    reply = r"^\d+: |^received |^snapshot"
     unity.play()
     for _ in range(4):
         unity.wait_for(reply)
@@ -444,8 +444,8 @@ def test_a_wrong_field_is_said_once(
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_a_stop_while_a_client_is_being_made(runtime: str, editor: Callable[..., Any], silent: str) -> None:
-    """Lesson 03's logs a line in the middle of it: that must not fail, or the first of its sockets stays for ever."""
-    unity = editor(runtime, "keep", "3", silent, 2, "2 clients, stopped while they are made")
+    """Lesson 07's logs a line in the middle of it: that must not fail, or the first of its sockets stays for ever."""
+    unity = editor(runtime, "keep", "7", silent, 2, "2 clients, stopped while they are made")
     for i in range(10):
         unity.play()
         time.sleep(i / 200)

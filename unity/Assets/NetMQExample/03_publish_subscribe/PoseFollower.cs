@@ -1,9 +1,8 @@
-// Lesson 03 in Unity: a thread follows the publisher, and Update moves this object to the newest pose.
-// The thread may take ten poses between two frames: whatever Update finds is the newest, and Unity never waits.
+// Lesson 03 in Unity: a thread takes the newest pose, and Update moves this object there. Ten poses may come between
+// two frames: whatever Update finds is the newest, and Unity never waits.
 //
-// Use: start python/03_publish_subscribe/server.py, add this component to a cube, press Play. Then stop the server,
-// start it again, and read in the console what the cube has missed.
-using System;
+// Use: start python/03_publish_subscribe/server.py, add this component to a cube, press Play.
+using System.Globalization;
 using System.Threading;
 using UnityEngine;
 
@@ -13,47 +12,45 @@ namespace NetMQExample
     public sealed class PoseFollower : NetworkBehaviour
     {
         [SerializeField, Tooltip("The publisher")] private string endpoint = "tcp://127.0.0.1:5553";
-        [SerializeField, Tooltip("Where it gives snapshots; empty: the port 100 higher")] private string snapshots = "";
         [SerializeField, Min(0), Tooltip("End after so many poses")] private int count = 300;
-        [SerializeField, Min(0), Tooltip("Or at the pose of this number; 0: at none")] private int until = 0;
-        [SerializeField, Min(0), Tooltip("Or after this time")] private float seconds = 60;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for the publisher")] private float patience = 5;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
-        [SerializeField, Min(0), Tooltip("Messages that may wait; 0: any number")] private int hwm = 1000;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
 
-        private volatile PoseMessage newest;
+        private volatile float[] newest;
 
         /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
-            if (newest != null) Move(newest);
+            var n = newest;
+            if (n == null) return;
+            transform.SetPositionAndRotation(new Vector3(n[2], n[3], n[4]), new Quaternion(n[5], n[6], n[7], n[8]));
         }
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
-            var time = System.Diagnostics.Stopwatch.StartNew();
-            using var subscriber = new PoseSubscriber(endpoint, snapshots, Log, hwm);
-            while (subscriber.Received < count && time.Elapsed.TotalSeconds < seconds)
+            Log($"listening to 'pose/' from {endpoint}");
+            using var listener = new TopicListener(endpoint, "pose/");
+            for (var i = 0; i < count; i++)
             {
-                var news = subscriber.Receive(Seconds(patience), stop);
-                var pose = newest = subscriber.Pose;
-                if (news && every > 0 && subscriber.Received % every == 0) InUpdate(() => Show(pose));
-                if (until > 0 && pose.Number >= until) break;
+                var message = listener.Newest(Seconds(patience), stop);
+                newest = Parse(message) ?? newest;
+                if (every > 0 && i % every == 0) Log($"received {NetMQLifetime.Printable(message)}");
             }
-            Log(subscriber.Summary());
+            Log($"done: received {count}");
         }
 
-        private void Show(PoseMessage pose)
+        // The words of `pose/ NUMBER x y z qx qy qz qw`; null if these are others, since anybody can publish on a port.
+        private static float[] Parse(string message)
         {
-            Move(pose);
-            var p = transform.position;
-            Debug.Log(FormattableString.Invariant($"{pose.Number}: at {p.x:F4} {p.y:F4} {p.z:F4}"));
+            var (words, n) = (message.Split(' '), new float[9]);
+            for (var i = 2; i < n.Length; i++)
+                // Without the culture, a German machine reads 0.5 as 5.
+                if (words.Length != n.Length
+                    || !float.TryParse(words[i], NumberStyles.Float, CultureInfo.InvariantCulture, out n[i])
+                    || !float.IsFinite(n[i])) return null;
+            return n;
         }
-
-        private void Move(PoseMessage pose) => transform.SetPositionAndRotation(
-            new Vector3(pose.Position.X, pose.Position.Y, pose.Position.Z),
-            new Quaternion(pose.Rotation.X, pose.Rotation.Y, pose.Rotation.Z, pose.Rotation.W));
     }
 }

@@ -1,9 +1,9 @@
-// Lesson 03, the smallest subscriber: every message that begins with a prefix, as text.
+// Lesson 03, publish-subscribe: listen to every message that begins with a topic, or only to the newest.
 //
-// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs, if no message needs to be missed with notice; else see
-// PoseSubscriber.cs. What was sent before the publisher knew of this listener is lost, and nobody says so.
-// Bytes: UTF-8 text, one frame, as python/03_publish_subscribe/server.py sends it.
-// Trouble: a topic is a prefix. `news` brings newsflash/ as well; the delimiter at its end, `news/`, cures that.
+// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is
+// python/03_publish_subscribe/server.py. Bytes: UTF-8 text, one frame, which begins with its topic.
+// What was sent before the publisher knew of this listener is lost, and so is what comes when the queues are full;
+// nobody says so. Trouble: a topic is a prefix. `news` brings newsflash/ as well; the delimiter, `news/`, cures that.
 using System;
 using System.Diagnostics;
 using System.Text;
@@ -22,16 +22,17 @@ namespace NetMQExample
 
         /// <summary>Subscribes and connects, which succeeds even while no publisher is there.</summary>
         /// <param name="endpoint">The publisher, such as <c>tcp://127.0.0.1:5553</c>.</param>
-        /// <param name="prefix">How the messages begin; empty for all of them.</param>
+        /// <param name="topic">How the messages begin; empty for all of them.</param>
+        /// <param name="hwm">The high watermark: how many messages may wait here; 0 for any number.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public TopicListener(string endpoint, string prefix)
+        public TopicListener(string endpoint, string topic, int hwm = 1000)
         {
             this.endpoint = endpoint;
             connection = new NetMQConnection(endpoint, () =>
             {
-                var socket = new SubscriberSocket();
+                var socket = new SubscriberSocket { Options = { ReceiveHighWatermark = hwm } };
                 // Without the encoding, NetMQ makes a question mark of every letter that is not ASCII.
-                socket.Subscribe(prefix, Encoding.UTF8);
+                socket.Subscribe(topic, Encoding.UTF8);
                 return socket;
             });
         }
@@ -39,6 +40,7 @@ namespace NetMQExample
         /// <summary>Waits for the next message, and so not for Unity's main thread.</summary>
         /// <param name="patience">How long to wait; zero takes only what is there.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <returns>Its text.</returns>
         /// <exception cref="TimeoutException">None came.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Receive(TimeSpan patience, CancellationToken stop = default)
@@ -47,23 +49,44 @@ namespace NetMQExample
             var renew = TimeSpan.FromSeconds(2);
             foreach (var slice in NetMQConnection.Slices(patience, stop))
             {
-                if (connection.Socket.TryReceiveFrameString(slice, out var text, out var more))
+                if (TryReceive(slice, out var text))
                 {
-                    // Several frames are one message: its rest must not be taken for the next one.
-                    while (more) connection.Socket.SkipFrame(out more);
                     heard = true;
                     return text;
                 }
                 if (heard || waited.Elapsed < renew) continue;
-                // Where the port had been another program's, libzmq connects no more. On a far line it takes its time.
+                // Where another program had the port before, libzmq connects no more. On a far line it takes its time.
                 connection.Close();
                 renew *= 3;
             }
             throw new TimeoutException(FormattableString.Invariant(
-                $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running, or the line slow?"));
+                $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+        }
+
+        /// <summary>Waits for a message, then takes all that wait behind it: only the last one counts. (libzmq can keep
+        /// the newest by itself, with CONFLATE; NetMQ has no such option.)</summary>
+        /// <param name="patience">How long to wait for a message.</param>
+        /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <returns>Its text.</returns>
+        /// <exception cref="TimeoutException">None came.</exception>
+        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        public string Newest(TimeSpan patience, CancellationToken stop = default)
+        {
+            var newest = Receive(patience, stop);
+            // The limit is for a publisher that sends faster than this loop takes.
+            for (var i = 0; i < 10_000 && TryReceive(TimeSpan.Zero, out var later); i++) newest = later;
+            return newest;
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
+
+        private bool TryReceive(TimeSpan wait, out string text)
+        {
+            if (!connection.Socket.TryReceiveFrameString(wait, out text, out var more)) return false;
+            // Several frames are one message: its rest must not be taken for the next one.
+            while (more) connection.Socket.SkipFrame(out more);
+            return true;
+        }
     }
 }

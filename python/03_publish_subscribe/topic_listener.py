@@ -1,0 +1,47 @@
+"""Lesson 03, the listener to take home in Python: the twin of TopicListener.cs. client.py is its command line.
+
+Bytes: UTF-8 text, one frame, which begins with its topic. Take home: this file.
+"""
+
+import time
+
+import zmq
+
+
+class TopicListener:
+    """Every message that begins with a topic. What was sent before the publisher knew of this listener is lost."""
+
+    def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
+        """The socket is a new SUB socket, which the caller closes."""
+        self.socket, self.endpoint, self.heard = socket, endpoint, False
+        # A peer that announces more than the largest message is disconnected before it is in memory.
+        socket.linger, socket.maxmsgsize = 0, 65_536
+        socket.subscribe(topic)
+        socket.connect(endpoint)
+
+    def receive(self, patience: float) -> str:
+        """Wait for the next message; TimeoutError if none comes."""
+        start = time.monotonic()
+        renew = 2.0
+        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+        while not self.socket.poll(min(200, int(patience * 1000))):
+            waited = time.monotonic() - start
+            if waited >= patience:
+                raise TimeoutError(f"nothing from {self.endpoint} within {patience:g} s; is the server running?")
+            if not self.heard and waited >= renew:
+                # Where another program had the port before, libzmq connects no more. On a far line it takes its time.
+                self.socket.disconnect(self.endpoint)
+                self.socket.connect(self.endpoint)
+                renew *= 3
+        self.heard = True
+        return self.socket.recv_multipart()[0].decode(errors="replace")
+
+    def newest(self, patience: float) -> str:
+        """Wait for a message, then take all that wait behind it: only the last one counts."""
+        message = self.receive(patience)
+        # The limit is for a publisher that sends faster than this loop takes.
+        for _ in range(10_000):
+            if not self.socket.poll(0):
+                break
+            message = self.receive(0)
+        return message

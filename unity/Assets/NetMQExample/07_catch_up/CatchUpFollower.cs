@@ -1,0 +1,51 @@
+// Lesson 07 in Unity: a thread takes every pose, and Update moves this object to the newest one. So the cube is always
+// where the publisher's is, and the thread still knows of each pose that it missed.
+//
+// Use: start python/07_catch_up/server.py, add this component to a cube, press Play. Then stop the server, start it
+// again, and read in the console what the cube has missed.
+using System;
+using System.Threading;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Moves its Transform as the publisher says.</summary>
+    public sealed class CatchUpFollower : NetworkBehaviour
+    {
+        [SerializeField, Tooltip("The publisher")] private string endpoint = "tcp://127.0.0.1:5557";
+        [SerializeField, Tooltip("Where it gives snapshots; empty: the port 100 higher")] private string snapshots = "";
+        [SerializeField, Min(0), Tooltip("End after so many poses")] private int count = 300;
+        [SerializeField, Min(0), Tooltip("Or at the pose of this number; 0: at none")] private int until = 0;
+        [SerializeField, Min(0), Tooltip("Or after this time")] private float seconds = 60;
+        [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a snapshot")] private float patience = 5;
+
+        private volatile PoseMessage newest = PoseMessage.None;
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            base.Update();
+            var (p, r) = (newest.Position, newest.Rotation);
+            transform.SetPositionAndRotation(new Vector3(p.X, p.Y, p.Z), new Quaternion(r.X, r.Y, r.Z, r.W));
+        }
+
+        /// <inheritdoc/>
+        protected override void Talk(CancellationToken stop)
+        {
+            var time = System.Diagnostics.Stopwatch.StartNew();
+            using var subscriber = new PoseSubscriber(endpoint, snapshots, Log);
+            while (subscriber.Received < count && time.Elapsed.TotalSeconds < seconds)
+            {
+                var news = subscriber.Receive(Seconds(patience), stop);
+                var pose = newest = subscriber.Pose;
+                var p = pose.Position;
+                if (news && every > 0 && subscriber.Received % every == 0)
+                    Log(FormattableString.Invariant($"{pose.Number}: at {p.X:F4} {p.Y:F4} {p.Z:F4}"));
+                if (until > 0 && pose.Number >= until) break;
+            }
+            Log($"done: received {subscriber.Received}, missed {subscriber.Missed}; "
+                + $"run {newest.Run} at {newest.Number}, checksum {subscriber.Checksum}");
+        }
+    }
+}
