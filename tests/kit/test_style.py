@@ -20,7 +20,13 @@ from tests.programs import ROOT
 
 UNITY = ROOT / "unity" / "Assets" / "NetMQExample"
 # Files whose idea does not fit, and may not grow either.
-LONGER = {"python/01_request_reply/client.py": 62}
+LONGER = {
+    "python/01_request_reply/client.py": 62,
+    # Pictures, JPEG and the camera's rate stay until a lesson about cameras takes them.
+    "python/05_messages/client.py": 67,
+    "python/05_messages/server.py": 67,
+    "unity/Assets/NetMQExample/05_messages/MessagesClient.cs": 48,
+}
 
 
 def check(*command, **options):

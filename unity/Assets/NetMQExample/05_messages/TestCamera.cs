@@ -1,7 +1,6 @@
 // Stands for a camera in lesson 05: grey pictures with a white square that moves, and how they are asked about.
 using System;
 using System.Diagnostics;
-using System.Globalization;
 using System.Linq;
 
 namespace NetMQExample
@@ -55,20 +54,14 @@ namespace NetMQExample
             return request;
         }
 
-        /// <summary>The line to print about an exchange.</summary>
+        /// <summary>The line to print about an exchange. A server of your own may answer with something else.</summary>
         public static string Describe(int i, Message sent, Message reply)
         {
-            var values = reply.Values;
-            // A server of your own may answer with something else.
-            var found = string.Join(", ", values.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}")));
-            if (values.ContainsKey("x") && values.ContainsKey("y") && values.TryGetValue("mean", out var mean) &&
-                (mean is double || mean is long))
-            {
-                var middle = Convert.ToDouble(mean, CultureInfo.InvariantCulture);
-                found = FormattableString.Invariant($"brightest at x {values["x"]}, y {values["y"]}, mean {middle:F1}");
-            }
-            var what = FormattableString.Invariant($"{i}: sent {sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes");
-            return found == "" ? what : $"{what}; {NetMQLifetime.Printable(found)}";
+            var (all, what) = (reply.Values, $"{sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes");
+            var found = string.Join(", ", all.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}")));
+            if (all.ContainsKey("x") && all.ContainsKey("y") && all.TryGetValue("mean", out var mean) && !(mean is string || mean is bool))
+                found = FormattableString.Invariant($"brightest at x {all["x"]}, y {all["y"]}, mean {mean:F1}");
+            return $"{i}: sent {what}; {NetMQLifetime.Printable(found == "" ? "no values" : found)}";
         }
     }
 }
