@@ -4,8 +4,8 @@
 //                  "arrays":[{"dtype":"uint8","shape":[240,320,3]}]}           JSON, UTF-8, at most 64 KB
 //     frame 2...  the arrays' items, row after row, little-endian; all arrays together at most 64 MB
 //
-// Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error" with
-// the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
+// Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error"
+// with the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
 // Take home: this file and MessageJson.cs. They need Newtonsoft.Json, in Unity the package
 // com.unity.nuget.newtonsoft-json, and neither NetMQ nor UnityEngine. The Python side is messages.py.
 using System;
@@ -40,10 +40,12 @@ namespace NetMQExample
         {
             (Dtype, Data, Shape) = (dtype, data, shape);
             if (!Sizes.TryGetValue(dtype, out var size))
-                throw new MessageException("bad-dtype", $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Sizes.Keys)}");
+                throw new MessageException("bad-dtype",
+                    $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Sizes.Keys)}");
             // In double, which no product of eight sizes overflows.
             if (shape.Aggregate((double)size, (product, length) => product * length) != data.Length)
-                throw new MessageException("bad-shape", $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
+                throw new MessageException("bad-shape",
+                    $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
         }
 
         /// <summary>The kind of number: uint8, uint16, int32, int64, float32 or float64.</summary>
@@ -130,19 +132,23 @@ namespace NetMQExample
         {
             if (!(where is Dictionary<string, object> fields))
                 throw new MessageException("wrong-type", $"expected an object with '{name}'");
-            if (!fields.TryGetValue(name, out var value)) throw new MessageException("missing-field", $"there is no '{name}'");
-            return value is T right ? right : throw new MessageException("wrong-type", $"'{name}' must be {typeof(T).Name}");
+            if (!fields.TryGetValue(name, out var value))
+                throw new MessageException("missing-field", $"there is no '{name}'");
+            if (value is T right) return right;
+            throw new MessageException("wrong-type", $"'{name}' must be {typeof(T).Name}");
         }
 
         private static object Checked(string name, object value)
         {
             if (value is string || value is bool) return value;
             if (!(value is int || value is long || value is float || value is double))
-                throw new MessageException("wrong-type", $"value {MessageJson.Shown(name)} must be text, a number, true or false");
+                throw new MessageException("wrong-type",
+                    $"value {MessageJson.Shown(name)} must be text, a number, true or false");
             var most = value is float || value is double ? double.PositiveInfinity : Exact;
             // NaN is not less than anything.
             if (Math.Abs(Convert.ToDouble(value, CultureInfo.InvariantCulture)) < most) return value;
-            throw new MessageException("bad-value", $"value {MessageJson.Shown(name)} is not finite, or too large to be exact");
+            throw new MessageException("bad-value",
+                $"value {MessageJson.Shown(name)} is not finite, or too large to be exact");
         }
     }
 }

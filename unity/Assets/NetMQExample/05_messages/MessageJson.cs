@@ -18,9 +18,10 @@ namespace NetMQExample
     internal static class MessageJson
     {
         private static readonly UTF8Encoding Utf8 = new UTF8Encoding(false, true);
-        // Newtonsoft.Json reads more than JSON: comments, 'single quotes', NaN, 010 as 8, a comma too many. Two languages
-        // must agree on what is a message, so a header has to consist of JSON's own words.
-        private static readonly Regex Words = new Regex(@"^(?>(?:[ \t\n\r}\]]+|[{[:](?![ \t\n\r]*,)|,(?![ \t\n\r]*[,}\]])" +
+        // Newtonsoft.Json reads more than JSON: comments, 'single quotes', NaN, 010 as 8, a comma too many. Two
+        // languages must agree on what is a message, so a header has to consist of JSON's own words.
+        private static readonly Regex Words = new Regex(
+            @"^(?>(?:[ \t\n\r}\]]+|[{[:](?![ \t\n\r]*,)|,(?![ \t\n\r]*[,}\]])" +
             @"|""[^""\\\x00-\x1f]*(?:\\(?:[""\\/bfnrt]|u[0-9a-fA-F]{4})[^""\\\x00-\x1f]*)*""" +
             @"|-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?(?![\w.])|true|false|null)*)\z",
             RegexOptions.CultureInvariant);
@@ -47,8 +48,8 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Writes JSON in ASCII: letters beyond it become \u1234, so that no encoding on the way can spoil them.
-        /// </summary>
+        /// <summary>Writes JSON in ASCII: letters beyond it become \u1234, so that no encoding on the way can spoil
+        /// them.</summary>
         public static string Write(object value)
         {
             var text = new StringWriter(CultureInfo.InvariantCulture);
@@ -58,9 +59,9 @@ namespace NetMQExample
             return text.ToString().Replace("\x7f", "\\u007f");
         }
 
-        /// <summary>What a peer sent, for an error's text: in ASCII, without control characters, and not long.</summary>
-        public static string Shown(string word) =>
-            JsonConvert.ToString(word.Substring(0, Math.Min(word.Length, 40)), '\'', StringEscapeHandling.EscapeNonAscii);
+        /// <summary>What a peer sent, for an error's text: ASCII without control characters, and not long.</summary>
+        public static string Shown(string word) => JsonConvert.ToString(
+            word.Substring(0, Math.Min(word.Length, 40)), '\'', StringEscapeHandling.EscapeNonAscii);
 
         private static JsonToken Next(JsonReader json) =>
             json.Read() ? json.TokenType : throw new JsonReaderException("it ends too early");

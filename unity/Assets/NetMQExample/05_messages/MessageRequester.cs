@@ -1,9 +1,9 @@
 // Lesson 05, messages: ask with structure and arrays.
 //
-// Take home: this file, Message.cs and MessageJson.cs beside it, NetMQConnection.cs and NetMQLifetime.cs. The Python side
-// is python/05_messages/server.py. Bytes: see Message.cs.
-// Trouble: python/05_messages/client.py sends a header that does not fit its bytes with --wrong-shape; here MessageArray
-// refuses to be made of them.
+// Take home: this file, Message.cs and MessageJson.cs beside it, NetMQConnection.cs and NetMQLifetime.cs. The Python
+// side is python/05_messages/server.py. Bytes: see Message.cs.
+// Trouble: python/05_messages/client.py sends a header that does not fit its bytes with --wrong-shape; here
+// MessageArray refuses to be made of them.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -30,7 +30,7 @@ namespace NetMQExample
         protected MessageRequester(string endpoint, Func<NetMQSocket> make)
         {
             this.endpoint = endpoint;
-            // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ takes no more and hangs up.
+            // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ hangs up.
             Connection = new NetMQConnection(endpoint, make, 4 * Message.Limit);
         }
 
@@ -41,7 +41,7 @@ namespace NetMQExample
         /// <param name="request">The message.</param>
         /// <param name="patience">How long to wait: until it is sent, and then for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
-        /// <exception cref="MessageException">The reply is an error, with the server's code and text, or no message.</exception>
+        /// <exception cref="MessageException">The reply is an error, with its words, or no message.</exception>
         /// <exception cref="TimeoutException">No reply came. The next request has a new socket, and so finds a server
         /// that is back again.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
@@ -75,8 +75,10 @@ namespace NetMQExample
             sent.Append(request.Header());
             foreach (var array in request.Arrays) sent.Append(array.Data.ToArray());
             frames = null;
-            if (!NetMQConnection.Slices(patience, stop).Any(slice => Connection.Socket.TrySendMultipartMessage(slice, sent)) ||
-                !NetMQConnection.Slices(patience, stop).Any(slice => Connection.Socket.TryReceiveMultipartMessage(slice, ref received)))
+            var (slices, socket) = (NetMQConnection.Slices(patience, stop), Connection.Socket);
+            // Each time it is gone through, the time begins anew.
+            if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, sent)) ||
+                !slices.Any(slice => socket.TryReceiveMultipartMessage(slice, ref received)))
                 return false;
             frames = received.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList();
             return true;

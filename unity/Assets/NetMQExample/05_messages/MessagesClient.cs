@@ -1,8 +1,9 @@
 // Lesson 05 in Unity: pictures go to Python from a thread of their own, and Update logs what comes back.
 //
 // Use: start python/05_messages/server.py, add this component to any GameObject, press Play.
-// A picture is taken only when the last one was answered, so no old one ever waits in a queue: the newest wins. For your
-// camera, fill the texture with ReadPixels, or take the bytes from AsyncGPUReadback, which does not make Unity wait.
+// A picture is taken only when the last one was answered, so no old one ever waits in a queue: the newest wins. For
+// your camera, fill the texture with ReadPixels, or take the bytes from AsyncGPUReadback, which does not make Unity
+// wait.
 using System;
 using System.Threading;
 using UnityEngine;
@@ -23,7 +24,8 @@ namespace NetMQExample
         private readonly byte[] pixels = new byte[TestCamera.Size];
         private Texture2D texture;
 
-        private void Awake() => texture = new Texture2D(TestCamera.Width, TestCamera.Height, TextureFormat.RGB24, false);
+        private void Awake() =>
+            texture = new Texture2D(TestCamera.Width, TestCamera.Height, TextureFormat.RGB24, false);
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)

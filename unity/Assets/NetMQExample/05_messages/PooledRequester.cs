@@ -15,8 +15,8 @@ using NetMQ.Sockets;
 namespace NetMQExample
 {
     /// <summary>
-    /// A request's arrays are lent, not copied: leave them alone until <c>Request</c> returns. A reply's arrays are only
-    /// valid until the next request. It helps most after <see cref="PooledBuffers.Use"/>.
+    /// A request's arrays are lent, not copied: leave them alone until <c>Request</c> returns. A reply's arrays are
+    /// only valid until the next request. It helps most after <see cref="PooledBuffers.Use"/>.
     /// </summary>
     public sealed class PooledRequester : MessageRequester
     {
@@ -34,9 +34,9 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         protected override bool TryExchange(
-            Message request, TimeSpan patience, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> received)
+            Message request, TimeSpan patience, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
         {
-            received = frames;
+            reply = frames;
             if (!Send(Encoding.UTF8.GetBytes(request.Header()), request.Arrays.Count > 0, patience, stop)) return false;
             for (var i = 0; i < request.Arrays.Count; i++)
                 if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, patience, stop)) return false;
@@ -104,7 +104,8 @@ namespace NetMQExample
         {
             // Messages from before Use() end here too, and ArrayPool throws at any size that is not one of its own:
             // those are the powers of two from 16 on.
-            if (buffer.Length >= 16 && (buffer.Length & (buffer.Length - 1)) == 0) ArrayPool<byte>.Shared.Return(buffer);
+            var powerOfTwo = (buffer.Length & (buffer.Length - 1)) == 0;
+            if (buffer.Length >= 16 && powerOfTwo) ArrayPool<byte>.Shared.Return(buffer);
         }
 
         /// <summary>Nothing to do: the pool is .NET's.</summary>

@@ -5,7 +5,7 @@ using System.Linq;
 
 namespace NetMQExample
 {
-    /// <summary>Counts pictures: some a second, whether anybody looks or not, or with 0 one whenever somebody asks.</summary>
+    /// <summary>Counts pictures: some a second, whether anybody looks or not; with 0 one for each look.</summary>
     public sealed class TestCamera
     {
         /// <summary>The pictures' measures in pixels, and their bytes.</summary>
@@ -20,7 +20,7 @@ namespace NetMQExample
         /// <summary>The number of the newest picture that was asked for.</summary>
         public int Number { get; private set; }
 
-        /// <summary>True if there is a newer picture than before. Those in between are skipped: the newest wins.</summary>
+        /// <summary>True if there is a newer picture than before. Those in between are skipped.</summary>
         public bool Look()
         {
             var newest = fps == 0 ? Number + 1 : (int)(clock.Elapsed.TotalSeconds * fps);
@@ -29,12 +29,13 @@ namespace NetMQExample
             return newer;
         }
 
-        /// <summary>Draws RGB pixels, the lowest row first, as Unity's textures have it; the square has 8 x 8 of them.</summary>
+        /// <summary>Draws RGB pixels, the lowest row first, as Unity's textures have it.</summary>
         public static void Draw(byte[] pixels, int number)
         {
             Array.Fill(pixels, (byte)(10 * number % 200));
             int left = 16 * number % Width, top = 8 * number % Height;
-            for (var y = top; y < top + 8; y++) Array.Fill(pixels, (byte)255, ((Height - 1 - y) * Width + left) * 3, 24);
+            for (var y = top; y < top + 8; y++)
+                Array.Fill(pixels, (byte)255, ((Height - 1 - y) * Width + left) * 3, 24);
         }
 
         /// <summary>Pixels as a request. The server turns them over, which costs it nothing.</summary>
@@ -58,8 +59,10 @@ namespace NetMQExample
         public static string Describe(int i, Message sent, Message reply)
         {
             var (all, what) = (reply.Values, $"{sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes");
-            var found = string.Join(", ", all.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}")));
-            if (all.ContainsKey("x") && all.ContainsKey("y") && all.TryGetValue("mean", out var mean) && !(mean is string || mean is bool))
+            var each = all.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}"));
+            var found = string.Join(", ", each);
+            if (all.ContainsKey("x") && all.ContainsKey("y") && all.TryGetValue("mean", out var mean) &&
+                (mean is double || mean is long))
                 found = FormattableString.Invariant($"brightest at x {all["x"]}, y {all["y"]}, mean {mean:F1}");
             return $"{i}: sent {what}; {NetMQLifetime.Printable(found == "" ? "no values" : found)}";
         }
