@@ -39,6 +39,8 @@ LIBRARIES = (
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
 )
+# Unity's own package of Newtonsoft.Json, which lesson 05 reads its headers with.
+JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
 NUGET = "https://api.nuget.org/v3-flatcontainer"
 PLUGINS = f"{TARGET}/Plugins"
 # A stand-in for System.ServiceModel.Primitives, which NetMQ.dll names: two of them do not compile.
@@ -117,6 +119,8 @@ def install(
             if not elsewhere(root, Path(name.removesuffix(".meta")).name)
         }
     write(root, files, force)
+    if any(b"using Newtonsoft.Json" in data for name, data in files.items() if name.endswith(".cs")):
+        add_json(root, all_packages(root, manifest))
     for line in [*advice(root), *next_steps(root, lesson)]:
         say(line)
 
@@ -148,6 +152,25 @@ def take_home(folder: Path) -> list[Path]:
     folders = sorted({path.parent for path in chosen})
     # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
     return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml", PACKAGE / "NetMQExample.asmdef"]
+
+
+def add_json(root: Path, packages: set[str]) -> None:
+    """Name Unity's package of Newtonsoft.Json in the project's manifest, if it is not there by another route."""
+    if JSON[0] in packages or elsewhere(root, "Newtonsoft.Json.dll"):
+        return
+    path = root / "Packages" / "manifest.json"
+    # Beside it, and so on the same disk: a full disk leaves the old one whole.
+    new = path.with_name(f"manifest.json.{os.getpid()}")
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8-sig"))
+        manifest.setdefault("dependencies", {})[JSON[0]] = JSON[1]
+        new.write_text(json.dumps(manifest, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        replace(new, path)
+    except OSError as error:
+        new.unlink(missing_ok=True)
+        say(f"add the package {JSON[0]} in Unity's Package Manager: Packages/manifest.json cannot be written ({error})")
+        return
+    say(f"added {JSON[0]} {JSON[1]} to Packages/manifest.json")
 
 
 def notices() -> dict[str, bytes]:

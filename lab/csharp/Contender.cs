@@ -57,8 +57,8 @@ namespace NetMQExample.Lab
                 case "websocket": return new WebSockets(endpoint, size);
                 case "hello": return number > 0 ? new Spinning(endpoint, size, number) : (Contender)new Hello(endpoint, size);
                 case "busy": return new BusyWait(endpoint, size);
-                case "naive": return new NaiveMessages(endpoint, size);
-                case "pooled": return new PooledMessages(endpoint, size);
+                case "naive": return new Messages(endpoint, size, false);
+                case "pooled": return new Messages(endpoint, size, true);
                 case "many": return new Many(endpoint, size, number);
                 case "bare": return new Bare(endpoint, size);
                 case "subscriber": return new Subscriber(endpoint, endpoints[1], size, number);

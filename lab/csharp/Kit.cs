@@ -83,52 +83,26 @@ namespace NetMQExample.Lab
         public override void Dispose() => socket.Dispose();
     }
 
-    /// <summary>Lesson 05's bytes as a beginner sends and receives them: new arrays for each message.</summary>
-    internal sealed class NaiveMessages : Contender
-    {
-        private readonly RequestSocket socket = new RequestSocket();
-        private readonly Message request = new Message("echo", 1);
-
-        public NaiveMessages(string endpoint, int size) : base(size)
-        {
-            request.Arrays.Add(new MessageArray("uint8", Payload, size));
-            socket.Options.Linger = TimeSpan.Zero;
-            socket.Connect(endpoint);
-        }
-
-        public override void Send()
-        {
-            // The pool is for all sockets of the process. This one does without.
-            BufferPool.SetGCBufferPool();
-            socket.SendMoreFrame(request.Header()).SendFrame(Payload);
-        }
-
-        public override void Receive()
-        {
-            if (!socket.TryReceiveFrameBytes(Patience, out var header)) throw new TimeoutException("no reply");
-            var reply = Message.Read(new ReadOnlyMemory<byte>[] { header, socket.ReceiveFrameBytes() });
-            Check(reply.Arrays[0].Data.Length == Payload.Length);
-        }
-
-        public override void Dispose() => socket.Dispose();
-    }
-
-    /// <summary>Lesson 05 as it is.</summary>
-    internal sealed class PooledMessages : Contender
+    /// <summary>Lesson 05 with new arrays for each message, or with buffers that are used again.</summary>
+    internal sealed class Messages : Contender
     {
         private readonly MessageRequester requester;
         private readonly Message request = new Message("echo", 1);
+        private readonly bool pooled;
         private Message reply;
 
-        public PooledMessages(string endpoint, int size) : base(size)
+        public Messages(string endpoint, int size, bool pooled) : base(size)
         {
+            this.pooled = pooled;
             request.Arrays.Add(new MessageArray("uint8", Payload, size));
-            requester = new MessageRequester(endpoint);
+            requester = pooled ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
         }
 
         public override void Send()
         {
-            PooledBuffers.Use();
+            // The pool is for all sockets of the process.
+            if (pooled) PooledBuffers.Use();
+            else BufferPool.SetGCBufferPool();
             reply = requester.Request(request, Patience);
         }
 

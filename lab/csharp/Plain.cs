@@ -68,7 +68,7 @@ namespace NetMQExample.Lab
         public override void Receive()
         {
             var line = reader.ReadLine() ?? throw new IOException("the server hung up");
-            Json.Read(line);
+            Newtonsoft.Json.Linq.JObject.Parse(line);
             var start = line.IndexOf(": \"", StringComparison.Ordinal) + 3;
             Check(Convert.FromBase64String(line.Substring(start, line.LastIndexOf('"') - start)).Length == Payload.Length);
         }

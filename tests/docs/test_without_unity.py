@@ -96,8 +96,13 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     project = tmp_path / "MyProgram.csproj"
     text = program("xml")
     if engine.name == "libzmq":
-        package = re.search(r"<PackageReference.*/>", text)[0]
-        text = text.replace(package, f'<ProjectReference Include="{LIBZMQ_ENGINE}" />')
+        text = re.sub(
+            r'<PackageReference Include="NetMQ".*/>', f'<ProjectReference Include="{LIBZMQ_ENGINE}" />', text
+        )
+    if engine.offline:
+        # Where NuGet is away, the SDK's own copy, as the kit's projects have it.
+        own = '<Reference Include="Newtonsoft.Json" HintPath="$(MSBuildToolsPath)/Newtonsoft.Json.dll" />'
+        text = re.sub(r'<PackageReference Include="Newtonsoft.Json".*/>', own, text)
     project.write_text(text, encoding="utf-8")
     (tmp_path / "Program.cs").write_text(program("csharp"), encoding="utf-8")
     for path in {path for _, csharp, _, _ in table() for path in scripts(csharp)}:

@@ -7,6 +7,7 @@ import io
 import itertools
 import json
 import math
+import os
 import re
 import shutil
 import signal
@@ -14,14 +15,14 @@ import socket
 import struct
 import subprocess
 import sys
-import time
 
 import pytest
 import zmq
 
 from kitlib.docs import guide
+from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, free_port, steady_port
+from tests.programs import ROOT, steady_port
 
 KEY = "05_messages"
 FOLDER = ROOT / "python" / KEY
@@ -85,9 +86,9 @@ def test_ten_pictures(kind, serve, start, client_command):
     ten = [line("frame", i, i, 230_400) for i in range(1, 11)]
     assert client.lines == [f"asking {endpoint}", *ten, "done: 10 replies, 0 pictures skipped"]
     # The server prints after it has replied: the client can be done before the tenth line is there.
-    server.wait_for("sent ok", start=10)
+    server.wait_for(r"^sent b'\{\"kind\":\"ok\",\"version\":1,\"id\":10,", start=10)
     assert server.stop() == 0
-    assert server.lines == [f"listening on {endpoint}", *["sent ok"] * 10]
+    assert len(server.lines) == 11
 
 
 @pytest.mark.parametrize("kind", ["python", "unity"])
@@ -114,27 +115,14 @@ def test_the_newest_picture_wins(kind, serve, start, client_command):
     assert client.lines[5] == f"done: 4 replies, {numbers[-1] - 4} pictures skipped"
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-@pytest.mark.parametrize(
-    ("wrong", "refusal"),
-    [
-        ("json", "bad-json: the header is not JSON in UTF-8"),
-        (
-            "version",
-            "bad-version: the message has version 2, this side has 1; "
-            "use messages.py and Message.cs of the same release on both sides",
-        ),
-        ("kind", "unknown-kind: kind 'frames' is none of echo, mean, frame, jpeg"),
-        ("shape", "bad-shape: uint8 [240, 320, 4] is 307200 bytes, but its frame has 230400"),
-        ("frames", "bad-frames: the header lists 2 arrays, but 1 frames follow it"),
-    ],
-)
-def test_a_wrong_message_is_refused_and_the_next_one_answered(kind, wrong, refusal, serve, start, client_command):
-    _, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, "--count", "1", "--wrong", wrong))
+def test_a_shape_that_does_not_fit_is_refused_and_the_server_goes_on(serve, start, client_command):
+    server, endpoint = serve(KEY)
+    client = start(*client_command("python", KEY, endpoint, "--count", "1", "--wrong-shape"))
+    assert client.wait() == 1, client.output
+    assert client.lines[1] == "gave up: bad-shape: uint8 (240, 320, 4) is 307200 contiguous bytes, not 230400"
+    client = start(*client_command("python", KEY, endpoint, "--count", "1"))
     assert client.wait() == 0, client.output
-    assert client.lines[1].startswith(f"refused: {refusal}")
-    assert client.lines[2] == line("frame", 1, 1, 230_400)
+    assert not [line for line in server.lines[1:] if "error" in line], "whoever asked knows it"
 
 
 # The standard: golden bytes.
@@ -170,16 +158,22 @@ def test_python_refuses_the_bad_ones(entry):
     assert len(refusal.value.text) < 300
 
 
-def csharp(console, batch, **environment):
+@pytest.fixture(scope="session")
+def program(engine):
+    """The command of tests/lessons/messages."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "messages"))]
+
+
+def csharp(program, batch, **environment):
     """What Message.cs makes of each message: ("ok", the frames it writes) or ("error", the code)."""
     lines = [" ".join(frame.hex() or "-" for frame in map(bytes, frames)) for frames in batch]
     done = subprocess.run(
-        [*console, "5", "--check"],
+        [*program, "read"],
         input="".join(f"{line}\n" for line in lines),
         capture_output=True,
         text=True,
         timeout=100,
-        env={**__import__("os").environ, **environment},
+        env={**os.environ, **environment},
     )
     assert done.returncode == 0, done.stderr
     german, *answers = done.stdout.splitlines()
@@ -194,9 +188,9 @@ def csharp(console, batch, **environment):
 
 
 @pytest.mark.parametrize("environment", [{}, GERMAN], ids=["this locale", "German locale"])
-def test_csharp_reads_and_writes_the_golden_bytes(environment, console):
+def test_csharp_reads_and_writes_the_golden_bytes(environment, program):
     for entry, (word, frames) in zip(
-        GOLDEN["good"], csharp(console, map_list(GOLDEN["good"]), **environment), strict=True
+        GOLDEN["good"], csharp(program, map_list(GOLDEN["good"]), **environment), strict=True
     ):
         assert word == "ok", entry["name"]
         # Python's reader is checked by itself above; here it says what the C# side has understood.
@@ -205,9 +199,34 @@ def test_csharp_reads_and_writes_the_golden_bytes(environment, console):
             assert frames == unpacked(entry), entry["name"]
 
 
-def test_csharp_refuses_the_bad_ones_with_the_same_codes(console):
-    answers = csharp(console, map_list(GOLDEN["bad"]))
+def test_csharp_refuses_the_bad_ones_with_the_same_codes(program):
+    answers = csharp(program, map_list(GOLDEN["bad"]))
     assert answers == [("error", entry["code"]) for entry in GOLDEN["bad"]]
+
+
+def test_csharp_writes_no_value_that_the_standard_lacks(program):
+    """NaN, infinity, 2**53, null, a character, a list; then 1.0 and 2, which it has."""
+    done = subprocess.run([*program, "write"], capture_output=True, text=True, timeout=60)
+    *wrong, one, two = done.stdout.splitlines()[1:]
+    assert wrong == ["bad-value"] * 3 + ["wrong-type"] * 3
+    assert ('"it":1.0}' in one, '"it":2}' in two) == (True, True), done.stdout
+
+
+def test_a_requester_that_was_refused_asks_again(program, serve, start):
+    _, endpoint = serve(KEY)
+    asks = start(*program, "refused", endpoint)
+    assert asks.wait() == 0, asks.output
+    refusal = "unknown-kind: kind 'frames' is none of echo, frame, jpeg"
+    assert asks.lines[1:] == [f"{name}: {said}" for name in ("plain", "pooled") for said in (refusal, "230400 bytes")]
+
+
+def test_pooled_buffers_are_used_again(program, serve, start):
+    _, endpoint = serve(KEY, "--quiet")
+    asks = start(*program, "bytes", endpoint)
+    assert asks.wait(100) == 0, asks.output
+    plain, pooled = (int(line.partition(": ")[2]) for line in asks.lines[1:])
+    assert plain > 230_400
+    assert pooled < 23_040, "less than a tenth of one picture"
 
 
 def map_list(entries):
@@ -242,7 +261,7 @@ def test_csharp_clients_send_the_same_bytes(engine_client, start, context, clien
         header, pixels = rep.recv_multipart()
         array = b'[{"dtype":"uint8","shape":[240,320,3]}]'
         assert header == b'{"kind":"frame","version":1,"id":1,"values":{"bottom_up":true},"arrays":%s}' % array
-        assert pixels == importlib.import_module("camera").picture(1)
+        assert pixels == importlib.import_module("pictures").picture(1).arrays[0].data
         rep.send_multipart(Message("ok", 1, {"mean": 0.75, "x": 1, "y": 2}).frames())
         assert client.wait() == 0, client.output
         assert client.lines[1].endswith("brightest at x 1, y 2, mean 0.8")
@@ -270,8 +289,8 @@ ODD = {
     "terminal codes": (Message("ok", 1, {"a": ESC}), 0, "a ?]0;owned???client | done"),
     "a long text": (Message("ok", 1, {"a": "x" * 5000}), 0, "a " + "x" * 198 + "…"),
     "no values": (Message("ok", 1), 0, "1: sent frame 1, 230400 bytes"),
-    "an error of no reason": (Message("error", 1), 1, "gave up: error: the server gave no reason"),
-    "an error of odd types": (Message("error", 1, {"code": 5, "text": False}), 1, "gave up: error: the server gave no"),
+    "an error of no reason": (Message("error", 1), 1, "gave up: not said: not said"),
+    "an error of odd types": (Message("error", 1, {"code": 5, "text": False}), 1, "gave up: 5: False"),
     "an error with terminal codes": (
         Message("error", 1, {"code": ESC, "text": "\ud800" + "y" * 5000}),
         1,
@@ -280,7 +299,7 @@ ODD = {
     "an unknown dtype": (
         [b'{"kind":"ok","version":1,"id":1,"values":{},"arrays":[{"dtype":"\\u001b[2J\\ud800","shape":[]}]}', b""],
         1,
-        r"gave up: bad-dtype: dtype '\x1b[2J\ud800' is none of",
+        r"gave up: bad-dtype: dtype '\x1b[2J",
     ),
 }
 
@@ -299,32 +318,24 @@ def test_an_odd_reply_ends_in_one_line(kind, reply, code, says, start, context, 
         rep.send_multipart(reply.frames() if isinstance(reply, Message) else reply)
         assert client.wait() == code, client.output
     line = client.lines[-1] if code else client.lines[1]
-    # How an escaped character is written differs.
-    assert says in line.replace("\\u001b", "\\x1b")
+    # How an escaped character is written differs, and half a character is another one to Newtonsoft.Json.
+    assert says in line.replace("\\u001b", "\\x1b").replace("\ufffd", "?")
     assert len(client.lines) == (2 if code else 3), client.output
     assert not re.search(r"[\x00-\x1f\x7f]|Traceback|Unhandled", client.output.replace("\n", ""))
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
-def test_a_reply_of_very_many_frames_is_refused_early(kind, start, context, client_command):
+def test_a_reply_of_very_many_frames_is_refused(kind, start, context, client_command):
+    """Whose time must not grow with the square of their number."""
     with context.socket(zmq.REP) as rep:
         rep.linger = 0
         port = rep.bind_to_random_port("tcp://127.0.0.1")
         client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--patience", "20"))
         assert rep.poll(30_000)
         rep.recv_multipart()
-        rep.send_multipart([b"{}", *[b""] * 200_000])
+        rep.send_multipart([*Message("ok", 1).frames(), *[b""] * 200_000])
         assert client.wait(20) == 1, client.output
-        assert client.lines[-1] == "gave up: bad-frames: more than 1000 frames follow the header"
-
-
-def test_more_arrays_than_a_message_may_have_are_refused_in_both_languages(console):
-    most = Message("ok", 1, {}, [Array("uint8", (0,), b"")] * 1000).frames()
-    more = Message("ok", 1, {}, [Array("uint8", (0,), b"")] * 1001).frames()
-    assert len(messages.read(most).arrays) == 1000
-    with pytest.raises(MessageError, match=r"^bad-frames: more than 1000 frames"):
-        messages.read(more)
-    assert [word for word, _ in csharp(console, [most, more])] == ["ok", "error"]
+        assert client.lines[-1] == "gave up: bad-frames: the header lists 0 arrays, but 200000 frames follow it"
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
@@ -344,7 +355,7 @@ def test_a_server_that_breaks_the_connection_does_not_hold_a_client(kind, start,
             peer.send(b"\x01\x00" + b"\x00" + bytes([len(header)]) + header + b"\x02\xff" + b"\xff" * 7 + b"x" * 64)
             client.wait_for("^1: sent frame 1")
             assert client.wait(15) == 1, client.output
-    assert re.match(r"gave up: (no reply from|tcp://127\S+ takes no more)", client.lines[-1]), client.output
+    assert client.lines[-1].startswith("gave up: no reply from"), client.output
 
 
 class Peer:
@@ -401,15 +412,13 @@ REFUSED = {
     "an unknown kind": (Message("pickle", 5), "unknown-kind"),
     "a kind that no console can print": (Message("\ud800\n\0", 5), "unknown-kind"),
     "no array": (Message("frame", 5), "bad-shape"),
-    "two arrays": (Message("mean", 5, {}, image((1,)).arrays * 2), "bad-shape"),
+    "two arrays": (Message("frame", 5, {}, image((2, 2, 3)).arrays * 2), "bad-shape"),
     "a picture of no pixels": (image((0, 320, 3)), "bad-shape"),
     "a picture in two dimensions": (image((240, 320)), "bad-shape"),
     "four colours": (image((2, 2, 4)), "bad-shape"),
     "a picture of floats": (image((2, 2, 3), "float32"), "bad-shape"),
     "one number that is no list": (image((), "uint8"), "bad-shape"),
-    "NaN": (image((2,), "float32", struct.pack("<ff", 1, math.nan), "mean"), "bad-value"),
-    "infinity": (image((1,), "float64", struct.pack("<d", math.inf), "mean"), "bad-value"),
-    "a sum that overflows": (image((2,), "float64", struct.pack("<dd", 1e308, 1e308), "mean"), "bad-value"),
+    "one number that is upside down": (image((), "uint8", bottom_up=True), "bad-shape"),
 }
 
 
@@ -419,28 +428,15 @@ def test_a_message_that_cannot_be_answered(message, code, serve, ask):
     reply = ask(endpoint, message.frames())
     assert (reply.kind, reply.id, reply.values["code"]) == ("error", 5, code)
     assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)
-    server.wait_for("sent ok", start=2)
-    assert server.stop() == 0
-    assert server.lines[1:] == [f"sent error {code}", "sent ok"]
-
-
-def test_a_number_that_is_upside_down_does_not_stop_the_server(serve, ask):
-    server, endpoint = serve(KEY)
-    reply = ask(endpoint, image((), data=b"x", bottom_up=True).frames())
-    assert (reply.kind, reply.values["code"]) == ("error", "bad-shape")
-    assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)
     assert server.stop() == 0
     assert "Traceback" not in server.output
 
 
 MISTAKES = {
-    "an exception": ("raise ValueError('my own\\nmistake')", "ValueError: my own?mistake"),
-    "no reply": ("return None", "AttributeError: 'NoneType' object has no attribute 'frames'"),
-    "a number of numpy's": ("return Message('ok', 0, {'x': numpy.float32(1)})", "TypeError: Object of type float32"),
-    "a view with steps backwards": (
-        "return Message('ok', 0, {}, [Array('uint8', (9,), numpy.zeros(9)[::step]) for step in (1, -1)])",
-        "contiguous",
-    ),
+    "an exception": ("raise ValueError('my own\\nmistake')", r"ValueError('my own\nmistake')"),
+    "no reply": ("return None", "'NoneType' object has no attribute 'frames'"),
+    "a number of numpy's": ("return Message('ok', 0, {'x': numpy.float32(1)})", "Object of type float32"),
+    "NaN": ("return Message('ok', 0, {'x': float(numpy.float32('nan'))})", "JSON"),
 }
 
 
@@ -467,33 +463,29 @@ def test_a_mistake_in_a_readers_own_answer_is_a_reply_and_a_traceback(body, says
     server.wait_for(r"\.py\", line \d+, in ")
 
 
-def test_a_flood_of_bad_messages_makes_no_flood_of_lines(serve, ask):
-    server, endpoint = serve(KEY)
-    begin = time.monotonic()
-    for _ in range(1000):
-        ask(endpoint, [b"no message"])
-    seconds = time.monotonic() - begin
-    assert ask(endpoint, Message("echo", 9).frames()) == Message("ok", 9)
-    server.wait_for("^sent ok$")
-    lines = [line for line in server.lines if line.startswith("sent error")]
-    assert lines[0] == "sent error bad-json"
-    assert len(lines) <= seconds + 2
-    # A line a second is the promise: what comes later has one again, and says how many were left out.
-    time.sleep(1.1)
-    ask(endpoint, [b"no message"])
-    server.wait_for(r"^… [\d,]+ more in the last second$")
+def test_an_array_is_as_many_bytes_as_it_says_in_one_piece():
+    np = pytest.importorskip("numpy", reason="lesson 05's server needs numpy: pip install numpy")
+    Array("float64", (9,), np.zeros(9))
+    for dtype, shape, data in [
+        ("float64", (9,), np.zeros(9)[::-1]),
+        ("float64", (9,), np.zeros(8)),
+        ("float32", (9,), np.zeros(9)),
+    ]:
+        with pytest.raises(MessageError, match="contiguous bytes") as refusal:
+            Array(dtype, shape, data)
+        assert refusal.value.code == "bad-shape"
 
 
-def test_numbers_are_read_little_endian(serve, ask):
-    _, endpoint = serve(KEY)
-    for dtype, data, mean in [
-        ("int32", b"\xfe\xff\xff\xff", -2.0),
-        ("uint16", b"\x02\x01", 258.0),
+def test_numbers_are_read_little_endian():
+    pytest.importorskip("numpy", reason="lesson 05's server needs numpy: pip install numpy")
+    for dtype, data, number in [
+        ("int32", b"\xfe\xff\xff\xff", -2),
+        ("uint16", b"\x02\x01", 258),
         ("float32", b"\x00\x00\x20\x40", 2.5),
         ("float64", struct.pack("<d", -0.125), -0.125),
-        ("int64", struct.pack("<q", 1 << 40), float(1 << 40)),
+        ("int64", struct.pack("<q", 1 << 40), 1 << 40),
     ]:
-        assert ask(endpoint, image((1, 1), dtype, data, "mean").frames()).values == {"mean": mean}, dtype
+        assert Array(dtype, (1, 1), data).numpy().tolist() == [[number]]
 
 
 def test_top_down_pictures_are_not_turned_over(serve, ask):
@@ -616,15 +608,14 @@ def test_a_jpeg_that_is_none(make, code, serve, ask):
 
 def test_pixels_are_not_copied(context):
     np = pytest.importorskip("numpy", reason="lesson 05's server needs numpy: pip install numpy")
-    pixels = importlib.import_module("pixels")
     with context.socket(zmq.PAIR) as left, context.socket(zmq.PAIR) as right:
         left.linger = right.linger = 0
         right.connect(f"tcp://127.0.0.1:{left.bind_to_random_port('tcp://127.0.0.1')}")
         left.send_multipart(image((240, 320, 3)).frames())
         assert right.poll(20_000)
         received = right.recv_multipart(copy=False)
-    message = messages.read([frame.buffer for frame in received])
-    picture = pixels.as_numpy(message.arrays[0])
+    message = messages.read(received)
+    picture = message.arrays[0].numpy()
     assert picture.shape == (240, 320, 3)
     assert np.shares_memory(picture, np.frombuffer(received[1].buffer, np.uint8))
     assert np.shares_memory(picture[::-1], picture)
@@ -763,16 +754,16 @@ else:
         collect()
         return cases
 
-    def test_csharp_reads_what_python_writes_and_the_other_way_round(console):
+    def test_csharp_reads_what_python_writes_and_the_other_way_round(program):
         cases = collected(good, 2000)
-        for message, (word, frames) in zip(cases, csharp(console, [m.frames() for m in cases]), strict=True):
+        for message, (word, frames) in zip(cases, csharp(program, [m.frames() for m in cases]), strict=True):
             assert word == "ok", (message, frames)
             assert same(messages.read(frames), message)
 
-    def test_csharp_and_python_agree_on_what_is_no_message(console):
+    def test_csharp_and_python_agree_on_what_is_no_message(program):
         cases = [frames for frames in collected(spoiled(), 4000) if b"\n" not in frames[0]]
         refused = 0
-        for frames, (word, result) in zip(cases, csharp(console, cases), strict=True):
+        for frames, (word, result) in zip(cases, csharp(program, cases), strict=True):
             message = verdict(frames)
             refused += message is None
             assert (word == "ok") == (message is not None), (frames, word, result)
@@ -822,24 +813,22 @@ def test_a_reply_of_another_server_is_shown_as_it_is(kind, start, client_command
         port = server.bind_to_random_port("tcp://127.0.0.1")
         client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1"))
         assert server.poll(20_000)
-        request = messages.read([frame.buffer for frame in server.recv_multipart(copy=False)])
+        request = messages.read(server.recv_multipart(copy=False))
         server.send_multipart(Message("ok", request.id, {"steer": 0.5, "gas": 1}).frames())
         assert client.wait() == 0, client.output
     assert "1: sent frame 1, 230400 bytes; steer 0.5, gas 1" in client.lines
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
-def test_the_server_of_the_page_answers_with_an_action(kind, tmp_path, start, client_command):
+def test_the_answer_of_the_page_is_an_action(kind, tmp_path, start, client_command):
     page = ROOT / "docs" / "guide" / f"{KEY}.md"
-    (block,) = [each for each in guide.blocks(page) if "test_the_server_of_the_page" in each.source]
-    endpoint = f"tcp://127.0.0.1:{free_port()}"
-    text = block.body.replace("tcp://127.0.0.1:5555", endpoint)
-    assert text != block.body
-    (tmp_path / "my_server.py").write_text(text, encoding="utf-8")
-    for name in ("messages.py", "pixels.py", "serving.py"):
-        shutil.copy(ROOT / "python" / KEY / name, tmp_path)
-    server = start(PYTHON, tmp_path / "my_server.py")
-    server.wait_for(f"^listening on {endpoint}$")
+    (block,) = [each for each in guide.blocks(page) if "test_the_answer_of_the_page" in each.source]
+    text = (FOLDER / "server.py").read_text(encoding="utf-8").replace("from pictures import brightest\n", "")
+    before, _, rest = text.partition("def answer(")
+    (tmp_path / "server.py").write_text(before + block.body + rest[rest.index("\n\n\ndef serve(") :], encoding="utf-8")
+    shutil.copy(FOLDER / "messages.py", tmp_path)
+    server = start(PYTHON, tmp_path / "server.py", "--endpoint", "tcp://127.0.0.1:0")
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
     client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--patience", "20"))
     assert client.wait() == 0, client.output
     said = re.search(r"`(1: sent frame 1, 230400 bytes; steer 0\.\d+)…`", page.read_text(encoding="utf-8"))[1]
@@ -860,18 +849,3 @@ def test_the_server_of_the_page_answers_with_an_action(kind, tmp_path, start, cl
     if sys.platform != "win32":
         assert server.stop(signal.SIGINT) == 0
         assert "KeyboardInterrupt" not in server.output
-
-
-def measured(serve, start, console):
-    _, endpoint = serve(KEY)
-    client = start(*console, "5", "--measure", "--endpoint", endpoint)
-    assert client.wait(100) == 0, client.output
-    made = [int(client.wait_for(rf"^{way} .* us and +(\d+) new bytes")[1]) for way in ("naive", "pooled")]
-    return made, float(client.wait_for(r"pooled is ([\d.]+) times as fast")[1])
-
-
-def test_pooled_buffers_are_used_again(serve, start, console, engine):
-    (naive, pooled), _ = measured(serve, start, console)
-    # NetMQ itself makes three arrays of a picture's size, the libzmq engine only the one that it gives to the user.
-    assert naive > 230_400 * (3 if engine.name == "netmq" else 1)
-    assert pooled < 23_040, "less than a tenth of one picture"

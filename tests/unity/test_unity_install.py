@@ -152,6 +152,29 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
         assert {f"{stem}.cs" for stem in stems & words} <= copied
 
 
+def test_the_lesson_that_reads_json_brings_unitys_package_for_it(project: Path, nuget: Path) -> None:
+    manifest = project / "Packages" / "manifest.json"
+    before = manifest.read_bytes()
+    unity_install.install(project, "4", False)
+    assert manifest.read_bytes() == before
+    unity_install.install(project, "5", False)
+    own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    name = "com.unity.nuget.newtonsoft-json"
+    wanted = {"com.unity.ugui": "1.0.0", name: own["dependencies"][name]}
+    assert json.loads(manifest.read_text(encoding="utf-8")) == {"dependencies": wanted}
+    after = manifest.read_bytes()
+    unity_install.install(project, "5", False)
+    assert manifest.read_bytes() == after
+    assert [path.name for path in manifest.parent.iterdir()] == ["manifest.json"]
+
+
+def test_a_newtonsoft_json_that_is_there_is_the_one(project: Path, nuget: Path) -> None:
+    before = (project / "Packages" / "manifest.json").read_bytes()
+    (project / "Assets" / "Newtonsoft.Json.dll").write_bytes(b"MZ")
+    unity_install.install(project, None, False)
+    assert (project / "Packages" / "manifest.json").read_bytes() == before
+
+
 def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
     (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-3"}}')
     unity_install.install(project, None, False)

@@ -199,6 +199,9 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry() -> None:
     scopes = [scope for registry in manifest["scopedRegistries"] for scope in registry["scopes"]]
     assert outside == ["org.nuget.netmq"]
     assert all(any(name.startswith(f"{scope}.") for scope in scopes) for name in outside)
+    lessons = (ROOT / "csharp-support" / "lessons" / "NetMQExample.csproj").read_text(encoding="utf-8")
+    assert 'Include="Newtonsoft.Json" Version="13.' in lessons
+    assert manifest["dependencies"][unity_install.JSON[0]] == unity_install.JSON[1]
     # UnityNuGet writes the fourth number of a version behind a hyphen.
     targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")
     version = manifest["dependencies"]["org.nuget.netmq"].replace("-", ".")

@@ -2,28 +2,29 @@
 //
 //     frame 1     {"kind":"frame","version":1,"id":7,"values":{"bottom_up":true},
 //                  "arrays":[{"dtype":"uint8","shape":[240,320,3]}]}           JSON, UTF-8, at most 64 KB
-//     frame 2...  the arrays' items, row after row, little-endian; at most 1000 arrays, all together at most 64 MB
+//     frame 2...  the arrays' items, row after row, little-endian; all arrays together at most 64 MB
 //
-// Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error" with
-// the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
-// Take home: this file and Json.cs. They need neither NetMQ nor UnityEngine. The Python side is messages.py.
+// Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error"
+// with the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
+// Take home: this file and MessageJson.cs. They need Newtonsoft.Json, in Unity the package
+// com.unity.nuget.newtonsoft-json, and neither NetMQ nor UnityEngine. The Python side is messages.py.
 using System;
 using System.Collections.Generic;
+using System.Globalization;
 using System.IO;
 using System.Linq;
 using System.Runtime.InteropServices;
-using System.Text;
 
 namespace NetMQExample
 {
     /// <summary>What is wrong with a message: a code for programs and a text for people.</summary>
     public sealed class MessageException : IOException
     {
+        /// <summary>With the code, such as <c>bad-shape</c>, first in its message.</summary>
+        public MessageException(string code, string text) : base($"{code}: {text}") => Code = code;
+
         /// <summary>Such as <c>bad-shape</c>.</summary>
         public string Code { get; }
-
-        /// <summary>With the code first in its message.</summary>
-        public MessageException(string code, string text) : base($"{code}: {text}") => Code = code;
     }
 
     /// <summary>An array of numbers: how they are to be read, and their bytes.</summary>
@@ -32,6 +33,20 @@ namespace NetMQExample
         // The names are numpy's. What Unity runs on is little-endian, as the bytes are.
         private static readonly Dictionary<string, int> Sizes = new Dictionary<string, int>
         { ["uint8"] = 1, ["uint16"] = 2, ["int32"] = 4, ["int64"] = 8, ["float32"] = 4, ["float64"] = 8 };
+
+        /// <summary>Describes bytes; they are not copied.</summary>
+        /// <exception cref="MessageException">The bytes are not as many as dtype and shape say.</exception>
+        public MessageArray(string dtype, ReadOnlyMemory<byte> data, params int[] shape)
+        {
+            (Dtype, Data, Shape) = (dtype, data, shape);
+            if (!Sizes.TryGetValue(dtype, out var size))
+                throw new MessageException("bad-dtype",
+                    $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Sizes.Keys)}");
+            // In double, which no product of eight sizes overflows.
+            if (shape.Aggregate((double)size, (product, length) => product * length) != data.Length)
+                throw new MessageException("bad-shape",
+                    $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
+        }
 
         /// <summary>The kind of number: uint8, uint16, int32, int64, float32 or float64.</summary>
         public string Dtype { get; }
@@ -42,18 +57,6 @@ namespace NetMQExample
         /// <summary>Their bytes, row after row, little-endian.</summary>
         public ReadOnlyMemory<byte> Data { get; }
 
-        /// <summary>Describes bytes; they are not copied.</summary>
-        /// <exception cref="MessageException">The bytes are not as many as dtype and shape say.</exception>
-        public MessageArray(string dtype, ReadOnlyMemory<byte> data, params int[] shape)
-        {
-            (Dtype, Data, Shape) = (dtype, data, shape);
-            if (!Sizes.TryGetValue(dtype, out var size))
-                throw new MessageException("bad-dtype", $"dtype '{Json.Shown(dtype)}' is none of {string.Join(", ", Sizes.Keys)}");
-            // In double, which no product of eight sizes overflows.
-            if (shape.Aggregate((double)size, (product, length) => product * length) != data.Length)
-                throw new MessageException("bad-shape", $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
-        }
-
         /// <summary>The numbers, without a copy: <c>array.Items&lt;float&gt;()</c> for float32.</summary>
         public ReadOnlySpan<T> Items<T>() where T : struct => MemoryMarshal.Cast<byte, T>(Data.Span);
     }
@@ -61,13 +64,14 @@ namespace NetMQExample
     /// <summary>One message. What it was read from must not change while it is used.</summary>
     public sealed class Message
     {
-        /// <summary>The version of this standard, the most bytes of a header, and of all arrays together, and the most
-        /// arrays.</summary>
-        public const int Version = 1, HeaderLimit = 64 * 1024, Limit = 64 * 1024 * 1024, MostArrays = 1000;
+        /// <summary>The version of this standard, the most bytes of a header, and of all arrays together.</summary>
+        public const int Version = 1, HeaderLimit = 64 * 1024, Limit = 64 * 1024 * 1024;
 
         // Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only doubles.
         private const long Exact = 1L << 53;
-        private static readonly UTF8Encoding Utf8 = new UTF8Encoding(false, true);
+
+        /// <summary>A message without values and arrays, to which both can be added.</summary>
+        public Message(string kind, long id = 0) => (Kind, Id) = (kind, id);
 
         /// <summary>What is asked for; of a reply, "ok" or "error".</summary>
         public string Kind { get; }
@@ -76,80 +80,75 @@ namespace NetMQExample
         public long Id { get; }
 
         /// <summary>Each is a string, bool, long or double; int and float may be written too.</summary>
-        public Dictionary<string, object> Values { get; private set; } = new Dictionary<string, object>();
+        public Dictionary<string, object> Values { get; } = new Dictionary<string, object>();
 
         /// <summary>The arrays; their bytes are the frames after the header.</summary>
-        public List<MessageArray> Arrays { get; private set; } = new List<MessageArray>();
-
-        /// <summary>A message without values and arrays, to which both can be added.</summary>
-        public Message(string kind, long id = 0) => (Kind, Id) = (kind, id);
+        public List<MessageArray> Arrays { get; } = new List<MessageArray>();
 
         /// <summary>The first frame; the arrays' bytes are the others.</summary>
+        /// <exception cref="MessageException">A value has no place in a header.</exception>
         public string Header()
         {
-            var arrays = Arrays.Select(array => new Dictionary<string, object> { ["dtype"] = array.Dtype, ["shape"] = array.Shape });
-            var text = new StringBuilder();
-            Json.Write(text, new Dictionary<string, object>
+            foreach (var value in Values) Checked(value.Key, value.Value);
+            var arrays = Arrays.Select(array =>
+                new Dictionary<string, object> { ["dtype"] = array.Dtype, ["shape"] = array.Shape });
+            return MessageJson.Write(new Dictionary<string, object>
             { ["kind"] = Kind, ["version"] = Version, ["id"] = Id, ["values"] = Values, ["arrays"] = arrays });
-            return text.ToString();
         }
 
         /// <summary>The message in the frames that were received, whose arrays are not copied.</summary>
         /// <exception cref="MessageException">They are no message; its text says why.</exception>
         public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
-            if (frames.Count > MostArrays + 1)
-                throw new MessageException("bad-frames", $"more than {MostArrays} frames follow the header");
-            if (frames[0].Length > HeaderLimit)
-                throw new MessageException("too-big", $"the header has {frames[0].Length} bytes, the limit is {HeaderLimit}");
-            object header;
-            try
-            {
-                header = Json.Read(Utf8.GetString(frames[0].Span));
-            }
-            catch (Exception e) when (e is FormatException || e is ArgumentException)
-            {
-                throw new MessageException("bad-json", $"the header is not JSON in UTF-8: {e.Message}");
-            }
+            if (frames[0].Length > HeaderLimit || frames.Skip(1).Sum(frame => (long)frame.Length) > Limit)
+                throw new MessageException("too-big",
+                    $"a header has at most {HeaderLimit} bytes, all arrays together {Limit}");
+            var header = MessageJson.Read(frames[0].Span);
             // The version comes first: another one may have other fields.
-            var version = Take<long>(header, "version", "a whole number");
-            if (version != Version)
-                throw new MessageException("bad-version", $"the message has version {version}, this side has {Version}; " +
-                    "use messages.py and Message.cs of the same release on both sides");
-            var message = new Message(Take<string>(header, "kind", "text"), Take<long>(header, "id", "a whole number"))
-            { Values = Take<Dictionary<string, object>>(header, "values", "an object") };
-            if (message.Id < 0 || message.Id >= Exact) throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
-            foreach (var value in message.Values)
-            {
-                if (!(value.Value is string || value.Value is bool || value.Value is long || value.Value is double))
-                    throw new MessageException("wrong-type", $"value '{Json.Shown(value.Key)}' must be text, a number, true or false");
-                if (value.Value is long whole && (whole <= -Exact || whole >= Exact) || value.Value is double real && double.IsInfinity(real))
-                    throw new MessageException("bad-value", $"value '{Json.Shown(value.Key)}' is too large to be exact");
-            }
-            var arrays = Take<List<object>>(header, "arrays", "a list");
+            if (Take<long>(header, "version") != Version)
+                throw new MessageException("bad-version", $"not version {Version}: are both sides of one release?");
+            var message = new Message(Take<string>(header, "kind"), Take<long>(header, "id"));
+            if (message.Id < 0 || message.Id >= Exact)
+                throw new MessageException("bad-value", "'id' must be 0 to 2**53 - 1");
+            foreach (var value in Take<Dictionary<string, object>>(header, "values"))
+                message.Values[value.Key] = Checked(value.Key, value.Value);
+            var arrays = Take<List<object>>(header, "arrays");
             if (arrays.Count != frames.Count - 1)
-                throw new MessageException("bad-frames", $"the header lists {arrays.Count} arrays, but {frames.Count - 1} frames follow it");
-            var size = frames.Skip(1).Sum(frame => (long)frame.Length);
-            if (size > Limit) throw new MessageException("too-big", $"the arrays have {size} bytes, the limit is {Limit}");
-            message.Arrays = arrays.Zip(frames.Skip(1), ReadArray).ToList();
+                throw new MessageException("bad-frames",
+                    $"the header lists {arrays.Count} arrays, but {frames.Count - 1} frames follow it");
+            message.Arrays.AddRange(arrays.Zip(frames.Skip(1), ReadArray));
             return message;
         }
 
         private static MessageArray ReadArray(object array, ReadOnlyMemory<byte> data)
         {
-            var dtype = Take<string>(array, "dtype", "text");
-            var shape = Take<List<object>>(array, "shape", "a list");
+            var (dtype, shape) = (Take<string>(array, "dtype"), Take<List<object>>(array, "shape"));
             if (shape.Count > 8 || shape.Any(length => !(length is long size && size >= 0 && size <= Limit)))
                 throw new MessageException("bad-shape", $"a shape is at most 8 whole numbers from 0 to {Limit}");
             return new MessageArray(dtype, data, shape.Select(length => (int)(long)length).ToArray());
         }
 
-        private static T Take<T>(object where, string name, string word)
+        private static T Take<T>(object where, string name)
         {
             if (!(where is Dictionary<string, object> fields))
                 throw new MessageException("wrong-type", $"expected an object with '{name}'");
-            if (!fields.TryGetValue(name, out var value)) throw new MessageException("missing-field", $"there is no '{name}'");
-            return value is T right ? right : throw new MessageException("wrong-type", $"'{name}' must be {word}");
+            if (!fields.TryGetValue(name, out var value))
+                throw new MessageException("missing-field", $"there is no '{name}'");
+            if (value is T right) return right;
+            throw new MessageException("wrong-type", $"'{name}' must be {typeof(T).Name}");
+        }
+
+        private static object Checked(string name, object value)
+        {
+            if (value is string || value is bool) return value;
+            if (!(value is int || value is long || value is float || value is double))
+                throw new MessageException("wrong-type",
+                    $"value {MessageJson.Shown(name)} must be text, a number, true or false");
+            var most = value is float || value is double ? double.PositiveInfinity : Exact;
+            // NaN is not less than anything.
+            if (Math.Abs(Convert.ToDouble(value, CultureInfo.InvariantCulture)) < most) return value;
+            throw new MessageException("bad-value",
+                $"value {MessageJson.Shown(name)} is not finite, or too large to be exact");
         }
     }
 }

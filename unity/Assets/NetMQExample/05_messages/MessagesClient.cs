@@ -1,8 +1,9 @@
 // Lesson 05 in Unity: pictures go to Python from a thread of their own, and Update logs what comes back.
 //
 // Use: start python/05_messages/server.py, add this component to any GameObject, press Play.
-// A picture is taken only when the last one was answered, so no old one ever waits in a queue: the newest wins. For your
-// camera, fill the texture with ReadPixels, or take the bytes from AsyncGPUReadback, which does not make Unity wait.
+// A picture is taken only when the last one was answered, so no old one ever waits in a queue: the newest wins. For
+// your camera, fill the texture with ReadPixels, or take the bytes from AsyncGPUReadback, which does not make Unity
+// wait.
 using System;
 using System.Threading;
 using UnityEngine;
@@ -19,21 +20,27 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("The camera's pictures a second; 0: one for each reply")] private int fps;
         [SerializeField, Tooltip("Send JPEG instead of raw bytes")] private bool jpeg;
 
+        // One buffer for all pictures: Update fills it while the network thread waits, and never else.
+        private readonly byte[] pixels = new byte[TestCamera.Size];
         private Texture2D texture;
 
-        private void Awake() => texture = new Texture2D(TestCamera.Width, TestCamera.Height, TextureFormat.RGB24, false);
+        private void Awake() =>
+            texture = new Texture2D(TestCamera.Width, TestCamera.Height, TextureFormat.RGB24, false);
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            // One buffer for all pictures: Update fills it while this thread waits, and never else.
-            var (view, pixels) = (new TestCamera(fps), new byte[TestCamera.Size]);
-            using var requester = new MessageRequester(endpoint);
+            var view = new TestCamera(fps);
+            // Pictures are large: their buffers are used again, by all NetMQ sockets of this game. For smaller messages
+            // a MessageRequester will do.
+            PooledBuffers.Use();
+            using var requester = new PooledRequester(endpoint);
             for (int i = 1, lost = 0; i <= count;)
             {
-                Message request = null;
-                while (request == null) request = FromUpdate(() => view.Look() ? Take(view.Number, pixels) : null);
+                var request = FromUpdate(() => view.Look() ? Take(view.Number) : null);
+                // The camera has no newer picture yet: look again in the next frame.
+                if (request == null) continue;
                 try
                 {
                     Log(TestCamera.Describe(i, request, requester.Request(request, Seconds(patience), stop)));
@@ -48,14 +55,12 @@ namespace NetMQExample
             Log($"done: {count} replies, {view.Number - count} pictures skipped");
         }
 
-        private Message Take(int number, byte[] pixels)
+        private Message Take(int number)
         {
             TestCamera.Draw(pixels, number);
+            if (!jpeg) return TestCamera.Frame(number, pixels);
             texture.LoadRawTextureData(pixels);
-            if (jpeg) return TestCamera.Jpeg(number, texture.EncodeToJPG());
-            // Only the main thread may read a texture. GetRawTextureData<byte>() is a view: nothing new is made.
-            texture.GetRawTextureData<byte>().CopyTo(pixels);
-            return TestCamera.Frame(number, pixels);
+            return TestCamera.Jpeg(number, texture.EncodeToJPG());
         }
 
         private void OnDestroy() => Destroy(texture);

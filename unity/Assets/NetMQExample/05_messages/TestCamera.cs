@@ -1,12 +1,11 @@
 // Stands for a camera in lesson 05: grey pictures with a white square that moves, and how they are asked about.
 using System;
 using System.Diagnostics;
-using System.Globalization;
 using System.Linq;
 
 namespace NetMQExample
 {
-    /// <summary>Counts pictures: some a second, whether anybody looks or not, or with 0 one whenever somebody asks.</summary>
+    /// <summary>Counts pictures: some a second, whether anybody looks or not; with 0 one for each look.</summary>
     public sealed class TestCamera
     {
         /// <summary>The pictures' measures in pixels, and their bytes.</summary>
@@ -21,7 +20,7 @@ namespace NetMQExample
         /// <summary>The number of the newest picture that was asked for.</summary>
         public int Number { get; private set; }
 
-        /// <summary>True if there is a newer picture than before. Those in between are skipped: the newest wins.</summary>
+        /// <summary>True if there is a newer picture than before. Those in between are skipped.</summary>
         public bool Look()
         {
             var newest = fps == 0 ? Number + 1 : (int)(clock.Elapsed.TotalSeconds * fps);
@@ -30,12 +29,13 @@ namespace NetMQExample
             return newer;
         }
 
-        /// <summary>Draws RGB pixels, the lowest row first, as Unity's textures have it; the square has 8 x 8 of them.</summary>
+        /// <summary>Draws RGB pixels, the lowest row first, as Unity's textures have it.</summary>
         public static void Draw(byte[] pixels, int number)
         {
             Array.Fill(pixels, (byte)(10 * number % 200));
             int left = 16 * number % Width, top = 8 * number % Height;
-            for (var y = top; y < top + 8; y++) Array.Fill(pixels, (byte)255, ((Height - 1 - y) * Width + left) * 3, 24);
+            for (var y = top; y < top + 8; y++)
+                Array.Fill(pixels, (byte)255, ((Height - 1 - y) * Width + left) * 3, 24);
         }
 
         /// <summary>Pixels as a request. The server turns them over, which costs it nothing.</summary>
@@ -55,20 +55,16 @@ namespace NetMQExample
             return request;
         }
 
-        /// <summary>The line to print about an exchange.</summary>
+        /// <summary>The line to print about an exchange. A server of your own may answer with something else.</summary>
         public static string Describe(int i, Message sent, Message reply)
         {
-            var values = reply.Values;
-            // A server of your own may answer with something else.
-            var found = string.Join(", ", values.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}")));
-            if (values.ContainsKey("x") && values.ContainsKey("y") && values.TryGetValue("mean", out var mean) &&
+            var (all, what) = (reply.Values, $"{sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes");
+            var each = all.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}"));
+            var found = string.Join(", ", each);
+            if (all.ContainsKey("x") && all.ContainsKey("y") && all.TryGetValue("mean", out var mean) &&
                 (mean is double || mean is long))
-            {
-                var middle = Convert.ToDouble(mean, CultureInfo.InvariantCulture);
-                found = FormattableString.Invariant($"brightest at x {values["x"]}, y {values["y"]}, mean {middle:F1}");
-            }
-            var what = FormattableString.Invariant($"{i}: sent {sent.Kind} {sent.Id}, {sent.Arrays[0].Data.Length} bytes");
-            return found == "" ? what : $"{what}; {NetMQLifetime.Printable(found)}";
+                found = FormattableString.Invariant($"brightest at x {all["x"]}, y {all["y"]}, mean {mean:F1}");
+            return $"{i}: sent {what}; {NetMQLifetime.Printable(found == "" ? "no values" : found)}";
         }
     }
 }

@@ -1,0 +1,96 @@
+// What test_05_messages.py asks of the C# side:
+//
+//     read                  each line of the input is a message, its frames in hexadecimal digits with a space between
+//                           them, an empty one as -; its answer is "ok" and the message as it is written again, or
+//                           "error" and the code
+//     write                 what no message may hold is refused before it is sent
+//     refused ENDPOINT      each requester is refused, and asks again
+//     bytes ENDPOINT        how many bytes each requester allocates for the echo of a picture
+using System;
+using System.Globalization;
+using System.Linq;
+using System.Text;
+
+namespace NetMQExample.Tests
+{
+    internal static class Program
+    {
+        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
+
+        private static void Main(string[] words)
+        {
+            // A machine where 0.5 is written 0,5 must read and write the same bytes.
+            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
+            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
+            CultureInfo.CurrentCulture = german;
+            Console.WriteLine($"here a half is written {0.5}");
+            if (words[0] == "read")
+                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line));
+            else if (words[0] == "write") Write();
+            else foreach (var name in new[] { "plain", "pooled" }) Ask(words[0], name, words[1]);
+        }
+
+        private static string Answer(string line)
+        {
+            try
+            {
+                var message = Message.Read(line.Split(' ').Select(frame => new ReadOnlyMemory<byte>(Bytes(frame))).ToArray());
+                var again = message.Arrays.Select(array => array.Data.ToArray()).Prepend(Encoding.UTF8.GetBytes(message.Header()));
+                return "ok " + string.Join(" ", again.Select(Digits));
+            }
+            catch (MessageException e)
+            {
+                return $"error {e.Code}";
+            }
+        }
+
+        private static byte[] Bytes(string digits) => digits == "-" ? Array.Empty<byte>() : Convert.FromHexString(digits);
+
+        private static string Digits(byte[] bytes) => bytes.Length == 0 ? "-" : Convert.ToHexString(bytes).ToLowerInvariant();
+
+        private static void Write()
+        {
+            foreach (var value in new object[] { double.NaN, float.PositiveInfinity, 1L << 53, null, 'c', new int[1], 1f, 2 })
+            {
+                var message = new Message("echo", 1);
+                message.Values["it"] = value;
+                try
+                {
+                    Console.WriteLine(message.Header());
+                }
+                catch (MessageException e)
+                {
+                    Console.WriteLine(e.Code);
+                }
+            }
+        }
+
+        private static void Ask(string what, string name, string endpoint)
+        {
+            using var requester = name == "pooled" ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
+            var echo = new Message("echo", 1);
+            echo.Arrays.Add(new MessageArray("uint8", new byte[TestCamera.Size], TestCamera.Size));
+            if (what == "bytes")
+            {
+                if (name == "pooled") PooledBuffers.Use();
+                // Those before the first fill the pool.
+                for (var i = 0; i < 20; i++) requester.Request(echo, Patience);
+                var before = GC.GetTotalAllocatedBytes(true);
+                for (var i = 0; i < 100; i++) requester.Request(echo, Patience);
+                Console.WriteLine($"{name}: {(GC.GetTotalAllocatedBytes(true) - before) / 100}");
+                return;
+            }
+            try
+            {
+                requester.Request(new Message("frames", 1), Patience);
+            }
+            catch (MessageException e)
+            {
+                Console.WriteLine($"{name}: {e.Message}");
+            }
+            Console.WriteLine($"{name}: {requester.Request(echo, Patience).Arrays[0].Data.Length} bytes");
+            // A message from before the pool was chosen gives back a buffer that is not the pool's: it must not throw.
+            new PooledBuffers().Return(new byte[TestCamera.Size]);
+        }
+    }
+}

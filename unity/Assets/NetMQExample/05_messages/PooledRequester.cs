@@ -1,0 +1,114 @@
+// Lesson 05 for pictures: the same requester, whose large buffers are used again.
+//
+// Sending and receiving a NetMQMessage makes several new arrays of a picture's size. Arrays over 85,000 bytes are
+// collected only by the slowest of .NET's collections. A lesson of its own about cameras is to come; until then this
+// stands here, and only a scene that sends pictures needs it.
+using System;
+using System.Buffers;
+using System.Collections.Generic;
+using System.Runtime.InteropServices;
+using System.Text;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace NetMQExample
+{
+    /// <summary>
+    /// A request's arrays are lent, not copied: leave them alone until <c>Request</c> returns. A reply's arrays are
+    /// only valid until the next request. It helps most after <see cref="PooledBuffers.Use"/>.
+    /// </summary>
+    public sealed class PooledRequester : MessageRequester
+    {
+        // The frames of the last reply. A Msg gives its buffer back to the pool when it receives the next frame.
+        private readonly List<ReadOnlyMemory<byte>> frames = new List<ReadOnlyMemory<byte>>();
+        private Msg[] parts = new Msg[0];
+
+        /// <summary>With room for several pictures in the operating system: the two sides then wait for each other less
+        /// often.</summary>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5555</c>.</param>
+        public PooledRequester(string endpoint) : base(endpoint,
+            () => new RequestSocket { Options = { SendBuffer = 1 << 20, ReceiveBuffer = 1 << 20 } })
+        {
+        }
+
+        /// <inheritdoc/>
+        protected override bool TryExchange(
+            Message request, TimeSpan patience, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
+        {
+            reply = frames;
+            if (!Send(Encoding.UTF8.GetBytes(request.Header()), request.Arrays.Count > 0, patience, stop)) return false;
+            for (var i = 0; i < request.Arrays.Count; i++)
+                if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, patience, stop)) return false;
+            frames.Clear();
+            for (var i = 0; i == 0 || parts[i - 1].HasMore; i++)
+            {
+                if (i == parts.Length) Grow();
+                if (!Receive(i, patience, stop)) return false;
+                frames.Add(parts[i].SliceAsMemory());
+            }
+            return true;
+        }
+
+        private bool Send(ReadOnlyMemory<byte> bytes, bool more, TimeSpan patience, CancellationToken stop)
+        {
+            var msg = new Msg();
+            // Lent where it can be: the reply proves that the network has had every byte of it.
+            if (MemoryMarshal.TryGetArray(bytes, out var lent)) msg.InitGC(lent.Array, lent.Offset, lent.Count);
+            else
+            {
+                msg.InitPool(bytes.Length);
+                bytes.Span.CopyTo(msg.Slice());
+            }
+            foreach (var slice in NetMQConnection.Slices(patience, stop))
+                // Sent, it is empty: what it held is NetMQ's until the network has it.
+                if (Connection.Socket.TrySend(ref msg, slice, more)) return true;
+            msg.Close();
+            return false;
+        }
+
+        private bool Receive(int i, TimeSpan patience, CancellationToken stop)
+        {
+            foreach (var slice in NetMQConnection.Slices(patience, stop))
+                if (Connection.Socket.TryReceive(ref parts[i], slice)) return true;
+            return false;
+        }
+
+        private void Grow()
+        {
+            var before = parts.Length;
+            Array.Resize(ref parts, 2 * before + 2);
+            for (var i = before; i < parts.Length; i++) parts[i].InitEmpty();
+        }
+
+        /// <inheritdoc/>
+        public override void Dispose()
+        {
+            for (var i = 0; i < parts.Length; i++) parts[i].Close();
+            parts = new Msg[0];
+            base.Dispose();
+        }
+    }
+
+    /// <summary>Lends NetMQ its buffers from .NET's own pool, for all sockets of the process.</summary>
+    public sealed class PooledBuffers : IBufferPool
+    {
+        /// <summary>From now on each new message takes its buffer from the pool.</summary>
+        public static void Use() => BufferPool.SetCustomBufferPool(new PooledBuffers());
+
+        /// <inheritdoc/>
+        public byte[] Take(int size) => ArrayPool<byte>.Shared.Rent(size);
+
+        /// <inheritdoc/>
+        public void Return(byte[] buffer)
+        {
+            // Messages from before Use() end here too, and ArrayPool throws at any size that is not one of its own:
+            // those are the powers of two from 16 on.
+            var powerOfTwo = (buffer.Length & (buffer.Length - 1)) == 0;
+            if (buffer.Length >= 16 && powerOfTwo) ArrayPool<byte>.Shared.Return(buffer);
+        }
+
+        /// <summary>Nothing to do: the pool is .NET's.</summary>
+        public void Dispose() { }
+    }
+}
