@@ -192,7 +192,7 @@ def shape(lines: Sequence[str]) -> list[str]:
     In a column a number with one digit more has one space less before it, which is no other text. An id is hexadecimal,
     and now and then it has only digits.
     """
-    plain = [re.sub(r" *(\b[0-9a-f]{8,32}\b|-?\d+(\.\d+)?)", " N", line) for line in lines]
+    plain = [re.sub(r" *(\b[0-9a-f]{8,32}\b|(?<!\w)-?\d+(\.\d+)?|\d+(\.\d+)?)", " N", line) for line in lines]
     return [line for line, _ in groupby(plain)]
 
 

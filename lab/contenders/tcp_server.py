@@ -46,7 +46,8 @@ def act(connection: socket.socket, message: memoryview) -> None:
         connection.sendall(message)
     elif message[4] == 2:
         clients, count = (int.from_bytes(message[start : start + 4], "little") for start in (5, 9))
-        while len(CLIENTS) < clients:
+        # The last round's have left, but their threads may not know it yet.
+        while len(CLIENTS) != clients:
             time.sleep(0.001)
         for _ in range(count):
             for client in CLIENTS:

@@ -15,20 +15,23 @@ CLIENTS: set[ServerConnection] = set()
 
 async def act(connection: ServerConnection) -> None:
     CLIENTS.add(connection)
-    async for message in connection:
-        if not isinstance(message, bytes):
-            continue
-        if message[0] == 1:
-            await connection.send(message)
-        elif message[0] == 2:
-            clients, count = (int.from_bytes(message[start : start + 4], "little") for start in (1, 5))
-            while len(CLIENTS) < clients:
-                await asyncio.sleep(0.001)
-            for _ in range(count):
-                broadcast(CLIENTS, message)
-                # The sockets are written to in between.
-                await asyncio.sleep(0)
-    CLIENTS.remove(connection)
+    try:
+        async for message in connection:
+            if not isinstance(message, bytes):
+                continue
+            if message[0] == 1:
+                await connection.send(message)
+            elif message[0] == 2:
+                clients, count = (int.from_bytes(message[start : start + 4], "little") for start in (1, 5))
+                # The last round's have left, but this server may not know it yet.
+                while len(CLIENTS) != clients:
+                    await asyncio.sleep(0.001)
+                for _ in range(count):
+                    broadcast(CLIENTS, message)
+                    # The sockets are written to in between.
+                    await asyncio.sleep(0)
+    finally:
+        CLIENTS.remove(connection)
 
 
 async def main() -> None:

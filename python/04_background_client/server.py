@@ -41,7 +41,8 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
         # Whoever sends other than two frames gets the error of an empty text.
         request_id, text = frames if len(frames := receive(socket)) == 2 else (b"", b"")
         reply = remembered(request_id, text)
-        time.sleep(2 if number == options.slow_on else 0)
+        if number == options.slow_on:
+            time.sleep(2)
         socket.send_multipart([request_id, reply])
         if not reply.startswith(b"error:"):
             print(f"{number}: sent {reply!r:.80}", flush=True)

@@ -96,9 +96,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     project = tmp_path / "MyProgram.csproj"
     text = program("xml")
     if engine.name == "libzmq":
-        text = re.sub(
-            r'<PackageReference Include="NetMQ".*/>', f'<ProjectReference Include="{LIBZMQ_ENGINE}" />', text
-        )
+        text = re.sub(r'<PackageReference Include="NetMQ".*/>', f'<ProjectReference Include="{LIBZMQ_ENGINE}" />', text)
     if engine.offline:
         # Where NuGet is away, the SDK's own copy, as the kit's projects have it.
         own = '<Reference Include="Newtonsoft.Json" HintPath="$(MSBuildToolsPath)/Newtonsoft.Json.dll" />'

@@ -571,6 +571,7 @@ def test_a_server_on_every_network_says_where_it_is_reached(start):
         r"other machines connect to (\d+\.\d+\.\d+\.\d+|its address, but)", server.wait_for("^kit ").string
     )
     server.wait_for(r"^listening on tcp://0\.0\.0\.0:\d+$")
+    server.stop(signal.SIGINT)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends a Ctrl-C in another way")
