@@ -1,4 +1,4 @@
-// Lesson 01 in a terminal: the console twin of HelloClient.cs, with the same HelloRequester.
+// Lesson 01 in a terminal: the terminal client of HelloClient.cs, with the same HelloRequester.
 //
 //     dotnet run --project csharp-console -- 1
 //     dotnet run --project csharp-console -- 1 --send-twice     what strict alternation means

@@ -1,4 +1,4 @@
-// Lesson 02 in a terminal: the console twin of LazyPirateClient.cs, with the same LazyPirateRequester.
+// Lesson 02 in a terminal: the terminal client of LazyPirateClient.cs, with the same LazyPirateRequester.
 //
 //     dotnet run --project csharp-console -- 2
 //     dotnet run --project csharp-console -- 2 --text balance     only asks

@@ -1,4 +1,4 @@
-// Lesson 03 in a terminal: the console twin of PoseFollower.cs, with the same TopicListener.
+// Lesson 03 in a terminal: the terminal client of PoseFollower.cs, with the same TopicListener.
 //
 //     dotnet run --project csharp-console -- 3                              300 poses, one in 60 is printed
 //     dotnet run --project csharp-console -- 3 --work 0.1 --newest          only the newest: drain what waits

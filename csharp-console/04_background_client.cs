@@ -1,4 +1,4 @@
-// Lesson 04 in a terminal: the console twin of HelloBackground.cs, with the same BackgroundClient.
+// Lesson 04 in a terminal: the terminal client of HelloBackground.cs, with the same BackgroundClient.
 //
 //     dotnet run --project csharp-console -- 4
 //     dotnet run --project csharp-console -- 4 --naive              lets each frame wait, to see the frames stop

@@ -1,4 +1,4 @@
-// Lesson 05 in a terminal: the console twin of MessagesClient.cs, with the plain MessageRequester.
+// Lesson 05 in a terminal: the terminal client of MessagesClient.cs, with the plain MessageRequester.
 //
 //     dotnet run --project csharp-console -- 5
 //     dotnet run --project csharp-console -- 5 --fps 60     a camera with 60 pictures a second: the newest wins

@@ -1,4 +1,4 @@
-// Lesson 06 in a terminal: the console twin of ManyClient.cs, with the same ManyRequester.
+// Lesson 06 in a terminal: the terminal client of ManyClient.cs, with the same ManyRequester.
 //
 //     dotnet run --project csharp-console -- 6                  a slow request does not hold up the others
 //     dotnet run --project csharp-console -- 6 --window 1       one after the other, as in lesson 01

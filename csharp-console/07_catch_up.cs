@@ -1,4 +1,4 @@
-// Lesson 07 in a terminal: the console twin of CatchUpFollower.cs, with the same PoseSubscriber.
+// Lesson 07 in a terminal: the terminal client of CatchUpFollower.cs, with the same PoseSubscriber.
 //
 //     dotnet run --project csharp-console -- 7                    follow 300 poses, and know of each one missed
 //     dotnet run --project csharp-console -- 7 --work 0.001       a slow one: give the server --interval 0

@@ -1,4 +1,4 @@
-// Runs the console twin of a lesson: dotnet run --project csharp-console -- NN [options].
+// Runs the terminal client of a lesson: dotnet run --project csharp-console -- NN [options].
 // With --unity it plays the lesson's MonoBehaviours instead; see unity-player/Play.cs.
 //
 // A twin is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding

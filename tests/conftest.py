@@ -63,7 +63,7 @@ def engine(request: pytest.FixtureRequest) -> dotnet.Engine:
 
 @pytest.fixture(scope="session")
 def console(engine: dotnet.Engine) -> list[str]:
-    """The command of the console twins, built once per run from the files as they are now."""
+    """The command of the terminal clients, built once per run from the files as they are now."""
     return ["dotnet", str(dotnet.build(PYTHON, engine))]
 
 

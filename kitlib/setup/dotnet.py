@@ -144,7 +144,7 @@ def ask_nuget(asked: str | None) -> Engine:
             return Engine("netmq", "NuGet, or its store on this machine, has it")
         why = refusal(result)
         if asked == "netmq":
-            raise KitError(f"{why}; without --engine netmq the offline engine is used")
+            raise KitError(f"{why}; without --engine netmq the libzmq engine is used")
         if lessons.WINDOWS:
             # Pyzmq for Windows holds no libzmq that others could use. Not kept in mind: NuGet may answer next time.
             raise NoEngine(f"{why}, so there is no C# client here today")

@@ -160,6 +160,23 @@ def test_a_lesson_is_whole(lesson):
     assert (ROOT / "tests" / "lessons" / f"test_{lesson.key}.py").exists()
 
 
+def test_the_drawn_tree_is_there():
+    """CONTRIBUTING.md draws it; a name in a line below another is in that folder."""
+    drawn = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("```")[1]
+    folder, found = "", []
+    for line in drawn.splitlines():
+        names = re.findall(r"\S+(?=  |$)", re.split(r"(?<=\S) {3,}", line.strip())[0])
+        for name in names:
+            found.append((folder if line.startswith(" ") else "") + name)
+        if line and not line.startswith(" "):
+            folder = names[-1]
+    assert "csharp-support/lessons/" in found
+    for name in found:
+        assert list(ROOT.glob(name.replace("NN_slug", "[0-9]*").rstrip("/"))), name
+    top = {path.name + "/" for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith((".", "_"))}
+    assert {name for name in top if list((ROOT / name).rglob("*.*"))} <= {*found, "python/", "docs/", "packages/"}
+
+
 def tracked():
     if not shutil.which("git") or not (ROOT / ".git").exists():
         pytest.skip("not a git checkout")

@@ -1,4 +1,4 @@
-"""The C# clients on Windows' .NET, under Wine: console twins, Unity scripts in the player, Play and Stop.
+"""The C# clients on Windows' .NET, under Wine: terminal clients, Unity scripts in the player, Play and Stop.
 
 The servers are this system's own Python, reached over loopback. It is no Windows, but it is Windows' .NET with NetMQ's
 Windows code: what would fail there in the first minute fails here.

@@ -3,7 +3,7 @@
 // Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/01_request_reply/server.py.
 // Bytes: UTF-8 text, one frame each way.
 // Trouble: a REQ socket alternates strictly. A second request before the reply is refused with
-// "Req.XSend - cannot send another request"; the console twin shows it with --send-twice.
+// "Req.XSend - cannot send another request"; the terminal client shows it with --send-twice.
 using System;
 using System.Threading;
 using NetMQ;
