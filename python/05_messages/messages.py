@@ -80,6 +80,9 @@ def read(frames: list[Any]) -> Message:
         raise MessageError("too-big", f"a header has at most {HEADER_LIMIT} bytes, all arrays together {LIMIT}")
     try:
         header = DECODER.decode(bytes(frames[0]).decode())
+        if b"\\u" in bytes(frames[0]):
+            # Half a character, such as \ud800 alone, is none that could be printed, and another one in C#.
+            json.dumps(header, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as error:
         raise MessageError("bad-json", f"the header is not JSON in UTF-8: {error!s:.80}") from None
     try:

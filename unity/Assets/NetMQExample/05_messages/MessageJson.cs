@@ -19,10 +19,12 @@ namespace NetMQExample
     {
         private static readonly UTF8Encoding Utf8 = new UTF8Encoding(false, true);
         // Newtonsoft.Json reads more than JSON: comments, 'single quotes', NaN, 010 as 8, a comma too many. Two
-        // languages must agree on what is a message, so a header has to consist of JSON's own words.
+        // languages must agree on what is a message, so a header has to consist of JSON's own words. And \ud800 is half
+        // a character, which Newtonsoft.Json would replace.
         private static readonly Regex Words = new Regex(
             @"^(?>(?:[ \t\n\r}\]]+|[{[:](?![ \t\n\r]*,)|,(?![ \t\n\r]*[,}\]])" +
-            @"|""[^""\\\x00-\x1f]*(?:\\(?:[""\\/bfnrt]|u[0-9a-fA-F]{4})[^""\\\x00-\x1f]*)*""" +
+            @"|""[^""\\\x00-\x1f]*(?:\\(?:[""\\/bfnrt]|u(?![dD][89a-fA-F])[0-9a-fA-F]{4}" +
+            @"|u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2})[^""\\\x00-\x1f]*)*""" +
             @"|-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?(?![\w.])|true|false|null)*)\z",
             RegexOptions.CultureInvariant);
 
