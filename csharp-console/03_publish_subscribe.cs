@@ -2,7 +2,7 @@
 //
 //     dotnet run --project csharp-console -- 3                              300 poses, one in 60 is printed
 //     dotnet run --project csharp-console -- 3 --work 0.1 --newest          only the newest: drain what waits
-//     dotnet run --project csharp-console -- 3 --topic news --every 1       a topic is a prefix: newsflash/ comes too
+//     dotnet run --project csharp-console -- 3 --topic news --every 1       a topic is a prefix: also newsflash/
 //     dotnet run --project csharp-console -- 3 --topic news/ --every 1      the delimiter at its end cures that
 using System;
 using System.Threading;

@@ -1,6 +1,6 @@
 // Lesson 07 in a terminal: the terminal client of CatchUpFollower.cs, with the same PoseSubscriber.
 //
-//     dotnet run --project csharp-console -- 7                    follow 300 poses, and know of each one missed
+//     dotnet run --project csharp-console -- 7                    follow 300 poses, and notice each one missed
 //     dotnet run --project csharp-console -- 7 --work 0.001       a slow one: give the server --interval 0
 //     dotnet run --project csharp-console -- 7 --until 1000       end at the pose of this number
 using System;

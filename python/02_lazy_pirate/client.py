@@ -3,7 +3,7 @@
     python python/02_lazy_pirate/client.py                     ten times `add 1`, each with the balance it is answered
     python python/02_lazy_pirate/client.py --text balance      only asks
 
-How it asks again, and the bytes: lazy_pirate.py. Take home: this file and lazy_pirate.py.
+How it retries, and the bytes: lazy_pirate.py. Take home: this file and lazy_pirate.py.
 """
 
 import argparse

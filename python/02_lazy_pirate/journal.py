@@ -1,10 +1,10 @@
-"""Lesson 02, the server's journal: each request is done once, however often it is asked for.
+"""Lesson 02, the server's journal: each request is done once, however often it arrives.
 
     journal = Journal("lazy_pirate.sqlite3")             prints: journal lazy_pirate.sqlite3, balance 0
     reply, source = journal.reply(request_id, text, answer)
 
-It is a SQLite file: delete it to begin at 0, while no server runs. Where it cannot be used, as on a full disk, that is
-said once, and nothing is done until it is over. Take home: this file.
+It is a SQLite file: delete it to begin at 0, while no server runs. When it cannot be used, as on a full disk, it prints
+that once, and no work is done until it can be used again. Take home: this file.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Lesson 02, the lazy pirate itself: asks until it is answered. The twin of LazyPirateRequester.cs.
+"""Lesson 02, the lazy pirate itself: retries until it gets a reply. The twin of LazyPirateRequester.cs.
 
     with zmq.Context() as context, contextlib.closing(LazyPirate(context, "tcp://127.0.0.1:5552")) as pirate:
         print(pirate.request("add 1"))

@@ -1,4 +1,4 @@
-"""Lesson 02, the lazy pirate: ask again until it is answered, and never do it twice.
+"""Lesson 02, the lazy pirate: retry until there is a reply, and never do the work twice.
 
     python python/02_lazy_pirate/server.py         prints: journal lazy_pirate.sqlite3, balance 0
                                                            listening on tcp://127.0.0.1:5552
@@ -7,7 +7,7 @@
 Bytes: UTF-8 text, two frames each way: [id][text]. The client makes the id, a new one for each request, and every retry
 of that request carries the same. `add 1` adds to the account, `balance` only asks. Both are answered with the balance,
 anything else with a text that begins with `error:`.
-What was done is in the journal before the reply leaves. So a retry is answered from there and not done again, even when
+What was done is in the journal before the reply leaves. So a retry is answered from there and not done again, even if
 the server was killed in between.
 Trouble on command, where N counts the requests since the start:
     --crash-on N     does request N and is gone before the reply; start the server again yourself

@@ -3,7 +3,7 @@
     python python/03_publish_subscribe/client.py                               300 poses, one in 60 is printed
     python python/03_publish_subscribe/client.py --work 0.1 --newest           only the newest: drain what waits
     python python/03_publish_subscribe/client.py --work 0.1 --conflate         the same by libzmq's CONFLATE
-    python python/03_publish_subscribe/client.py --topic news --every 1        a topic is a prefix: newsflash/ comes too
+    python python/03_publish_subscribe/client.py --topic news --every 1        a topic is a prefix: also newsflash/
     python python/03_publish_subscribe/client.py --topic news/ --every 1       the delimiter at its end cures that
 
 To take home: topic_listener.py.

@@ -1,4 +1,4 @@
-"""Lesson 03, publish-subscribe: one speaks, many listen; the newest is what counts.
+"""Lesson 03, publish-subscribe: one speaks, many listen; only the newest counts.
 
     python python/03_publish_subscribe/server.py   prints: listening on tcp://127.0.0.1:5553
     python python/03_publish_subscribe/client.py   or: dotnet run --project csharp-console -- 3

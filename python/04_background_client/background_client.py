@@ -1,11 +1,11 @@
 """Lesson 04, the background client in Python: the twin of BackgroundClient.cs.
 
     client = BackgroundClient("tcp://127.0.0.1:5554")     once
-    client.request("hello", print, print)                 whenever you like: what takes the reply, or an error
+    client.request("hello", print, print)                 whenever you like: callbacks for reply and error
     client.poll()                                         once a frame: the callbacks run here
     client.close()                                        at the end
 
-Bytes: those of lesson 02, [id][text] each way, and it asks again as the lazy pirate there does. Take home: this file.
+Bytes: those of lesson 02, [id][text] each way, and it retries as the lazy pirate there does. Take home: this file.
 """
 
 import contextlib

@@ -4,7 +4,7 @@
     python python/04_background_client/client.py --naive      lets each frame wait, to see the frames stop
 
 Start the server with `--slow-on 3`, or stop it while the client runs: the frames go on, as the last lines say.
-How it asks, and the bytes: background_client.py. Take home: this file and background_client.py.
+How it works, and the bytes: background_client.py. Take home: this file and background_client.py.
 """
 
 import argparse

@@ -1,6 +1,6 @@
 """Pictures for lesson 05: what stands for a camera, where a picture is brightest, and JPEG files.
 
-They only need something to be about: a lesson of its own about cameras is to come. It needs numpy, and for JPEG Pillow.
+They only give the messages something to carry: a lesson about cameras is to come. It needs numpy, and for JPEG Pillow.
 """
 
 import io

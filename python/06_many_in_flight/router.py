@@ -1,4 +1,4 @@
-"""Lesson 06, the router: takes requests of many clients in, lets workers have them in turn, and sends replies out.
+"""Lesson 06, the router: takes in requests of many clients, hands them to workers in turn, and sends the replies.
 
 Take home: this file, workers.py, server_processes.py, which shows their use, and server.py.
 """

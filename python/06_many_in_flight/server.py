@@ -1,4 +1,4 @@
-"""Lesson 06, many in flight: nobody waits for an answer before asking again, and answers come in any order.
+"""Lesson 06, many in flight: no request waits for the reply to another, and replies come in any order.
 
     python python/06_many_in_flight/server.py       prints: listening on tcp://127.0.0.1:5556
     python python/06_many_in_flight/client.py       or: dotnet run --project csharp-console -- 6
@@ -6,7 +6,7 @@
 Bytes: a request is two frames, [id][text], and so is its reply; text is UTF-8, and the id is the client's own: any
 bytes, returned as they came. ROUTER puts a third frame in front, which says whose request it is: [client][id][text].
 `echo TEXT` is answered with TEXT, `sleep 0.5` after half a second, anything else with a text that begins with `error:`.
-A retry of what is at work is not done twice; one of what was answered is (lesson 02 has the cure).
+A retry of a request at work is not done twice; a retry of an answered one is (lesson 02 has the cure).
 Trouble on command: `sleep 60`, `--workers 1`. Take home: this file.
 """
 

@@ -1,10 +1,10 @@
 """Lesson 06, a second server: worker processes, a queue for each client, and heartbeats.
 
-    python python/06_many_in_flight/server_processes.py --processes      for work that computes, as `primes 100000`
+    python python/06_many_in_flight/server_processes.py --processes      for work that computes: `primes 100000`
     python python/06_many_in_flight/client.py --text "primes 100000"
 
-Bytes: as in server.py, but that a frame may have 65,536 bytes. More than --queue requests of one client that wait for a
-worker are refused with `error: busy…`; so are all when 100 MB wait. It prints how many clients there are.
+Bytes: as in server.py, except that a frame may have 65,536 bytes. When --queue requests of one client wait for a
+worker, or 100 MB of all clients, the next is refused with `error: busy…`. It prints how many clients there are.
 Trouble on command: `--queue 2`, `--processes --kill-workers 0.5`, or stop a whole client with Ctrl-Z.
 Take home: this file, router.py (who is served when), workers.py (threads or processes that do the work) and server.py.
 """

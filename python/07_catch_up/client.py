@@ -1,6 +1,6 @@
 """Lesson 07, the client in Python: runs PoseSubscriber of pose_subscriber.py, and prints the lines of the C# twin.
 
-    python python/07_catch_up/client.py                    follow 300 poses, and know of each one missed
+    python python/07_catch_up/client.py                    follow 300 poses, and notice each one missed
     python python/07_catch_up/client.py --work 0.001       a slow one: give the server --interval 0
     python python/07_catch_up/client.py --until 1000       end at the pose of this number
 

@@ -1,4 +1,4 @@
-"""Lesson 07, catch up: a snapshot, then the stream; whoever comes late or lost something knows it and catches up.
+"""Lesson 07, catch up: a snapshot, then the stream; a client that joins late or loses something catches up.
 
     python python/07_catch_up/server.py   prints: snapshots on tcp://127.0.0.1:5657
                                                   listening on tcp://127.0.0.1:5557

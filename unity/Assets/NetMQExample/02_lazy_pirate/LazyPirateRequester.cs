@@ -1,4 +1,4 @@
-// Lesson 02, the lazy pirate: ask again until it is answered, and have it done only once.
+// Lesson 02, the lazy pirate: retry until there is a reply, and have the work done only once.
 //
 // Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/02_lazy_pirate/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. Every retry of a request carries the same id, by which the

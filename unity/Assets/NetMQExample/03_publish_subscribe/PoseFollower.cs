@@ -1,5 +1,5 @@
 // Lesson 03 in Unity: a thread takes the newest pose, and Update moves this object there. Ten poses may come between
-// two frames: whatever Update finds is the newest, and Unity never waits.
+// two frames: Update always finds the newest, and Unity never waits.
 //
 // Use: start python/03_publish_subscribe/server.py, add this component to a cube, press Play.
 using System.Globalization;

@@ -3,7 +3,7 @@
 // Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is
 // python/03_publish_subscribe/server.py. Bytes: UTF-8 text, one frame, which begins with its topic.
 // What was sent before the publisher knew of this listener is lost, and so is what comes when the queues are full;
-// nobody says so. Trouble: a topic is a prefix. `news` brings newsflash/ as well; the delimiter, `news/`, cures that.
+// neither is reported. Trouble: a topic is a prefix. `news` also gets newsflash/; the delimiter, `news/`, cures that.
 using System;
 using System.Diagnostics;
 using System.Text;

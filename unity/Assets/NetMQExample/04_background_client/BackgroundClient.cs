@@ -7,8 +7,8 @@
 //
 // Take home: this file, LazyPirateRequester.cs (lesson 02), NetMQConnection.cs and NetMQLifetime.cs. For await there is
 // BackgroundClientAsync.cs. The Python side is python/04_background_client/server.py.
-// Bytes: those of lesson 02, [id][text] each way. Its LazyPirateRequester asks and asks again; here are only the thread
-// that lets it wait, and the queues between that thread and yours.
+// Bytes: those of lesson 02, [id][text] each way. Its LazyPirateRequester sends and retries; this file has only the
+// thread on which it may block, and the queues between that thread and yours.
 // Trouble: --slow-on of the server, or no server at all. Update goes on, State and LastError say what is wrong, and
 // each request ends in exactly one of its two callbacks.
 // Cost: nothing is allocated on the main thread if you make the callbacks once and keep them in fields. Written as

@@ -2,8 +2,8 @@
 //
 // Use: start python/05_messages/server.py, add this component to any GameObject, press Play.
 // A picture is taken only when the last one was answered, so no old one ever waits in a queue: the newest wins. For
-// your camera, fill the texture with ReadPixels, or take the bytes from AsyncGPUReadback, which does not make Unity
-// wait.
+// your camera, fill the texture with ReadPixels, or take the bytes from AsyncGPUReadback, which does not block
+// Unity.
 using System;
 using System.Threading;
 using UnityEngine;

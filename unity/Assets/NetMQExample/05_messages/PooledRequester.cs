@@ -1,8 +1,8 @@
-// Lesson 05 for pictures: the same requester, whose large buffers are used again.
+// Lesson 05 for pictures: the same requester, which reuses its large buffers.
 //
 // Sending and receiving a NetMQMessage makes several new arrays of a picture's size. Arrays over 85,000 bytes are
-// collected only by the slowest of .NET's collections. A lesson of its own about cameras is to come; until then this
-// stands here, and only a scene that sends pictures needs it.
+// collected only by the slowest of .NET's collections. Only a scene that sends pictures needs this file. It will move
+// to a lesson about cameras, which is to come.
 using System;
 using System.Buffers;
 using System.Collections.Generic;

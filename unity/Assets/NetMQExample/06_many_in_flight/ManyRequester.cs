@@ -1,11 +1,11 @@
-// Lesson 06, many in flight: do not wait for each answer before asking again. Answers come in any order.
+// Lesson 06, many in flight: no request waits for the reply to another. Replies come in any order.
 //
 //     using var requester = new ManyRequester("tcp://127.0.0.1:5556", window: 64);
 //     foreach (var answer in requester.RequestMany(texts)) … answer.Number, answer.Reply or answer.Failure …
 //
 // Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/06_many_in_flight/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. The id is a number in digits; a retry carries the same, so that
-// the server does not do twice what is at work, and a reply that comes late or twice is known and dropped.
+// the server does not do twice what is at work, and a late or duplicate reply is recognised and dropped.
 // Trouble: see the header of server.py, or kill the server and start it again.
 using System;
 using System.Collections.Generic;

@@ -1,5 +1,5 @@
 // Lesson 07 in Unity: a thread takes every pose, and Update moves this object to the newest one. So the cube is always
-// where the publisher's is, and the thread still knows of each pose that it missed.
+// where the publisher's is, and the thread still notices each pose that it missed.
 //
 // Use: start python/07_catch_up/server.py, add this component to a cube, press Play. Then stop the server, start it
 // again, and read in the console what the cube has missed.

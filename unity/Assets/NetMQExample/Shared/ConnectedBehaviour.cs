@@ -1,4 +1,4 @@
-// When a component may talk: while it is enabled, and on a phone while the game is seen.
+// When a component may talk: while it is enabled, and on a phone while the game is in front.
 //
 // Take home: this file, with the component that derives from it.
 using System;
