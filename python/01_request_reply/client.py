@@ -34,9 +34,9 @@ def receive(socket: zmq.Socket[bytes], patience: float) -> str:
 
 def show_refusal(socket: zmq.Socket[bytes], text: str, patience: float) -> None:
     """REQ takes no second request before it has given the reply to the first."""
-    socket.send_string(text)
+    socket.send(text.encode(errors="replace"))
     try:
-        socket.send_string(text)
+        socket.send(text.encode(errors="replace"))
     except zmq.ZMQError as error:
         print(f"refused: {type(error).__name__}: {error}")
     print(f"received {printable(receive(socket, patience))}: now REQ may send again")
@@ -52,7 +52,7 @@ def printable(text: str) -> str:
 
 def endpoint(text: str) -> str:
     """libzmq itself takes port 99999 and an unknown host without a word, and waits."""
-    parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", text)
+    parts = re.fullmatch(r"tcp://([\w.-]+):(\d{1,5})", text, re.ASCII)
     if not parts or not 0 < int(parts[2]) < 65536:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 1 to 65535")
     try:

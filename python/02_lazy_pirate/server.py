@@ -42,8 +42,10 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """A REP socket must reply before it may receive again; a ROUTER may also stay silent."""
     fates = {options.crash_on: ", crash", options.drop: ", dropped"}
     for number in itertools.count(1):
-        # The frames before the last two are the way back to the client. REP keeps them out of sight.
-        *way_back, request_id, text = receive(socket)
+        frames = receive(socket)
+        # Those up to the empty one are the way back to the client. REP keeps them out of sight.
+        body = frames.index(b"") + 1 if b"" in frames else 1
+        request_id, text = frames[body:] if len(frames) == body + 2 else (b"", b"")
         reply, source = options.journal.reply(request_id, text.decode(errors="replace"), answer)
         if reply and not reply.startswith("error:"):
             print(f"request {number}, {request_id[:10]!r}: {reply!r:.80}{source}{fates.get(number, '')}", flush=True)
@@ -51,7 +53,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
             os._exit(1)
         if reply and number != options.drop:
             # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
-            socket.send_multipart([*way_back, request_id, reply.encode()])
+            socket.send_multipart([*frames[:body], request_id, reply.encode()])
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -72,7 +74,7 @@ def receive(socket: zmq.Socket[bytes]) -> list[bytes]:
 
 def endpoint(text: str) -> str:
     """libzmq itself would listen on port 99999 - 65536 without a word."""
-    port = re.fullmatch(r"tcp://[^\s:]+:(\*|\d{1,5})", text)
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
     if not port or int(port[1].replace("*", "0")) > 65535:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
     return text

@@ -45,7 +45,7 @@ def printable(text: str) -> str:
 
 def endpoint(text: str) -> str:
     """libzmq itself takes port 99999 and an unknown host without a word, and waits."""
-    parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", text)
+    parts = re.fullmatch(r"tcp://([\w.-]+):(\d{1,5})", text, re.ASCII)
     if not parts or not 0 < int(parts[2]) < 65536:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 1 to 65535")
     try:

@@ -16,7 +16,7 @@ class TopicListener:
         self.socket, self.endpoint, self.heard = socket, endpoint, False
         # A peer that announces more than the largest message is disconnected before it is in memory.
         socket.linger, socket.maxmsgsize = 0, 65_536
-        socket.subscribe(topic)
+        socket.subscribe(topic.encode(errors="replace"))
         socket.connect(endpoint)
 
     def receive(self, patience: float) -> str:

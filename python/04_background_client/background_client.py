@@ -40,18 +40,19 @@ class BackgroundClient:
 
     def request(self, text: str, reply: Callback, error: Callback) -> bool:
         """Have one of the callbacks run in a later poll(). False if refused, because it is full or closed."""
-        if len(request := text.encode(errors="replace")) > LARGEST:
-            raise ValueError(f"more than {LARGEST} bytes")
         if self.stop.is_set() or self.under_way == self.capacity:
             return False
         self.under_way += 1
-        self.waiting.put((request, reply, error))
+        self.waiting.put((text.encode(errors="replace"), reply, error))
         return True
 
     def poll(self) -> None:
         """Run the callbacks of what has ended. Call it once a frame, on the thread that calls request()."""
         # Only what is there now: callbacks that ask again must not make one frame last for ever.
         for _ in range(self.done.qsize()):
+            # A callback that closed this client has run those after it already.
+            if self.done.empty():
+                break
             callback, text = self.done.get()
             self.under_way -= 1
             callback(text)
@@ -84,6 +85,8 @@ class BackgroundClient:
 
     def _ask(self, context: zmq.Context[zmq.Socket[bytes]], number: int, text: bytes) -> str:
         request = [f"{number}-{self.name}".encode(), text]
+        if len(text) > LARGEST:
+            raise ValueError(f"a text of more than {LARGEST} bytes")
         for attempt in range(1, self.tries + 1):
             if self.stop.is_set():
                 raise InterruptedError("the client was disposed")

@@ -110,8 +110,10 @@ def read_fields(header: Any, payloads: list[Any]) -> Message:
         raise MessageError("bad-frames", f"the header lists {len(arrays)} arrays, but {len(payloads)} frames follow it")
     for array, payload in zip(arrays, payloads, strict=True):
         dtype, shape = take(array, "dtype", str), take(array, "shape", list)
-        if len(shape) > 8 or any(type(length) is not int or not 0 <= length <= LIMIT for length in shape):
-            raise MessageError("bad-shape", f"a shape is at most 8 whole numbers from 0 to {LIMIT}")
+        whole = all(type(length) is int and 0 <= length <= LIMIT for length in shape)
+        # Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
+        if len(shape) > 8 or not whole or math.prod(length or 1 for length in shape) > LIMIT:
+            raise MessageError("bad-shape", f"a shape is at most 8 whole numbers, of at most {LIMIT} items")
         message.arrays.append(Array(dtype, tuple(shape), payload))
     return message
 

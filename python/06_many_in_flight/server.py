@@ -96,7 +96,7 @@ def reply_to(text: bytes) -> bytes:
 
 def endpoint(text: str) -> str:
     """libzmq itself would listen on port 99999 - 65536 without a word."""
-    port = re.fullmatch(r"tcp://[^\s:]+:(\*|\d{1,5})", text)
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
     if not port or int(port[1].replace("*", "0")) > 65535:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
     return text

@@ -21,6 +21,7 @@ ENDPOINT = "tcp://127.0.0.1:5557"
 
 def follow(subscriber: PoseSubscriber, options: argparse.Namespace) -> None:
     end = time.monotonic() + options.seconds
+    run, number = "", 0
     while subscriber.received < options.count and time.monotonic() < end:
         news = subscriber.receive(options.patience)
         run, number, position, _ = subscriber.pose
@@ -40,7 +41,7 @@ def follow(subscriber: PoseSubscriber, options: argparse.Namespace) -> None:
 
 def endpoint(text: str) -> str:
     """libzmq itself takes port 99999 and an unknown host without a word, and waits."""
-    parts = re.fullmatch(r"tcp://([^\s:]+):(\d{1,5})", text)
+    parts = re.fullmatch(r"tcp://([\w.-]+):(\d{1,5})", text, re.ASCII)
     if not parts or not 0 < int(parts[2]) < 65536:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 1 to 65535")
     try:
@@ -67,6 +68,8 @@ def main() -> None:
         parser.error("--count, --until, --seconds, --every, --patience and --work take numbers from 0 on")
     host, port = options.endpoint.rsplit(":", 1)
     snapshots = options.snapshots or f"{host}:{int(port) + 100}"
+    if int(port) + 100 > 65535 and not options.snapshots:
+        parser.error(f"bad endpoint '{snapshots}': port 1 to 65535; say where the --snapshots are")
     print(f"following {options.endpoint}, snapshots from {snapshots}", flush=True)
     with zmq.Context() as context, context.socket(zmq.SUB) as stream:
         # A peer that announces more than the largest message is disconnected before it is in memory.

@@ -228,7 +228,7 @@ def test_peers_that_leave_half_way_and_envelopes_that_are_none(pirate_server, co
         with socket.create_connection(("127.0.0.1", port)) as raw:
             raw.sendall(noise)
     # Too little, and no text; a DEALER may leave out REQ's empty frame.
-    for frames in ([b""], [b"", b"", b""]):
+    for frames in ([b""], [b"", b"", b""], [b"add 1"], [b"x", b"y", b"add 1"]):
         assert ask(context, endpoint, *frames, kind=zmq.DEALER)[-1].startswith(b"error: expected ")
     assert ask(context, endpoint, b"", b"x", b"add 1", kind=zmq.DEALER) == [b"", b"x", b"1"]
     assert ask(context, endpoint, b"x", b"add 1", kind=zmq.DEALER) == [b"x", b"1"]

@@ -319,10 +319,16 @@ client = BackgroundClient(sys.argv[1], patience=20)
             ["64", "the client was disposed"],
         ),
         (
-            # A text that is too long is refused where it is asked.
-            "try: client.request('x' * 70000, ends.append, ends.append)\nexcept ValueError as e: ends.append(e)\n"
-            "client.close()",
-            ["1", "more than 65536 bytes"],
+            # A text that is too long is not sent.
+            "client.request('x' * 70000, ends.append, ends.append)\nclient.close()",
+            ["1", "a text of more than 65536 bytes"],
+        ),
+        (
+            # A callback that closes the client, while others wait to be run.
+            "def bad(why):\n    ends.append(why)\n    client.close()\n"
+            "for i in range(3): client.request('x' * 70000, bad, bad)\n"
+            "while client.done.qsize() < 3: pass\nclient.poll()",
+            ["3", "a text of more than 65536 bytes"],
         ),
         (
             # A callback that raises keeps no other from running.
@@ -332,7 +338,7 @@ client = BackgroundClient(sys.argv[1], patience=20)
             ["5", "the client was disposed"],
         ),
     ],
-    ids=["closed with 64 under way", "a text that is too long", "callbacks that raise"],
+    ids=["closed with 64 under way", "a text that is too long", "closed by a callback", "callbacks that raise"],
 )
 def test_each_request_to_the_python_client_ends_once(code, printed, start):
     with stranger(silent) as endpoint:

@@ -606,6 +606,14 @@ def test_a_jpeg_that_is_none(make, code, serve, ask):
     assert server.stop() == 0
 
 
+def test_a_jpeg_that_no_camera_writes_is_not_even_begun(serve, ask):
+    """It announces arithmetic coding, which takes ten times as long to decode."""
+    data = jpeg(64, 64).replace(b"\xff\xc0", b"\xff\xc9")
+    _, endpoint = serve(KEY)
+    reply = ask(endpoint, image((len(data),), data=data, kind="jpeg").frames())
+    assert reply.values["text"] == "this is no JPEG picture: its parts are not in order"
+
+
 def test_pixels_are_not_copied(context):
     np = pytest.importorskip("numpy", reason="lesson 05's server needs numpy: pip install numpy")
     with context.socket(zmq.PAIR) as left, context.socket(zmq.PAIR) as right:

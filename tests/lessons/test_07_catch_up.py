@@ -519,6 +519,20 @@ def test_where_100_higher_is_no_port_it_says_so(start):
     assert "bad endpoint 'tcp://127.0.0.1:65600'" in server.lines[-1]
 
 
+def test_a_client_whose_snapshots_are_at_no_port_says_so(start):
+    client = start(PYTHON, ROOT / "python" / KEY / "client.py", "--endpoint", "tcp://127.0.0.1:65500")
+    assert client.wait() == 2, client.output
+    assert "bad endpoint 'tcp://127.0.0.1:65600'" in client.lines[-1]
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_no_pose_at_all_may_be_asked_for(kind, publish, follow):
+    _, endpoint, snapshots = publish()
+    client = follow(kind, endpoint, snapshots, "--count", "0")
+    assert client.wait() == 0, client.output
+    assert client.lines[-1].startswith("done: received 0, missed 0; ")
+
+
 def test_without_its_own_option_the_snapshots_are_100_higher(serve):
     port = free_port()
     server, endpoint = serve(KEY, endpoint=f"tcp://127.0.0.1:{port}")

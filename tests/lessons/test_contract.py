@@ -129,7 +129,15 @@ def test_the_default_port_is_the_lessons_own_everywhere(key):
         assert any(str(port(key)) in found for found in ports), paths
 
 
-BAD = ["127.0.0.1:{}", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", "tcp://127.0.0.1:x", "tcp://:{}", ""]
+BAD = [
+    "127.0.0.1:{}",
+    "tcp://127.0.0.1",
+    "tcp://127.0.0.1:99999",
+    "tcp://127.0.0.1:x",
+    "tcp://:{}",
+    "",
+    "tcp://127.0.0.1:\u0665\u0661",
+]
 NO_HOST = ["tcp://no-such-host.invalid:{}", f"tcp://{'a' * 100}:{{}}"]
 
 

@@ -123,8 +123,10 @@ namespace NetMQExample
         private static MessageArray ReadArray(object array, ReadOnlyMemory<byte> data)
         {
             var (dtype, shape) = (Take<string>(array, "dtype"), Take<List<object>>(array, "shape"));
-            if (shape.Count > 8 || shape.Any(length => !(length is long size && size >= 0 && size <= Limit)))
-                throw new MessageException("bad-shape", $"a shape is at most 8 whole numbers from 0 to {Limit}");
+            var whole = shape.All(length => length is long size && size >= 0 && size <= Limit);
+            // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
+            if (shape.Count > 8 || !whole || shape.Aggregate(1.0, (all, length) => all * Math.Max(1, (long)length)) > Limit)
+                throw new MessageException("bad-shape", $"a shape is at most 8 whole numbers, of at most {Limit} items");
             return new MessageArray(dtype, data, shape.Select(length => (int)(long)length).ToArray());
         }
 

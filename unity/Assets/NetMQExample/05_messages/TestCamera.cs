@@ -32,8 +32,8 @@ namespace NetMQExample
         /// <summary>Draws RGB pixels, the lowest row first, as Unity's textures have it.</summary>
         public static void Draw(byte[] pixels, int number)
         {
-            Array.Fill(pixels, (byte)(10 * number % 200));
-            int left = 16 * number % Width, top = 8 * number % Height;
+            Array.Fill(pixels, (byte)(number % 20 * 10));
+            int left = number % 20 * 16, top = number % 30 * 8;
             for (var y = top; y < top + 8; y++)
                 Array.Fill(pixels, (byte)255, ((Height - 1 - y) * Width + left) * 3, 24);
         }
