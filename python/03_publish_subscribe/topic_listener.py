@@ -3,6 +3,7 @@
 Bytes: UTF-8 text, one frame, which begins with its topic. Take home: this file.
 """
 
+import contextlib
 import time
 
 import zmq
@@ -15,7 +16,8 @@ class TopicListener:
         """The socket is a new SUB socket, which the caller closes."""
         self.socket, self.endpoint, self.heard = socket, endpoint, False
         # A peer that announces more than the largest message is disconnected before it is in memory.
-        socket.linger, socket.maxmsgsize = 0, 65_536
+        # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
+        socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 65_536, 200
         socket.subscribe(topic.encode(errors="replace"))
         socket.connect(endpoint)
 
@@ -23,8 +25,11 @@ class TopicListener:
         """Wait for the next message; TimeoutError if none comes."""
         start = time.monotonic()
         renew = 2.0
-        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-        while not self.socket.poll(min(200, int(patience * 1000))):
+        while True:
+            with contextlib.suppress(zmq.Again):
+                frames = self.socket.recv_multipart()
+                self.heard = True
+                return frames[0].decode(errors="replace")
             waited = time.monotonic() - start
             if waited >= patience:
                 raise TimeoutError(f"nothing from {self.endpoint} within {patience:g} s; is the server running?")
@@ -33,15 +38,12 @@ class TopicListener:
                 self.socket.disconnect(self.endpoint)
                 self.socket.connect(self.endpoint)
                 renew *= 3
-        self.heard = True
-        return self.socket.recv_multipart()[0].decode(errors="replace")
 
     def newest(self, patience: float) -> str:
         """Wait for a message, then take all that wait behind it: only the last one counts."""
         message = self.receive(patience)
-        # The limit is for a publisher that sends faster than this loop takes.
-        for _ in range(10_000):
-            if not self.socket.poll(0):
-                break
-            message = self.receive(0)
+        with contextlib.suppress(zmq.Again):
+            # The limit is for a publisher that sends faster than this loop takes.
+            for _ in range(10_000):
+                message = self.socket.recv_multipart(zmq.NOBLOCK)[0].decode(errors="replace")
         return message
