@@ -125,8 +125,9 @@ namespace NetMQExample
             var (dtype, shape) = (Take<string>(array, "dtype"), Take<List<object>>(array, "shape"));
             var whole = shape.All(length => length is long size && size >= 0 && size <= Limit);
             // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
-            if (shape.Count > 8 || !whole || shape.Aggregate(1.0, (all, length) => all * Math.Max(1, (long)length)) > Limit)
-                throw new MessageException("bad-shape", $"a shape is at most 8 whole numbers, of at most {Limit} items");
+            if (shape.Count > 8 || !whole || shape.Aggregate(1.0, (all, one) => all * Math.Max(1, (long)one)) > Limit)
+                throw new MessageException("bad-shape",
+                    $"a shape is at most 8 whole numbers, of at most {Limit} items");
             return new MessageArray(dtype, data, shape.Select(length => (int)(long)length).ToArray());
         }
 
