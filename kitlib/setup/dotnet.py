@@ -107,7 +107,8 @@ def forget_damaged(engine: Engine) -> None:
 
 def choose_engine(asked: str | None = None, ask_again: bool = False) -> Engine:
     """NetMQ from NuGet; where NuGet cannot give it, the libzmq engine. `asked` overrides."""
-    memory = BUILD / "engine.json"
+    # One for each choice: who asks for an engine, as the tests do, must not make the next run ask NuGet again.
+    memory = BUILD / f"engine-{asked or 'any'}.json"
     settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.upper().startswith("NUGET"))
     targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")
     brought = sorted(path.name for path in PACKAGES.glob("*.nupkg"))
