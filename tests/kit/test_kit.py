@@ -794,6 +794,7 @@ def test_the_scripts_alone_need_no_nuget(project, start):
     assert program.wait() == 0, program.output
     assert "NuGet" not in program.output
     assert "kit    | the scripts alone: they need NetMQ.dll, AsyncIO.dll and NaCl.dll" in program.lines
+    assert program.lines[-3].endswith("first bring the three DLLs: route (b) or (d) of docs/guide/unity_project.md")
     assert list(project.rglob("HelloClient.cs"))
     assert not list(project.rglob("*.dll"))
 
