@@ -92,8 +92,11 @@ class Lesson:
     def guide(self) -> Path:
         return ROOT / "docs" / "guide" / f"{self.key}.md"
 
-    def folder(self) -> Path:
+    def folder(self, chosen: Path | None = None) -> Path:
         """Where its programs run, so that what they leave behind lies in one place."""
+        if chosen:
+            chosen.mkdir(parents=True, exist_ok=True)
+            return chosen
         folder = ROOT / ".build" / "run" / self.key[:2]
         return folder if writable(folder) else ROOT
 

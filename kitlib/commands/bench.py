@@ -1,4 +1,4 @@
-"""The performance lab, whose room is lab/."""
+"""Runs the performance lab, the folder lab/."""
 
 import argparse
 

@@ -8,7 +8,10 @@ from kitlib.programs import alone
 from kitlib.setup import dotnet, python_setup
 
 ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
-Other words than these set serialized fields, as the inspector does."""
+
+  --seconds 5         stops then; without it at Application.Quit(), or once every public `bool Done` property is true
+  --count 3           sets the serialized field `count`, as the inspector does
+  --set count=3       the same, also for a field that has the name of an option, such as engine"""
 EXAMPLES = [
     "play MyClient.cs",
     "play MyClient.cs MyQueue.cs --endpoint tcp://127.0.0.1:5554   with a class that it uses; sets a field",

@@ -29,7 +29,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:0 takes a free port")
     parser.add_argument("--server", default="", metavar="OPTIONS", help="options for the server; its --help has them")
     parser.add_argument("--options", default="", metavar="OPTIONS", help="options for the client; its --help has them")
+    add_folder(parser)
     add_client(parser)
+
+
+def add_folder(parser: argparse.ArgumentParser) -> None:
+    """The tests have one of their own, and leave alone what a reader's runs have left."""
+    what = "where the programs run and leave their files; .build/run/NN if left out"
+    parser.add_argument("--folder", type=Path, metavar="DIR", help=what)
 
 
 def add_client(parser: argparse.ArgumentParser) -> None:
@@ -47,7 +54,7 @@ def do(options: argparse.Namespace) -> int:
     client = [*client_command(options.client, lesson, python, options.engine), *for_client]
     given = ["--endpoint", options.endpoint] if options.endpoint else []
     others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
-    return run(lesson, [*server_command(lesson, python), *given, *for_server], others, client)
+    return run(lesson.folder(options.folder), [*server_command(lesson, python), *given, *for_server], others, client)
 
 
 def server_command(lesson: Lesson, python: Path) -> list[str]:
@@ -71,7 +78,7 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
     return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]
 
 
-def run(lesson: Lesson, server: list[str], others: list[list[str]], client: list[str]) -> int:
+def run(folder: Path, server: list[str], others: list[list[str]], client: list[str]) -> int:
     """Run both sides, and what else the lesson starts; returns the client's exit code."""
     started: list[Program] = []
     last: list[str] = []
@@ -88,17 +95,17 @@ def run(lesson: Lesson, server: list[str], others: list[list[str]], client: list
     try:
         with later():
             heard = functools.partial(show, "server")
-            started.append(Program(server, folder=lesson.folder(), heard=heard))
+            started.append(Program(server, folder=folder, heard=heard))
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
         for name, address in ready(started[0]).items():
             client = [*client, f"--{name}", address]
         for other in others:
             with later():
                 heard = functools.partial(show, Path(other[1]).stem)
-                started.append(Program(other, folder=lesson.folder(), heard=heard))
+                started.append(Program(other, folder=folder, heard=heard))
             ready(started[-1])
         with later():
-            started.append(Program(client, folder=lesson.folder(), heard=hear_client))
+            started.append(Program(client, folder=folder, heard=hear_client))
         return wait(started[-1].process)
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.

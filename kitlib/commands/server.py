@@ -3,7 +3,7 @@
 import argparse
 import socket
 
-from kitlib.commands.run import server_command
+from kitlib.commands.run import add_folder, server_command
 from kitlib.lessons import find
 from kitlib.programs import alone
 from kitlib.setup import python_setup
@@ -16,6 +16,7 @@ PASSES_ON = True
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON", help="its number or its name")
+    add_folder(parser)
 
 
 def do(options: argparse.Namespace) -> int:
@@ -23,7 +24,7 @@ def do(options: argparse.Namespace) -> int:
     python = python_setup.interpreter(lesson.key)
     if any("0.0.0.0" in word for word in options.words):
         say(f"0.0.0.0 stands for every network that this machine is in; other machines connect to {address()}")
-    return alone([*server_command(lesson, python), *options.words], lesson.folder())
+    return alone([*server_command(lesson, python), *options.words], lesson.folder(options.folder))
 
 
 def address() -> str:

@@ -27,8 +27,8 @@ import functools
 import json
 import re
 import shlex
-import shutil
 import sys
+import tempfile
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -135,10 +135,17 @@ def csharp_lines(text: str, name: str) -> range | None:
     return None
 
 
+@functools.cache
+def folder() -> tempfile.TemporaryDirectory[str]:
+    """Where the runs of a page leave their files, such as lesson 02's journal; the reader's own are left alone."""
+    return tempfile.TemporaryDirectory(prefix="kit-")
+
+
 def run_command(source: str, engine: str | None = None) -> list[str | Path]:
-    """The words that start `kit.py run SOURCE`, on ports that are free."""
+    """The words that start `kit.py run SOURCE`, on ports that are free and in a folder that will go."""
     chosen = ["--engine", engine] if engine else []
-    return [sys.executable, ROOT / "kit.py", "run", *shlex.split(source), *chosen, "--endpoint", "tcp://127.0.0.1:0"]
+    apart = ["--endpoint", "tcp://127.0.0.1:0", "--folder", folder().name]
+    return [sys.executable, ROOT / "kit.py", "run", *shlex.split(source), *chosen, *apart]
 
 
 @functools.cache
@@ -232,7 +239,7 @@ def rewritten(page: Path, transcripts: bool = False) -> str:
 
 def begin_anew() -> None:
     """What earlier runs have left goes, such as lesson 02's journal, so that a page begins at 0."""
-    shutil.rmtree(ROOT / ".build" / "run", ignore_errors=True)
+    folder.cache_clear()
 
 
 def main() -> None:

@@ -40,6 +40,7 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
+KNOWN = "Update, OnEnable, Time, Transform, Debug.Log and little more; docs/guide/unity_project.md"
 # What NuGet says when it does not hold a package, or cannot be reached at all.
 ABSENT = ("NU1101", "NU1102", "NU1103")
 UNREACHABLE = ("NU1301", "NU1801")
@@ -107,7 +108,8 @@ def forget_damaged(engine: Engine) -> None:
 
 def choose_engine(asked: str | None = None, ask_again: bool = False) -> Engine:
     """NetMQ from NuGet; where NuGet cannot give it, the libzmq engine. `asked` overrides."""
-    memory = BUILD / "engine.json"
+    # One for each choice: who asks for an engine, as the tests do, must not make the next run ask NuGet again.
+    memory = BUILD / f"engine-{asked or 'any'}.json"
     settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.upper().startswith("NUGET"))
     targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")
     brought = sorted(path.name for path in PACKAGES.glob("*.nupkg"))
@@ -237,7 +239,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
         environment = {**ENVIRONMENT, "OwnScripts": ";".join(names)}
         result = step(f"building {name} with {engine.name}", ["dotnet", "build", project, *words], 300, environment)
         if not result.ok:
-            raise KitError(failure(result))
+            raise KitError(own_failure(result) if own else failure(result))
         keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
     return dll
 
@@ -249,6 +251,15 @@ def failure(result: Result) -> str:
     if "MSB3021" in result.output or "MSB3027" in result.output:
         return "the C# build cannot replace a file that is in use: end the client that still runs"
     return f"the C# build failed:\n{result.output.strip()}"
+
+
+def own_failure(result: Result) -> str:
+    """The same for a reader's own scripts: each error once, without what MSBuild says around them."""
+    # After an error stands the project, which is ours.
+    errors = dict.fromkeys(re.findall(r"^(.+: error .+?)(?: \[[^\]]+proj\])?$", result.output, re.MULTILINE))
+    unknown = any(re.search(r"error CS(0103|0117|0234|0246|1061)\b", line) for line in errors)
+    why = f"; the player knows only as much of UnityEngine as the lessons use: {KNOWN}" if unknown else ":"
+    return "\n".join([f"your script does not compile{why}", *errors]) if errors else failure(result)
 
 
 def record_choice(engine: Engine, library: str) -> None:

@@ -33,9 +33,11 @@ from kitlib.unity.project import (
     packages_of,
 )
 
+# Said once, for the C# projects and for this.
+NETMQ = re.findall(r'"NetMQ" Version="(.+?)"', (ROOT / "Directory.Build.targets").read_text(encoding="utf-8"))[0]
 # The three DLLs of NetMQ inside Unity: package, version, and the file in it.
 LIBRARIES = (
-    ("NetMQ", "4.0.4.3", "lib/netstandard2.1/NetMQ.dll"),
+    ("NetMQ", NETMQ, "lib/netstandard2.1/NetMQ.dll"),
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
 )
@@ -108,9 +110,10 @@ def install(
         if elsewhere(root, "System.ServiceModel.Primitives.dll"):
             files = {name: data for name, data in files.items() if not name.startswith(f"{TARGET}/{STUB}")}
     check_moved(root, files)
+    there = has_netmq(root, all_packages(root, manifest))
     if scripts_only:
         say("the scripts alone: they need NetMQ.dll, AsyncIO.dll and NaCl.dll")
-    elif has_netmq(root, all_packages(root, manifest)):
+    elif there:
         say("NetMQ is in this project already: its DLLs are left as they are")
     else:
         files |= {
@@ -121,7 +124,11 @@ def install(
     write(root, files, force)
     if any(b"using Newtonsoft.Json" in data for name, data in files.items() if name.endswith(".cs")):
         add_json(root, all_packages(root, manifest))
-    for line in [*advice(root), *next_steps(root, lesson)]:
+    for line in advice(root):
+        say(line)
+    if scripts_only and not there:
+        say("first bring the three DLLs: route (b) or (d) of docs/guide/unity_project.md")
+    for line in next_steps(root, lesson):
         say(line)
 
 
@@ -212,7 +219,10 @@ def library(package: str, version: str, inside: str) -> bytes:
         result = dotnet.restore(dotnet.Engine("netmq", ""))
         if not result.ok:
             why = dotnet.refusal(result)
-            raise KitError(f"{why}: nothing was copied; docs/guide/unity_project.md has other routes")
+            raise KitError(
+                f"{why}: nothing was copied; --scripts-only copies the scripts without NetMQ's DLLs,"
+                " for which docs/guide/unity_project.md has other routes"
+            )
     return here.read_bytes() if here.exists() else download(package, version, inside)
 
 

@@ -104,11 +104,11 @@ def test_a_transcript_is_what_a_run_prints(block, engine):
 
 @of("commands")
 @pytest.mark.timeout(300)
-def test_every_command_runs(block, serve, start, client_command, engine):
+def test_every_command_runs(block, serve, start, client_command, engine, tmp_path):
     for line in filter(None, block.body.splitlines()):
         words = shlex.split(line.split("  #")[0])
         if words[:2] == ["python3", "kit.py"]:
-            run_kit(words[2:], serve, start, engine)
+            run_kit(words[2:], serve, start, engine, tmp_path)
         elif match := re.fullmatch(r"python/(\d\d_\w+)/server\.py", words[1] if len(words) > 1 else ""):
             assert words[0] == "python"
             server, _ = serve(match[1], *words[2:])
@@ -120,9 +120,9 @@ def test_every_command_runs(block, serve, start, client_command, engine):
             run_client("csharp", find(words[5]).key, words[6:], serve, start, client_command)
 
 
-def run_kit(words, serve, start, engine):
+def run_kit(words, serve, start, engine, folder):
     if words[0] == "server":
-        server = start(PYTHON, ROOT / "kit.py", *words, "--endpoint", "tcp://127.0.0.1:0")
+        server = start(PYTHON, ROOT / "kit.py", *words, "--endpoint", "tcp://127.0.0.1:0", "--folder", folder)
         server.wait_for("^listening on ")
         server.stop()
         return

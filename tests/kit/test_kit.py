@@ -23,6 +23,7 @@ import kit
 from kitlib import commands, lessons, programs, signals, terminal
 from kitlib.commands import doctor
 from kitlib.commands import run as runner
+from kitlib.docs import guide
 from kitlib.lessons import KitError
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
@@ -637,9 +638,13 @@ def test_what_a_full_disk_leaves_of_a_build_is_built_again(engine, prepared, sta
     assert first.wait(300) == 0, first.output
     build = prepared / ".build"
     made = [path for path in build.rglob("*") if path.suffix in (".dll", ".json", ".props", ".targets", ".cache")]
-    assert {"csharp-console.dll", "UnityEngine.dll", "engine.json", "engine.props", "project.assets.json"} <= {
-        path.name for path in made
-    }
+    assert {
+        "csharp-console.dll",
+        "UnityEngine.dll",
+        f"engine-{engine.name}.json",
+        "engine.props",
+        "project.assets.json",
+    } <= {path.name for path in made}
     for path in made:
         path.write_bytes(b"")
     again = start(*command)
@@ -732,9 +737,23 @@ def test_windows_has_no_libzmq_for_the_libzmq_engine(monkeypatch, tmp_path, caps
             "kit    | NuGet cannot be reached, so there is no C# client here today; running the Python client instead"
         )
         # Asked again the next time.
-        assert not (tmp_path / "engine.json").exists()
+        assert not list(tmp_path.glob("engine-*.json"))
     without_nuget(monkeypatch, tmp_path, output="")
     assert dotnet.choose_engine().name == "netmq"
+
+
+def test_each_choice_of_an_engine_is_kept_in_mind(monkeypatch, tmp_path):
+    without_nuget(monkeypatch, tmp_path, output="")
+    restored = []
+
+    def restore(engine, *_):
+        restored.append(engine.name)
+        return Result(0, "")
+
+    monkeypatch.setattr(dotnet, "restore", restore)
+    for asked in (None, "libzmq", "netmq") * 2:
+        assert dotnet.choose_engine(asked).name == (asked or "netmq")
+    assert restored == ["netmq", "libzmq", "netmq"]
 
 
 def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
@@ -775,6 +794,7 @@ def test_the_scripts_alone_need_no_nuget(project, start):
     assert program.wait() == 0, program.output
     assert "NuGet" not in program.output
     assert "kit    | the scripts alone: they need NetMQ.dll, AsyncIO.dll and NaCl.dll" in program.lines
+    assert program.lines[-3].endswith("first bring the three DLLs: route (b) or (d) of docs/guide/unity_project.md")
     assert list(project.rglob("HelloClient.cs"))
     assert not list(project.rglob("*.dll"))
 
@@ -804,6 +824,18 @@ def test_a_run_leaves_its_files_in_a_folder_of_its_own(copy, start):
         assert program.wait(120) == 0, program.output
         assert f"server | journal lazy_pirate.sqlite3, balance {balance}" in program.lines
     assert list(copy.rglob("*.sqlite3")) == [copy / ".build" / "run" / "02" / "lazy_pirate.sqlite3"]
+
+
+def test_what_a_reader_has_left_is_not_touched_by_the_tests(copy, start, monkeypatch, tmp_path):
+    """The guide's runs and a server with --folder write elsewhere."""
+    monkeypatch.setattr(guide, "ROOT", copy)
+    guide.begin_anew()
+    assert "client | done: 2 replies" in guide.printed("2 --client python --options='--count 2'")
+    folder = tmp_path / "new" / "folder"
+    server = start(PYTHON, copy / "kit.py", "server", "2", "--folder", folder, "--endpoint", "tcp://127.0.0.1:0")
+    server.wait_for("^listening on ")
+    assert (folder / "lazy_pirate.sqlite3").exists()
+    assert not list(copy.rglob("*.sqlite3*"))
 
 
 @pytest.mark.timeout(600)

@@ -16,6 +16,7 @@ import pytest
 
 from kitlib.lessons import lessons
 from kitlib.setup import dotnet, python_setup
+from kitlib.unity.install import NETMQ
 from tests.programs import ROOT
 
 UNITY = ROOT / "unity" / "Assets" / "NetMQExample"
@@ -187,6 +188,23 @@ def tracked():
     if listed.returncode:
         pytest.skip(f"git does not list the files: {listed.stderr.splitlines()[0]}")
     return [ROOT / name for name in listed.stdout.split("\n") if name and (ROOT / name).exists()]
+
+
+# What is said of another version on purpose: the first that ends on macOS, the one whose source was built and recorded,
+# one that a test makes up, and the version that the assembly NetMQ.dll has in every one of them.
+OTHER_VERSIONS = {"4.0.4.1", "4.0.2.1", "4.0.2-1234", "4.0.0.1"}
+
+
+def test_netmqs_version_is_the_same_wherever_it_is_named():
+    """UnityNuGet writes a hyphen before its fourth number. What was changed at which version stays as it is."""
+    found = {}
+    for path in tracked():
+        if path.suffix not in (".png", ".svg") and path.name != "CHANGELOG.md" and path != Path(__file__):
+            for version in re.findall(r"\b4\.\d+\.\d+[.-]\d+\b", path.read_text(encoding="utf-8")):
+                if version not in OTHER_VERSIONS:
+                    found.setdefault(version.replace("-", "."), []).append(path.relative_to(ROOT).as_posix())
+    others = [f"{version}: {', '.join(sorted(set(names)))}" for version, names in found.items() if version != NETMQ]
+    assert others == [], "; ".join(others)
 
 
 def test_no_binary_and_no_path_of_somebodys_machine_is_in_the_repository():

@@ -384,6 +384,7 @@ def test_without_nuget_nothing_is_copied(
     with pytest.raises(KitError, match="nothing was copied") as error:
         unity_install.install(project, None, False)
     assert "\n" not in str(error.value)
+    assert ("--scripts-only" in str(error.value)) == bool(sdk)
     assert listing(project) == before
 
 

@@ -1,5 +1,8 @@
 // Lesson 02, the lazy pirate: retry until there is a reply, and have the work done only once.
 //
+//     using var requester = new LazyPirateRequester("tcp://127.0.0.1:5552", TimeSpan.FromSeconds(1), tries: 5, log);
+//     var reply = requester.Request("add 1");  // or a TimeoutException, after 5 tries; log gets a line for each retry
+//
 // Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/02_lazy_pirate/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. Every retry of a request carries the same id, by which the
 // server knows that it has done it already.
