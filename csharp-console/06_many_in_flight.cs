@@ -31,7 +31,7 @@ namespace NetMQExample.Terminal
                 var outcome = answer.Failure == null
                     ? $"received {NetMQLifetime.Printable(answer.Reply)}"
                     : $"gave up: {answer.Failure}";
-                Console.WriteLine($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
+                Console.WriteLine($"{answer.Number}: sent {NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length])}, {outcome}");
             }
             Console.WriteLine($"done: {count - failures} replies");
             var where = $"{count} requests to {endpoint}";
