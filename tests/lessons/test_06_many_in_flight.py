@@ -396,8 +396,8 @@ def test_a_req_socket_is_answered_too(serve, connect):
 def test_a_server_ends_at_once_with_workers_at_work(how, serve, connect):
     server, endpoint = serve(KEY)
     client = connect(endpoint)
-    for i in range(200):
-        client.send_multipart([b"%d" % i, b"sleep 60" if i % 50 == 0 else b"sleep 0"])
+    for i in range(64):
+        client.send_multipart([b"%d" % i, b"sleep 60" if i % 16 == 0 else b"sleep 0"])
     # The others are done, so that these are at work.
     assert receive(client)[1] == b"slept 0"
     assert server.stop(how, limit=5) == 0
