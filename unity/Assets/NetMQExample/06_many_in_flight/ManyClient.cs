@@ -32,7 +32,8 @@ namespace NetMQExample
                 var outcome = answer.Failure == null
                     ? $"received {NetMQLifetime.Printable(answer.Reply)}"
                     : $"gave up: {answer.Failure}";
-                Log($"{answer.Number}: sent {NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length])}, {outcome}");
+                var asked = NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length]);
+                Log($"{answer.Number}: sent {asked}, {outcome}");
             }
             Log($"done: {count - failures} replies");
             var where = $"{count} requests to {endpoint}";

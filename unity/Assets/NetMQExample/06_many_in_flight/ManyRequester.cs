@@ -99,8 +99,8 @@ namespace NetMQExample
                 if (connection.Socket.TryReceiveMultipartStrings(NetMQConnection.Slice, Encoding.UTF8, ref frames))
                 {
                     heard = clock.Elapsed;
-                    // One for a request that is not pending is late or a second one: dropped. So is a refusal, until the
-                    // last try: such a request is asked again when its patience is over.
+                    // One for a request that is not pending is late or a second one: dropped. So is a refusal, until
+                    // the last try: such a request is asked again when its patience is over.
                     if (frames.Count == 2 && pending.TryGetValue(frames[0], out var entry)
                         && (entry.tries == tries || !frames[1].StartsWith("error: busy", StringComparison.Ordinal)))
                     {
