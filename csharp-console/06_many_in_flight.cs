@@ -31,7 +31,8 @@ namespace NetMQExample.Terminal
                 var outcome = answer.Failure == null
                     ? $"received {NetMQLifetime.Printable(answer.Reply)}"
                     : $"gave up: {answer.Failure}";
-                Console.WriteLine($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
+                var asked = NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length]);
+                Console.WriteLine($"{answer.Number}: sent {asked}, {outcome}");
             }
             Console.WriteLine($"done: {count - failures} replies");
             var where = $"{count} requests to {endpoint}";

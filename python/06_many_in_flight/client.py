@@ -26,7 +26,7 @@ def ask(requester: ManyRequester, texts: list[str], count: int) -> int:
     for number, reply, failure in requester.request_many(itertools.islice(itertools.cycle(texts), count)):
         failures += bool(failure)
         outcome = f"gave up: {failure}" if failure else f"received {printable(reply)}"
-        print(f"{number}: sent {texts[(number - 1) % len(texts)]}, {outcome}", flush=True)
+        print(f"{number}: sent {printable(texts[(number - 1) % len(texts)])}, {outcome}", flush=True)
     print(f"done: {count - failures} replies", flush=True)
     return failures
 
@@ -60,7 +60,7 @@ def main() -> None:
     text = "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three"
     parser.add_argument("--text", default=text, help="requests to repeat, with | between")
     parser.add_argument("--window", type=int, default=4, help="how many requests may be under way")
-    parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait for each reply")
+    parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait, for the first try")
     parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
     options = parser.parse_args()
     if options.count < 0 or not 0 < options.patience < 86400:

@@ -15,30 +15,34 @@ import zmq
 
 # How often the deadlines are looked at. Shorter would cost more; longer, and Ctrl-C would have to wait on Windows.
 SLICE = 0.05
+# The bytes of the largest request and reply. The server disconnects whoever sends more, with all that is under way.
+LARGEST = 65_536
 
 
 @dataclass
 class Pending:
     number: int
-    text: str
-    deadline: float
+    text: bytes
+    patience: float
     tries: int = 1
+    sent: float = 0
 
 
+@dataclass
 class ManyRequester:
-    """Keeps up to `window` requests under way over one DEALER socket at a time. Use it on one thread."""
+    """Keeps up to `window` requests under way over one DEALER socket at a time. Use it on one thread.
 
-    def __init__(
-        self,
-        context: zmq.Context[zmq.Socket[bytes]],
-        endpoint: str,
-        window: int,
-        patience: float,
-        tries: int,
-        report: Callable[[str], None],
-    ) -> None:
-        self.context, self.endpoint, self.report = context, endpoint, report
-        self.window, self.patience, self.tries = window, patience, tries
+    Patience is for the first try; each one after it waits twice as long, up to 8 times.
+    """
+
+    context: zmq.Context[zmq.Socket[bytes]]
+    endpoint: str
+    window: int
+    patience: float
+    tries: int
+    report: Callable[[str], None]
+
+    def __post_init__(self) -> None:
         self.pending: dict[bytes, Pending] = {}
         self.last_id = 0
         self.open()
@@ -47,7 +51,7 @@ class ManyRequester:
         self.socket = self.context.socket(zmq.DEALER)
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
         # A peer that announces more than the largest message is disconnected before it is in memory.
-        self.socket.linger, self.socket.maxmsgsize, self.socket.rcvtimeo = 0, 65_536, int(SLICE * 1000)
+        self.socket.linger, self.socket.maxmsgsize, self.socket.rcvtimeo = 0, LARGEST, int(SLICE * 1000)
         # The window is the limit of what is under way; no second one is needed.
         self.socket.sndhwm = 0
         self.socket.connect(self.endpoint)
@@ -62,14 +66,15 @@ class ManyRequester:
         It takes the next text when there is room for it, so `texts` may be endless: whoever makes them has to wait.
         """
         self.pending.clear()
-        upcoming = enumerate(texts, 1)
+        upcoming = enumerate((text.encode(errors="replace") for text in texts), 1)
         look = time.monotonic() + SLICE
         while True:
             while len(self.pending) < self.window and (following := next(upcoming, None)):
+                if len(following[1]) > LARGEST:
+                    yield following[0], "", f"not sent: {len(following[1])} bytes, and the limit is {LARGEST}"
+                    continue
                 self.last_id += 1
-                request_id = b"%d" % self.last_id
-                self.pending[request_id] = Pending(*following, time.monotonic() + self.patience)
-                self.send(request_id)
+                self.send(b"%d" % self.last_id, Pending(*following, self.patience))
             if not self.pending:
                 return
             yield from self.arrived()
@@ -81,35 +86,38 @@ class ManyRequester:
         """The next reply, if one comes in time."""
         with contextlib.suppress(zmq.Again):
             frames = self.socket.recv_multipart()
-            self.heard = time.monotonic()
-            # One for a request that is not pending is late or a second one: dropped.
-            if len(frames) == 2 and (entry := self.pending.pop(frames[0], None)):
+            self.heard, entry = time.monotonic(), self.pending.get(frames[0])
+            # One for a request that is not pending is late or a second one: dropped. So is a refusal, until the last
+            # try: such a request is asked again when its patience is over.
+            if len(frames) == 2 and entry and (entry.tries == self.tries or not frames[1].startswith(b"error: busy")):
+                del self.pending[frames[0]]
                 yield entry.number, frames[1].decode(errors="replace"), ""
 
     def overdue(self) -> Iterator[tuple[int, str, str]]:
         """Whatever waits for too long is sent again with its old id, or given up."""
-        now = time.monotonic()
-        late = [request_id for request_id, entry in self.pending.items() if entry.deadline <= now]
-        if late and self.heard + self.patience <= now:
-            # Not a word, neither to these requests nor to others: a new socket helps, whatever is wrong with this one.
+        late = {key: entry for key, entry in self.pending.items() if entry.sent + entry.patience <= time.monotonic()}
+        if any(self.heard <= entry.sent for entry in late.values()):
+            # Not a word since then, neither to it nor to others: a new socket helps, whatever is wrong with this one.
             self.close()
             self.open()
-            # What was under way on it is lost.
-            late = list(self.pending)
-        for request_id in late:
-            entry = self.pending[request_id]
-            limit = f"{self.patience:g} s"
+            # What was under way on it is lost. To send it again before its patience is over is not another try.
+            for request_id in self.pending.keys() - late:
+                self.send(request_id, self.pending[request_id])
+        for request_id, entry in late.items():
+            limit = f"{entry.patience:g} s"
             if entry.tries == self.tries:
                 del self.pending[request_id]
-                why = f"no reply in {self.tries} tries of {limit}; is the server running, or slow?"
+                why = f"no reply in {self.tries} tries of up to {limit}; is the server running, or slow?"
                 yield entry.number, "", why
             else:
-                entry.tries, entry.deadline = entry.tries + 1, now + self.patience
+                # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
+                entry.tries, entry.patience = entry.tries + 1, min(2 * entry.patience, 8 * self.patience)
                 self.report(f"{entry.number}: no reply within {limit}; try {entry.tries} of {self.tries}")
-                self.send(request_id)
+                self.send(request_id, entry)
 
-    def send(self, request_id: bytes) -> None:
-        text = self.pending[request_id].text.encode(errors="replace")
+    def send(self, request_id: bytes, entry: Pending) -> None:
+        self.pending[request_id] = entry
+        entry.sent = time.monotonic()
         # After a peer that broke the protocol there is nothing to send on. Then the next try has a new socket.
         with contextlib.suppress(zmq.Again):
-            self.socket.send_multipart([request_id, text], zmq.NOBLOCK)
+            self.socket.send_multipart([request_id, entry.text], zmq.NOBLOCK)

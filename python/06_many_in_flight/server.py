@@ -7,6 +7,7 @@ Bytes: a request is two frames, [id][text], and so is its reply; text is UTF-8, 
 bytes, returned as they came. ROUTER puts a third frame in front, which says whose request it is: [client][id][text].
 `echo TEXT` is answered with TEXT, `sleep 0.5` after half a second, anything else with a text that begins with `error:`.
 A retry of a request at work is not done twice; a retry of an answered one is (lesson 02 has the cure).
+`error: busy, try again later` refuses what is more than 64 of one client or 256 of all, and `echo` never.
 Trouble on command: `sleep 60`, `--workers 1`. Take home: this file.
 """
 
@@ -23,10 +24,10 @@ from threading import Thread
 
 import zmq
 
-# A thousand requests of each client may wait unread in ZeroMQ: while none is larger, they do not fill the memory.
-ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5556", zmq.ROUTER, 4_096
-# More than these are left unread until one is done. ROUTER then takes one of each client in turn.
-MOST = 100
+ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5556", zmq.ROUTER, 65_536
+# So many may be at work or wait for a worker, and a quarter of them may be one client's. More are refused at once: to
+# leave them unread would leave everything behind them unread as well, as long as the work takes.
+MOST = 256
 # What begins so is answered at once: to hand it to a worker would cost more than to answer it.
 QUICK = b"echo "
 
@@ -43,15 +44,14 @@ def answer(text: str) -> str:
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """This thread alone has the socket, and never works. The workers work, and never touch the socket."""
-    requests: SimpleQueue[tuple[bytes, bytes, bytes]] = SimpleQueue()
-    replies: SimpleQueue[tuple[bytes, bytes, bytes]] = SimpleQueue()
+    requests, replies = SimpleQueue[list[bytes]](), SimpleQueue[list[bytes]]()
     # A byte through this pair wakes this thread, on every system. Both ends live as long as the workers, who have both.
     bell = socketpair()
 
     def work() -> None:
         while True:
             client, request_id, text = requests.get()
-            replies.put((client, request_id, reply_to(text)))
+            replies.put([client, request_id, reply_to(text)])
             bell[1].send(b"!")
 
     for _ in range(options.workers):
@@ -59,23 +59,26 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
         Thread(target=work, daemon=True).start()
     at_work: set[tuple[bytes, bytes]] = set()
     while True:
-        readable = zmq.select([socket, bell[0]] if len(at_work) < MOST else [bell[0]], [], [], 0.2)[0]
-        if bell[0].fileno() in readable:
-            bell[0].recv(4096)
-        while not replies.empty():
-            client, request_id, reply = replies.get()
-            at_work.remove((client, request_id))
-            # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
-            socket.send_multipart([client, request_id, reply])
+        if bell[0].fileno() in zmq.select([socket, bell[0]], [], [], 0.2)[0]:
+            # One byte is one reply.
+            for _ in bell[0].recv(4096):
+                client, request_id, reply = replies.get()
+                at_work.remove((client, request_id))
+                # This never waits: ROUTER drops the reply to a client that has gone, or does not read.
+                socket.send_multipart([client, request_id, reply])
         with contextlib.suppress(zmq.Again):
-            for _ in range(MOST - len(at_work)):
+            # Not until there are no more: the replies have their turn, too.
+            for _ in range(MOST):
                 client, request_id, *texts = socket.recv_multipart(zmq.NOBLOCK)
                 text = texts[0] if len(texts) == 1 else b""
                 if text.startswith(QUICK):
                     socket.send_multipart([client, request_id, reply_to(text)])
                 elif (client, request_id) not in at_work:
-                    at_work.add((client, request_id))
-                    requests.put((client, request_id, text))
+                    if len(at_work) < MOST and sum(peer == client for peer, _ in at_work) < MOST // 4:
+                        at_work.add((client, request_id))
+                        requests.put([client, request_id, text])
+                    else:
+                        socket.send_multipart([client, request_id, b"error: busy, try again later"])
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -16,7 +16,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("Requests to repeat, with | between")]
         private string text = "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three";
         [SerializeField, Min(1), Tooltip("How many requests may be under way")] private int window = 4;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float patience = 2.5f;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 3;
 
         /// <inheritdoc/>
@@ -32,7 +32,8 @@ namespace NetMQExample
                 var outcome = answer.Failure == null
                     ? $"received {NetMQLifetime.Printable(answer.Reply)}"
                     : $"gave up: {answer.Failure}";
-                Log($"{answer.Number}: sent {texts[(answer.Number - 1) % texts.Length]}, {outcome}");
+                var asked = NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length]);
+                Log($"{answer.Number}: sent {asked}, {outcome}");
             }
             Log($"done: {count - failures} replies");
             var where = $"{count} requests to {endpoint}";

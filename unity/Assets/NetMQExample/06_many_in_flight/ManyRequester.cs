@@ -39,7 +39,9 @@ namespace NetMQExample
                 (Number, Reply, Failure) = (number, reply, failure);
         }
 
-        private readonly Dictionary<string, (int number, string text, TimeSpan deadline, int tries)> pending;
+        // The bytes of the largest request. The server disconnects whoever sends more, with all that is under way.
+        private const int Largest = 65536;
+        private readonly Dictionary<string, (int number, string text, TimeSpan sent, int tries)> pending;
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly NetMQConnection connection;
         private readonly int window, tries;
@@ -52,7 +54,8 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5556</c>.</param>
         /// <param name="window">How many requests may be under way.</param>
-        /// <param name="patience">How long each try waits for its reply; 2.5 s when left out.</param>
+        /// <param name="patience">How long the first try waits for its reply; 2.5 s when left out. Each try waits
+        /// twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="report">Called, on the thread of the requests, with a line for each retry.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
@@ -83,15 +86,27 @@ namespace NetMQExample
             while (true)
             {
                 while (pending.Count < window && upcoming.MoveNext())
-                    Send((++lastId).ToString(CultureInfo.InvariantCulture), ++number, upcoming.Current, 1);
+                {
+                    number++;
+                    var size = Encoding.UTF8.GetByteCount(upcoming.Current);
+                    if (size <= Largest)
+                        Send((++lastId).ToString(CultureInfo.InvariantCulture), number, upcoming.Current, 1);
+                    else
+                        yield return new Answer(number, null, $"not sent: {size} bytes, and the limit is {Largest}");
+                }
                 if (pending.Count == 0) yield break;
                 stop.ThrowIfCancellationRequested();
                 if (connection.Socket.TryReceiveMultipartStrings(NetMQConnection.Slice, Encoding.UTF8, ref frames))
                 {
                     heard = clock.Elapsed;
-                    // One for a request that is not pending is late or a second one: dropped.
-                    if (frames.Count == 2 && pending.Remove(frames[0], out var entry))
+                    // One for a request that is not pending is late or a second one: dropped. So is a refusal, until
+                    // the last try: such a request is asked again when its patience is over.
+                    if (frames.Count == 2 && pending.TryGetValue(frames[0], out var entry)
+                        && (entry.tries == tries || !frames[1].StartsWith("error: busy", StringComparison.Ordinal)))
+                    {
+                        pending.Remove(frames[0]);
                         yield return new Answer(entry.number, frames[1], null);
+                    }
                 }
                 if (clock.Elapsed < look) continue;
                 foreach (var id in Overdue())
@@ -105,29 +120,35 @@ namespace NetMQExample
 
         private void Send(string id, int number, string text, int attempt)
         {
-            pending[id] = (number, text, clock.Elapsed + patience, attempt);
+            pending[id] = (number, text, clock.Elapsed, attempt);
             // After a peer that broke the protocol there is nothing to send on. Then the next try has a new socket.
             connection.TrySend(TimeSpan.Zero, default, id, text);
         }
 
+        // A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
+        private TimeSpan Patience(int attempt) => TimeSpan.FromTicks(patience.Ticks << Math.Min(attempt - 1, 3));
+
         /// <summary>The ids of what has waited for too long.</summary>
         private string[] Overdue()
         {
-            var late = pending.Keys.Where(id => pending[id].deadline <= clock.Elapsed).ToArray();
-            if (late.Length == 0 || clock.Elapsed < heard + patience) return late;
-            // Not a word, neither to these requests nor to others: a new socket helps, whatever is wrong with this one.
+            var now = clock.Elapsed;
+            var late = pending.Where(p => p.Value.sent + Patience(p.Value.tries) <= now).Select(p => p.Key).ToArray();
+            if (late.All(id => pending[id].sent < heard)) return late;
+            // Not a word since then, neither to it nor to others: a new socket helps, whatever is wrong with this one.
             connection.Close();
             heard = clock.Elapsed;
-            // What was under way on it is lost.
-            return pending.Keys.ToArray();
+            // What was under way on it is lost. To send it again before its patience is over is not another try.
+            foreach (var id in pending.Keys.Except(late).ToArray())
+                Send(id, pending[id].number, pending[id].text, pending[id].tries);
+            return late;
         }
 
         /// <summary>Sends a request again with its old id. True when the last try was in vain as well.</summary>
         private bool GivenUp(string id, out Answer failed)
         {
             var (number, text, _, attempt) = pending[id];
-            var seconds = FormattableString.Invariant($"{patience.TotalSeconds} s");
-            var why = $"no reply in {tries} tries of {seconds}; is the server running, or slow?";
+            var seconds = FormattableString.Invariant($"{Patience(attempt).TotalSeconds} s");
+            var why = $"no reply in {tries} tries of up to {seconds}; is the server running, or slow?";
             failed = new Answer(number, null, why);
             if (attempt == tries) return pending.Remove(id);
             report($"{number}: no reply within {seconds}; try {attempt + 1} of {tries}");
