@@ -19,7 +19,6 @@ from kitlib.setup import dotnet, python_setup
 from kitlib.unity.install import NETMQ
 from tests.programs import ROOT
 
-UNITY = ROOT / "unity" / "Assets" / "NetMQExample"
 # Files whose idea does not fit, and may not grow either.
 # The background client asks again by itself: what one takes home of lesson 04 is one file. A pool of threads takes its
 # room in lesson 06, and lesson 07's server binds two sockets.

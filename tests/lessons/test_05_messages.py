@@ -42,12 +42,6 @@ def serve(serve):
 
 
 @pytest.fixture
-def context():
-    with zmq.Context() as context:
-        yield context
-
-
-@pytest.fixture
 def ask(context):
     """One request on a new socket; the reply as a message."""
 

@@ -16,7 +16,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.many_in_flight.peers import KEY, ask, connect, context, memory, receive
+from tests.lessons.many_in_flight.peers import KEY, a_client_that_never_reads, ask, connect, memory, receive
 from tests.programs import ROOT
 
 SERVER = ROOT / "python" / KEY / "server_processes.py"
@@ -148,19 +148,7 @@ def test_a_full_queue_is_refused_and_only_to_its_owner(serve, connect):
 
 def test_a_client_that_never_reads_does_not_fill_the_servers_memory(serve, connect):
     server, endpoint = serve()
-    deaf, other = connect(endpoint), connect(endpoint)
-    # It takes nothing in, so that its replies stay on the server's side.
-    deaf.setsockopt(zmq.RCVHWM, 1)
-    text = b"echo " + b"x" * 1000
-    ask(other, b"1", text)
-    before = memory(server.process)
-    for i in range(100_000):
-        deaf.send_multipart([b"%d" % i, text])
-        if i % 1000 == 0:
-            ask(other, b"1", text)
-    for _ in range(100):
-        ask(other, b"1", text)
-    assert memory(server.process) - before < 30e6, "a hundred million bytes of replies were due"
+    a_client_that_never_reads(server, endpoint, connect)
 
 
 @HAS_STOP

@@ -22,12 +22,6 @@ DONE = r"^done: received (\d+), missed (\d+); run (\w+) at (\d+), checksum (\d+)
 
 
 @pytest.fixture
-def context():
-    with zmq.Context() as context:
-        yield context
-
-
-@pytest.fixture
 def publish(serve):
     """Starts the server: the program, the stream's endpoint and the snapshots'."""
 

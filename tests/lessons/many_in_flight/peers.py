@@ -13,12 +13,6 @@ KEY = "06_many_in_flight"
 
 
 @pytest.fixture
-def context():
-    with zmq.Context() as context:
-        yield context
-
-
-@pytest.fixture
 def connect(context):
     """connect(endpoint): a client that is not the kit's."""
     with contextlib.ExitStack() as stack:
@@ -49,3 +43,20 @@ def memory(process):
     if not status.exists():
         pytest.skip("this system has no /proc to read the server's memory from")
     return int(re.search(r"VmRSS:\s+(\d+) kB", status.read_text())[1]) * 1024
+
+
+def a_client_that_never_reads(server, endpoint, connect):
+    """Asks for much, and takes no reply in; the server's memory must not grow by them."""
+    deaf, other = connect(endpoint), connect(endpoint)
+    # It takes nothing in, so that its replies stay on the server's side.
+    deaf.setsockopt(zmq.RCVHWM, 1)
+    text = b"echo " + b"x" * 1000
+    ask(other, b"1", text)
+    before = memory(server.process)
+    for i in range(100_000):
+        deaf.send_multipart([b"%d" % i, text])
+        if i % 1000 == 0:
+            ask(other, b"1", text)
+    for _ in range(100):
+        ask(other, b"1", text)
+    assert memory(server.process) - before < 30e6, "a hundred million bytes of replies were due"
