@@ -1,0 +1,86 @@
+// Lesson 08, a shot: the pictures of one moment, with their number and what the car did just then.
+//
+// Its buffers are used again and again: a new array for each picture would be collected only by the slowest of .NET's
+// collections. The numbers become a message on the network thread, so that a frame of Unity allocates nothing.
+// Take home: this file and Message.cs (lesson 05). The Python side is pictures.py.
+using System;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>What is sent: kind <c>frame</c>, whose id is the picture's number, and one array for each
+    /// camera.</summary>
+    public sealed class Shot
+    {
+        /// <summary>Makes room for pictures of uint8 [height, width, channels], the lowest row first.</summary>
+        /// <param name="cameras">Their names: <c>center</c>; <c>left,right</c>; or <c>left,center,right</c>.</param>
+        /// <param name="width">In pixels.</param>
+        /// <param name="height">In pixels.</param>
+        /// <param name="channels">3 for red, green, blue; 4 with the alpha that graphics cards add, which Python drops.</param>
+        public Shot(string cameras, int width, int height, int channels)
+        {
+            (Cameras, Width, Height, Channels) = (cameras, width, height, channels);
+            Pixels = cameras.Split(',').Select(camera => new byte[width * height * channels]).ToArray();
+        }
+
+        /// <summary>The cameras' names, and the measures of their pictures.</summary>
+        public string Cameras { get; }
+
+        /// <summary>In pixels.</summary>
+        public int Width { get; }
+
+        /// <summary>In pixels.</summary>
+        public int Height { get; }
+
+        /// <summary>Bytes of a pixel.</summary>
+        public int Channels { get; }
+
+        /// <summary>One array for each camera.</summary>
+        public byte[][] Pixels { get; }
+
+        /// <summary>The picture's number: the step at which it was taken.</summary>
+        public long Frame { get; internal set; }
+
+        /// <summary>The world's time then in seconds, since the drive began.</summary>
+        public double SimTime { get; internal set; }
+
+        /// <summary>The clock's time then in seconds, since 1970.</summary>
+        public double WallTime { get; internal set; }
+
+        /// <summary>What was in force when the picture was taken: 0 to 1, 0 to 1, and -1, left, to 1, right.</summary>
+        public DriveAction Action { get; internal set; }
+
+        /// <summary>In metres a second.</summary>
+        public double Speed { get; internal set; }
+
+        /// <summary>True while a person drives.</summary>
+        public bool Manual { get; internal set; }
+
+        /// <summary>The drive that it belongs to: another text for each Play.</summary>
+        public string Run { get; internal set; } = "";
+
+        /// <summary>The message to send.</summary>
+        /// <param name="jpeg">Makes a JPEG file of a picture's pixels; null to send them as they are.</param>
+        public Message ToMessage(Func<byte[], byte[]> jpeg = null)
+        {
+            var message = new Message("frame", Frame);
+            var values = message.Values;
+            (values["frame"], values["run"], values["manual"]) = (Frame, Run, Manual);
+            (values["sim_time"], values["wall_time"], values["speed"]) = (SimTime, WallTime, Speed);
+            (values["throttle"], values["brake"], values["steer"]) = (Action.Throttle, Action.Brake, Action.Steer);
+            (values["cameras"], values["encoding"]) = (Cameras, jpeg == null ? "raw" : "jpeg");
+            // A JPEG file has its top row first, in Unity as everywhere.
+            values["bottom_up"] = jpeg == null;
+            foreach (var pixels in Pixels)
+            {
+                if (jpeg == null) message.Arrays.Add(new MessageArray("uint8", pixels, Height, Width, Channels));
+                else
+                {
+                    var file = jpeg(pixels);
+                    message.Arrays.Add(new MessageArray("uint8", file, file.Length));
+                }
+            }
+            return message;
+        }
+    }
+}
