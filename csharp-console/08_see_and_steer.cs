@@ -5,6 +5,7 @@
 //     dotnet run --project csharp-console -- 8 --drive          arrow keys take over, Enter gives back
 // JPEG is for the Python client and for Unity: .NET itself has no encoder.
 using System;
+using System.Diagnostics;
 using System.Threading;
 using System.Threading.Tasks;
 
@@ -14,6 +15,34 @@ namespace NetMQExample.Terminal
     {
         public static void Run(Arguments arguments)
         {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5558");
+            var (count, every) = (arguments.Whole("count", 500), arguments.Whole("every", 50));
+            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 20));
+            var (cameras, start) = (arguments.Text("cameras", "center"), arguments.Whole("start", 0));
+            var (lockstep, keys) = (arguments.Flag("lockstep"), arguments.Flag("drive"));
+            arguments.RefuseTheRest();
+
+            var drive = new Drive(new Road(), start, Console.WriteLine) { Every = every, Lockstep = lockstep };
+            var (camera, shot) = (new DrawnCamera(drive.Road), DrawnCamera.Shot(cameras));
+            var keyboard = keys ? new Keyboard() : null;
+            using var driver = new DriverClient(endpoint, patience, tries, Console.WriteLine);
+            Console.WriteLine($"asking {endpoint}");
+            var (skipped, clock) = (0, Stopwatch.StartNew());
+            for (Task<DriveAction?>? asked = null; drive.Actions < count;)
+            {
+                // A picture is sent when the last one was answered. Of those in between, only the newest is wanted.
+                if (asked != null) skipped++;
+                else camera.Take(shot, drive);
+                asked ??= Task.Run(() => driver.Ask(shot.ToMessage()));
+                if (!lockstep) drive.Step();
+                keyboard?.Look(drive);
+                while (lockstep ? !asked.IsCompleted : clock.Elapsed < drive.Time) Thread.Sleep(1);
+                if (!asked.IsCompleted) continue;
+                drive.Apply(asked.GetAwaiter().GetResult());
+                if (lockstep) drive.Step();
+                asked = null;
+            }
+            Console.WriteLine($"done: {drive.Actions} actions, {skipped} pictures skipped");
         }
     }
 }

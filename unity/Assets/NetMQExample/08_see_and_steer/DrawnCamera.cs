@@ -24,9 +24,21 @@ namespace NetMQExample
         /// <summary>Paints the ground.</summary>
         public DrawnCamera(Road road)
         {
-            foreach (var (radius, colour, every) in new[] { (Road.HalfWidth, 2, 1), (Road.HalfWidth - 0.2, 1, 1), (0.1, 2, 50) })
+            var layers = new[] { (Road.HalfWidth, 2, 1), (Road.HalfWidth - 0.2, 1, 1), (0.1, 2, 50) };
+            foreach (var (radius, colour, every) in layers)
                 for (var i = 0; i < road.Points.Length; i++)
                     if (every == 1 || i % every < every / 2) Disc(road.Points[i], radius, (byte)colour);
+        }
+
+        /// <summary>Room for the pictures of some cameras.</summary>
+        public static Shot Shot(string cameras) => new Shot(cameras, Width, Height, 3);
+
+        /// <summary>Draws what each camera of a shot sees now.</summary>
+        public void Take(Shot shot, Drive drive)
+        {
+            drive.Note(shot);
+            for (var i = 0; i < shot.Pixels.Length; i++)
+                Draw(shot.Pixels[i], drive.Car, (int)shot.Frame, shot.Right[i]);
         }
 
         /// <summary>Draws a picture.</summary>

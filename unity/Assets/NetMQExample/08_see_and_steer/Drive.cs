@@ -1,8 +1,8 @@
 // Lesson 08, the drive: every picture has a number, and every action names the picture that it answers.
 //
 //     drive.Note(shot);                            beside the pictures: their number, and what the car does
-//     drive.Apply(driver.Ask(shot.ToMessage(), patience, stop));          DriverClient.cs; now its age is known
-//     var trouble = drive.Step();                  0.02 s later
+//     drive.Apply(driver.Ask(shot.ToMessage()));   DriverClient.cs; now the action's age is known
+//     drive.Step();                                0.02 s later
 //
 // Take home: this file and DriverClient.cs; Car.cs and Road.cs stand for your own car. The Python side is drive.py.
 using System;
@@ -16,19 +16,41 @@ namespace NetMQExample
         private const int Patience = 25;
 
         private readonly string run = Guid.NewGuid().ToString("N").Substring(0, 8);
-        private readonly Road road;
+        private readonly Action<string> log;
         private DriveAction action = new DriveAction(0, 0, 1, 0);
         private int waited;
         private bool braking;
 
         /// <summary>Begins at a point of the road, with the brake on.</summary>
-        public Drive(Road road, int start = 0) => (this.road, Car) = (road, new Car(road, start % road.Points.Length));
+        /// <param name="road">Where to drive.</param>
+        /// <param name="start">The number of the point.</param>
+        /// <param name="log">Gets the lines about the drive.</param>
+        public Drive(Road road, int start, Action<string> log)
+        {
+            (Road, this.log) = (road, log);
+            Car = new Car(road, start % road.Points.Length);
+        }
+
+        /// <summary>One action in so many is logged; 0: none.</summary>
+        public int Every { get; set; }
+
+        /// <summary>Whether the world waits for each action. Then it is braked for the one that does not come.</summary>
+        public bool Lockstep { get; set; }
+
+        /// <summary>Where it drives.</summary>
+        public Road Road { get; }
 
         /// <summary>What is driven.</summary>
         public Car Car { get; }
 
         /// <summary>The number of steps so far, and so of a picture that is taken now.</summary>
         public long Frame { get; private set; }
+
+        /// <summary>The world's time since the drive began.</summary>
+        public TimeSpan Time => TimeSpan.FromSeconds(Frame * Car.StepSeconds);
+
+        /// <summary>How many actions came.</summary>
+        public int Actions { get; private set; }
 
         /// <summary>How many steps ago the picture was taken that the newest action answers.</summary>
         public long Age { get; private set; }
@@ -41,42 +63,59 @@ namespace NetMQExample
         private DriveAction InForce => braking ? new DriveAction(action.Frame, 0, 1, action.Steer) : action;
 
         /// <summary>A person takes over, or goes on driving.</summary>
-        public void TakeOver(double throttle, double brake, double steer) =>
+        public void TakeOver(double throttle, double brake, double steer)
+        {
+            if (!Manual) log("a person drives");
             (Manual, action) = (true, new DriveAction(Frame, throttle, brake, steer));
+        }
 
         /// <summary>The person gives back: Python's next action counts again.</summary>
-        public void GiveBack() => Manual = false;
+        public void GiveBack()
+        {
+            if (Manual) log("Python drives");
+            Manual = false;
+        }
 
         /// <summary>Writes beside a shot's pictures which moment they show.</summary>
         public void Note(Shot shot)
         {
-            (shot.Frame, shot.SimTime, shot.Run) = (Frame, Frame * Car.StepSeconds, run);
+            (shot.Frame, shot.SimTime, shot.Run) = (Frame, Time.TotalSeconds, run);
             shot.WallTime = (DateTime.UtcNow - DateTime.UnixEpoch).TotalSeconds;
             (shot.Action, shot.Speed, shot.Manual) = (InForce, Car.Speed, Manual);
         }
 
         /// <summary>Follows an action from the next step on.</summary>
-        public void Apply(DriveAction newest)
+        /// <param name="newest">Null if there was none for the last picture.</param>
+        public void Apply(DriveAction? newest)
         {
-            (waited, Age) = (0, Frame - newest.Frame);
-            if (!Manual) action = newest;
+            if (newest == null)
+            {
+                if (Lockstep) waited = Patience;
+                return;
+            }
+            (waited, Age) = (0, Frame - newest.Value.Frame);
+            if (!Manual) action = newest.Value;
+            if (Every > 0 && Actions % Every == 0) log(Describe(newest.Value));
+            Actions++;
         }
 
         /// <summary>Drives for <see cref="Car.StepSeconds"/>.</summary>
-        /// <returns>A line about trouble that begins or ends here, or null.</returns>
-        public string Step()
+        public void Step()
         {
             var before = braking;
             braking = ++waited > Patience && !Manual;
             Car.Step(InForce.Throttle, InForce.Brake, InForce.Steer);
             Frame++;
-            if (braking == before) return null;
-            return braking ? "trouble: no action for 0.5 s: braking" : "an action again: driving on";
+            if (braking != before)
+                log(braking ? "trouble: no action for 0.5 s: braking" : "an action again: driving on");
         }
 
-        /// <summary>The line to print about an action.</summary>
-        public string Describe(DriveAction newest) => FormattableString.Invariant(
-            $"frame {newest.Frame}: age {Age}, {newest.Milliseconds:F1} ms; steer {newest.Steer:F2}, ") +
-            FormattableString.Invariant($"speed {Car.Speed:F1} m/s, {road.Nearest(Car.X, Car.Y).Distance:F1} m off the middle");
+        private string Describe(DriveAction newest)
+        {
+            var off = Road.Nearest(Car.X, Car.Y).Distance;
+            return FormattableString.Invariant($"frame {newest.Frame}: age {Age}, {newest.Milliseconds:F1} ms; ") +
+                FormattableString.Invariant(
+                    $"steer {newest.Steer:F2}, speed {Car.Speed:F1} m/s, {off:F1} m off the middle");
+        }
     }
 }

@@ -35,45 +35,63 @@ namespace NetMQExample
         public double Milliseconds { get; }
     }
 
-    /// <summary>Asks for an action, and waits for it: not on Unity's main thread. Make it, use it and dispose it in one
+    /// <summary>Asks for actions, and waits for them: not on Unity's main thread. Make it, use it and dispose it in one
     /// thread at a time.</summary>
     public sealed class DriverClient : IDisposable
     {
         private readonly PooledRequester requester;
+        private readonly TimeSpan patience;
+        private readonly int tries;
+        private readonly Action<string> log;
+        private int lost;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5558</c>.</param>
+        /// <param name="patience">How long to wait for each action.</param>
+        /// <param name="tries">Pictures in a row that may stay without an action.</param>
+        /// <param name="log">Gets a line about each that has none.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public DriverClient(string endpoint)
+        public DriverClient(string endpoint, TimeSpan patience, int tries, Action<string> log)
         {
+            if (tries < 1) throw new ArgumentException("tries must be 1 or more");
+            (this.patience, this.tries, this.log) = (patience, tries, log);
             PooledBuffers.Use();
             requester = new PooledRequester(endpoint);
         }
 
-        /// <summary>Sends a picture and waits for its action.</summary>
+        /// <summary>Sends a picture and waits for its action. A picture without one is not sent again: by then there is
+        /// a newer one.</summary>
         /// <param name="frame">What <see cref="Shot.ToMessage"/> made.</param>
-        /// <param name="patience">How long to wait.</param>
         /// <param name="stop">Ends the wait early.</param>
-        /// <exception cref="TimeoutException">No reply came. By the next request there is a newer picture: this one is
-        /// never sent again.</exception>
-        /// <exception cref="MessageException">The server refused it, or its reply is no action for this
-        /// picture.</exception>
-        public DriveAction Ask(Message frame, TimeSpan patience, CancellationToken stop = default)
+        /// <returns>The action, or null if there is none.</returns>
+        /// <exception cref="TimeoutException">So many in a row had none that it gives up; the message says
+        /// why.</exception>
+        public DriveAction? Ask(Message frame, CancellationToken stop = default)
         {
             var clock = Stopwatch.StartNew();
-            var reply = requester.Request(frame, patience, stop);
-            if (reply.Kind != "action") throw new MessageException("no-action", "the reply's kind is not 'action'");
-            double Take(string name) =>
-                reply.Values.TryGetValue(name, out var value) && (value is double || value is long)
-                    ? Convert.ToDouble(value, CultureInfo.InvariantCulture)
-                    : throw new MessageException("no-action", $"the reply has no number '{name}'");
-            var answered = Take("frame");
-            if (answered != frame.Id)
-                throw new MessageException("wrong-frame", FormattableString.Invariant(
-                    $"an action for picture {answered}, but {frame.Id} was asked about"));
-            return new DriveAction(frame.Id, Take("throttle"), Take("brake"), Take("steer"),
-                clock.Elapsed.TotalMilliseconds);
+            try
+            {
+                var reply = requester.Request(frame, patience, stop);
+                var answered = Take(reply, "frame");
+                if (answered != frame.Id)
+                    throw new MessageException("wrong-frame", FormattableString.Invariant(
+                        $"an action for picture {answered}, but {frame.Id} was asked about"));
+                lost = 0;
+                return new DriveAction(frame.Id, Take(reply, "throttle"), Take(reply, "brake"), Take(reply, "steer"),
+                    clock.Elapsed.TotalMilliseconds);
+            }
+            catch (Exception e) when (e is TimeoutException || e is MessageException)
+            {
+                if (++lost >= tries) throw new TimeoutException(e.Message, e);
+                log($"trouble: {e.Message}");
+                return null;
+            }
         }
+
+        private static double Take(Message reply, string name) =>
+            reply.Kind == "action" && reply.Values.TryGetValue(name, out var value) && (value is double || value is long)
+                ? Convert.ToDouble(value, CultureInfo.InvariantCulture)
+                : throw new MessageException("no-action", $"the reply is no action, or without a number '{name}'");
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => requester.Dispose();

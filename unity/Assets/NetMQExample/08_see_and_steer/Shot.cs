@@ -17,8 +17,11 @@ namespace NetMQExample
         /// <param name="width">In pixels.</param>
         /// <param name="height">In pixels.</param>
         /// <param name="channels">3 for red, green, blue; 4 with the alpha that graphics cards add, which Python drops.</param>
+        /// <exception cref="ArgumentException">There are no such cameras.</exception>
         public Shot(string cameras, int width, int height, int channels)
         {
+            if (!(cameras == "center" || cameras == "left,right" || cameras == "left,center,right"))
+                throw new ArgumentException($"cameras must be center, left,right or left,center,right, not '{cameras}'");
             (Cameras, Width, Height, Channels) = (cameras, width, height, channels);
             Pixels = cameras.Split(',').Select(camera => new byte[width * height * channels]).ToArray();
         }
@@ -37,6 +40,15 @@ namespace NetMQExample
 
         /// <summary>One array for each camera.</summary>
         public byte[][] Pixels { get; }
+
+        /// <summary>How far to the right of the car's middle each camera is, in metres: two are as far apart as eyes,
+        /// three as in Udacity's car.</summary>
+        public double[] Right => Pixels.Length switch
+        {
+            1 => new[] { 0.0 },
+            2 => new[] { -0.075, 0.075 },
+            _ => new[] { -0.8, 0, 0.8 },
+        };
 
         /// <summary>The picture's number: the step at which it was taken.</summary>
         public long Frame { get; internal set; }

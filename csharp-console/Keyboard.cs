@@ -1,0 +1,34 @@
+// The arrow keys as a steering wheel, for lesson 08. A terminal tells when a key is pressed, and not when it is let go:
+// what was set stays set.
+using System;
+
+namespace NetMQExample.Terminal
+{
+    /// <summary>An arrow key or the space bar takes over, Enter gives back.</summary>
+    internal sealed class Keyboard
+    {
+        private double throttle, brake, steer;
+
+        public Keyboard()
+        {
+            if (Console.IsInputRedirected) throw new UsageException("--drive needs a keyboard: start it in a terminal");
+        }
+
+        /// <summary>Takes what was pressed since the last call.</summary>
+        public void Look(Drive drive)
+        {
+            while (Console.KeyAvailable)
+            {
+                var key = Console.ReadKey(true).Key;
+                if (key == ConsoleKey.LeftArrow) steer = Math.Max(-1, steer - 0.1);
+                else if (key == ConsoleKey.RightArrow) steer = Math.Min(1, steer + 0.1);
+                else if (key == ConsoleKey.UpArrow) (throttle, brake) = (Math.Min(1, throttle + 0.2), 0);
+                else if (key == ConsoleKey.DownArrow) (throttle, brake) = (Math.Max(0, throttle - 0.2), 0);
+                else if (key == ConsoleKey.Spacebar) (throttle, brake) = (0, 1);
+                else if (key != ConsoleKey.Enter) continue;
+                if (key == ConsoleKey.Enter) drive.GiveBack();
+                else drive.TakeOver(throttle, brake, steer);
+            }
+        }
+    }
+}
