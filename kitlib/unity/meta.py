@@ -184,10 +184,11 @@ def behaviours(folder: Path) -> list[Path]:
 
 def scene(scripts: list[Path]) -> str:
     """A camera, a light, a text that shows the last line, and one game object with the lesson's scripts, whose fields
-    have the values that the code gives. What moves is a cube."""
+    have the values that the code gives. What moves is a cube, if it does not make its own."""
     numbers = [202 + i for i in range(len(scripts))]
     last = numbers[-1]
-    moves = any("transform." in path.read_text(encoding="utf-8") for path in scripts)
+    code = "".join(path.read_text(encoding="utf-8") for path in scripts)
+    moves = "transform." in code and "CreatePrimitive" not in code
     cube = [last + 1, last + 2] if moves else []
     shown = PACKAGE / "Shared" / "LastLine.cs"
     parts = [
