@@ -169,7 +169,7 @@ namespace NetMQExample.PlayTest
         {
             var thing = new GameObject(name);
             thing.SetActive(false);
-            foreach (var script in types.Select(type => (MonoBehaviour)thing.AddComponent(type)))
+            foreach (var script in types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))))
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
                     if (field.GetValue(script) is string text && text.StartsWith("tcp://", StringComparison.Ordinal)) field.SetValue(script, endpoint);
