@@ -71,6 +71,9 @@ namespace UnityPlayer
             set => AsyncGPUReadback.ToFail = value;
         }
 
+        /// <summary>How long this thread has done what in Unity the graphics card does.</summary>
+        public static TimeSpan Rendering => Camera.Rendering.Elapsed;
+
         /// <summary>What is pressed on the keyboard.</summary>
         public static void Press(float horizontal, float vertical, params KeyCode[] keys)
         {

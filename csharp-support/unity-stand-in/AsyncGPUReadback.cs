@@ -17,8 +17,6 @@ namespace UnityEngine.Rendering
 
         public bool hasError => work == null || work.Number != number || work.Failed;
 
-        public int layerDataSize => hasError ? 0 : work.Pixels.Length;
-
         public NativeArray<T> GetData<T>(int layer = 0) where T : struct
         {
             MainThread.Only(nameof(GetData));
@@ -48,7 +46,9 @@ namespace UnityEngine.Rendering
             if (!(src is RenderTexture texture) || mipIndex != 0 || dstFormat != TextureFormat.RGBA32 || callback != null)
                 throw new NotSupportedException("the player reads only render textures, as RGBA32, and calls nobody back");
             var work = Idle.Count > 0 && Idle.Peek().Pixels.Length == texture.Pixels.Length ? Idle.Pop() : new Readback(texture.Pixels.Length);
+            Camera.Rendering.Start();
             Buffer.BlockCopy(texture.Pixels, 0, work.Pixels, 0, work.Pixels.Length);
+            Camera.Rendering.Stop();
             (work.Left, work.Failed) = (2, ToFail > 0 || !SystemInfo.supportsAsyncGPUReadback);
             ToFail = Math.Max(0, ToFail - 1);
             Working.Add(work);
@@ -58,6 +58,7 @@ namespace UnityEngine.Rendering
         /// <summary>At the beginning of each frame.</summary>
         internal static void NextFrame()
         {
+            Camera.Rendering.Start();
             for (var i = Working.Count - 1; i >= 0; i--)
             {
                 var work = Working[i];
@@ -68,6 +69,7 @@ namespace UnityEngine.Rendering
                 Array.Fill(work.Pixels, (byte)0xCD);
                 Idle.Push(work);
             }
+            Camera.Rendering.Stop();
         }
     }
 

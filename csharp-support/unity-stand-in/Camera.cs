@@ -116,13 +116,14 @@ namespace UnityEngine
 
         // Red, green, blue and alpha, as a picture of RGBA32.
         internal byte[] Pixels { get; }
-
-        public void Release() => MainThread.Only(nameof(Release));
     }
 
     public sealed class Camera : Behaviour
     {
         private static readonly Rasterizer Graphics = new Rasterizer();
+
+        /// <summary>What rendering has taken so far, which in Unity the graphics card does.</summary>
+        internal static System.Diagnostics.Stopwatch Rendering { get; } = new System.Diagnostics.Stopwatch();
 
         public static Camera main
         {
@@ -150,7 +151,10 @@ namespace UnityEngine
         public void Render()
         {
             MainThread.Only(nameof(Render));
-            if (targetTexture != null && SystemInfo.graphicsDeviceType != GraphicsDeviceType.Null) Graphics.Draw(this, targetTexture);
+            if (targetTexture == null || SystemInfo.graphicsDeviceType == GraphicsDeviceType.Null) return;
+            Rendering.Start();
+            Graphics.Draw(this, targetTexture);
+            Rendering.Stop();
         }
     }
 

@@ -15,7 +15,7 @@ namespace UnityEngine
         public GameObject(string name)
         {
             this.name = name;
-            AddComponent<Transform>();
+            transform = AddComponent<Transform>();
             Scene.Objects.Add(this);
         }
 
@@ -33,7 +33,7 @@ namespace UnityEngine
             return thing;
         }
 
-        public Transform transform => GetComponent<Transform>();
+        public Transform transform { get; }
 
         public bool activeSelf => active;
 
@@ -64,7 +64,13 @@ namespace UnityEngine
             return component;
         }
 
-        public T GetComponent<T>() => Components.OfType<T>().FirstOrDefault();
+        // By index: in Unity what is found costs no memory.
+        public T GetComponent<T>()
+        {
+            for (var i = 0; i < Components.Count; i++)
+                if (Components[i] is T found) return found;
+            return default;
+        }
 
         public Component GetComponent(Type type) => Components.FirstOrDefault(type.IsInstanceOfType);
     }

@@ -25,7 +25,7 @@ namespace UnityEngine
             for (var i = 0; i < Scene.Objects.Count; i++)
             {
                 var thing = Scene.Objects[i];
-                if (!thing.activeSelf || !(Find(thing) is Renderer shape) || !shape.enabled) continue;
+                if (!thing.activeSelf || !(thing.GetComponent<Renderer>() is Renderer shape) || !shape.enabled) continue;
                 var (turn, half) = (back * thing.transform.rotation, thing.transform.localScale * 0.5f);
                 Cube(back * (thing.transform.position - eye), turn * new Vector3(half.x, 0, 0), turn * new Vector3(0, half.y, 0),
                     turn * new Vector3(0, 0, half.z), camera, Packed(shape.sharedMaterial.color));
@@ -33,14 +33,6 @@ namespace UnityEngine
             // Row by row, as the card has it.
             for (var row = 0; row < height; row++)
                 Buffer.BlockCopy(colours, row * width * 4, target.Pixels, (SystemInfo.TopRowFirst ? height - 1 - row : row) * width * 4, width * 4);
-        }
-
-        // Not GetComponent, which makes an enumerator.
-        private static Renderer Find(GameObject thing)
-        {
-            for (var i = 0; i < thing.Components.Count; i++)
-                if (thing.Components[i] is Renderer found) return found;
-            return null;
         }
 
         private static int Packed(Color color) => Byte(color.r) | Byte(color.g) << 8 | Byte(color.b) << 16 | 255 << 24;

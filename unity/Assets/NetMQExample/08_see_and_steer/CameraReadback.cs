@@ -25,7 +25,7 @@ namespace NetMQExample
         private bool waits;
 
         /// <summary>Sets where from and where to.</summary>
-        /// <param name="camera">With a <see cref="Texture"/>.</param>
+        /// <param name="camera">It has a target texture; see CarCamera.cs.</param>
         /// <param name="pixels">Room for 4 bytes a pixel: red, green, blue and alpha, the lowest row first.</param>
         /// <exception cref="ArgumentException">There is no graphics card.</exception>
         public CameraReadback(Camera camera, byte[] pixels)
@@ -40,11 +40,6 @@ namespace NetMQExample
 
         /// <summary>True if the graphics card had an error in place of the last picture.</summary>
         public bool Failed { get; private set; }
-
-        /// <summary>What a camera needs. The bytes in it are those of the screen, also where a project computes its
-        /// light in linear space.</summary>
-        public static RenderTexture Texture(int width, int height) =>
-            new RenderTexture(width, height, 24, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
 
         /// <summary>Renders, and asks for the picture.</summary>
         public void Begin()

@@ -1,13 +1,12 @@
 // Lesson 08 in Unity: every picture has a number, and every action names the picture that it answers.
 //
 // Use: start python/08_see_and_steer/server.py, open this lesson's scene, press Play. Arrow keys take over, Enter gives
-// back. For your own scene add this component to the car, and give it cameras as DrivenCar.cs does.
+// back. For your own scene add this component to the car, and cameras as in CarCamera.cs.
 // The cameras render when this asks them to, so a picture and what is written beside it show the same moment. The
 // picture arrives a frame or two later, and is sent by a thread of its own: no frame waits for the network, nor, but in
 // lock-step, for the graphics card.
 using System.Threading;
 using UnityEngine;
-using UnityEngine.Experimental.Rendering;
 
 namespace NetMQExample
 {
@@ -38,18 +37,16 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}");
             using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
-            var taker = FromUpdate(() => shots = new ShotTaker(cameras, car.AddCamera));
+            // Those of a run before.
+            InUpdate(() => shots?.Dispose());
+            var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, right => CarCamera.On(transform, right)));
             for (var answered = 0; answered < count;)
             {
-                var shot = taker.Next(stop);
-                var action = driver.Ask(shot.ToMessage(jpeg ? Jpeg : (System.Func<byte[], byte[]>)null), stop);
+                var action = driver.Ask(taker.Next(stop), stop);
                 if (action != null) answered++;
-                InUpdate(() => Follow(action));
+                InUpdate(() => car.Follow(action));
             }
-            FromUpdate(() => shots = null);
             Log($"done: {count} actions, {taker.Skipped} pictures skipped");
-            byte[] Jpeg(byte[] pixels) => ImageConversion.EncodeArrayToJPG(
-                pixels, GraphicsFormat.R8G8B8A8_SRGB, DrawnCamera.Width, DrawnCamera.Height);
         }
 
         /// <inheritdoc/>
@@ -60,10 +57,6 @@ namespace NetMQExample
             if (!Done) shots?.Look(car.Drive, lockstep);
         }
 
-        private void Follow(DriveAction? action)
-        {
-            car.Drive.Apply(action);
-            if (lockstep) car.Step();
-        }
+        private void OnDestroy() => shots?.Dispose();
     }
 }

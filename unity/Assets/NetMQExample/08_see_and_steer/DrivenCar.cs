@@ -1,7 +1,7 @@
-// Lesson 08 in Unity: the car, which Drive.cs moves in each FixedUpdate, and whose cameras are real ones.
+// Lesson 08 in Unity: the car, which Drive.cs moves in each FixedUpdate.
 //
 // Use: it stands in the lesson's scene beside CameraSender. At home your own car takes its place: what CameraSender
-// needs of it are Drive, Step and AddCamera.
+// needs of it are Drive and Follow.
 using System;
 using UnityEngine;
 
@@ -15,25 +15,12 @@ namespace NetMQExample
         /// <summary>What is driven, by Python or by <see cref="Drive.TakeOver"/>.</summary>
         public Drive Drive { get; private set; }
 
-        /// <summary>One step of the world, in lock-step by whoever waits for it.</summary>
-        public void Step()
+        /// <summary>Does what Python says; in lock-step for one step, in which the world waited for it.</summary>
+        /// <param name="action">Null if nothing came.</param>
+        public void Follow(DriveAction? action)
         {
-            Drive.Step();
-            Place();
-        }
-
-        /// <summary>A camera above the bonnet that renders when it is asked to.</summary>
-        /// <param name="right">Metres to the right of the middle.</param>
-        public Camera AddCamera(double right)
-        {
-            var eye = new GameObject("Camera").AddComponent<Camera>();
-            eye.transform.SetParent(transform, false);
-            eye.transform.localPosition = new Vector3((float)right, 1.5f, 0);
-            eye.transform.localRotation = Quaternion.Euler(16.26f, 0, 0);
-            (eye.enabled, eye.fieldOfView, eye.clearFlags) = (false, 60, CameraClearFlags.SolidColor);
-            eye.backgroundColor = new Color32(150, 190, 230, 255);
-            eye.targetTexture = CameraReadback.Texture(DrawnCamera.Width, DrawnCamera.Height);
-            return eye;
+            Drive.Apply(action);
+            if (Drive.Lockstep) Step();
         }
 
         private void Awake()
@@ -49,6 +36,12 @@ namespace NetMQExample
         private void FixedUpdate()
         {
             if (!Drive.Lockstep) Step();
+        }
+
+        private void Step()
+        {
+            Drive.Step();
+            Place();
         }
 
         private void Place()

@@ -2,32 +2,38 @@
 //
 // A shot is all cameras at one moment. Two are on their way from the graphics card, one lies ready, one is being sent:
 // four shots do for ever, and nobody waits for the other but the network thread for a first picture.
-// Take home: this file and CameraReadback.cs, with Shot.cs.
+// Take home: this file and CameraReadback.cs, with Shot.cs and Drive.cs.
 using System;
 using System.Collections.Generic;
 using System.Linq;
 using System.Threading;
 using UnityEngine;
+using UnityEngine.Experimental.Rendering;
+using Object = UnityEngine.Object;
 
 namespace NetMQExample
 {
     /// <summary>Takes shots with some cameras.</summary>
-    public sealed class ShotTaker
+    public sealed class ShotTaker : IDisposable
     {
         private readonly Queue<Taking> begun = new Queue<Taking>(2);
         private readonly Stack<Taking> free = new Stack<Taking>();
         private readonly object gate = new object();
+        private readonly Camera[] cameras;
+        private readonly bool jpeg;
         private Taking newest, sent;
         private long last = -1, number = -1;
         private bool trouble;
 
         /// <summary>Makes room, and finds out which row of a picture comes first.</summary>
         /// <param name="names">The cameras' names, as in <see cref="Shot"/>.</param>
+        /// <param name="jpeg">Whether they are sent as JPEG files.</param>
         /// <param name="make">Makes a camera with a texture, so many metres to the right of the middle.</param>
         /// <exception cref="ArgumentException">There are no such cameras, or there is no graphics card.</exception>
-        public ShotTaker(string names, Func<double, Camera> make)
+        public ShotTaker(string names, bool jpeg, Func<double, Camera> make)
         {
-            var cameras = new Shot(names, 1, 1, 4).Right.Select(make).ToArray();
+            this.jpeg = jpeg;
+            cameras = new Shot(names, 1, 1, 4).Right.Select(make).ToArray();
             for (var i = 0; i < 4; i++) free.Push(new Taking(names, cameras));
             var turned = free.Peek().Readbacks[0].IsTurned();
             if (turned) Debug.Log("pictures come with the highest row first here: they are turned over");
@@ -58,17 +64,31 @@ namespace NetMQExample
         }
 
         /// <summary>Waits for a shot that is newer than the last one, which must not be used any more. For the network
-        /// thread.</summary>
-        public Shot Next(CancellationToken stop)
+        /// thread, which also makes the JPEG files.</summary>
+        public Message Next(CancellationToken stop)
         {
             lock (gate)
             {
                 if (sent != null) free.Push(sent);
                 for (sent = null; newest == null; Monitor.Wait(gate, 50)) stop.ThrowIfCancellationRequested();
                 (sent, newest) = (newest, null);
-                if (number >= 0) Skipped += sent.Shot.Frame - number - 1;
-                number = sent.Shot.Frame;
-                return sent.Shot;
+            }
+            var shot = sent.Shot;
+            if (number >= 0) Skipped += shot.Frame - number - 1;
+            number = shot.Frame;
+            return shot.ToMessage(!jpeg ? (Func<byte[], byte[]>)null : pixels => ImageConversion.EncodeArrayToJPG(
+                pixels, GraphicsFormat.R8G8B8A8_SRGB, (uint)shot.Width, (uint)shot.Height));
+        }
+
+        /// <summary>Takes the cameras away. For the main thread.</summary>
+        public void Dispose()
+        {
+            foreach (var camera in cameras)
+            {
+                if (camera == null) continue;
+                Object.Destroy(camera.gameObject);
+                Object.Destroy(camera.targetTexture);
+                camera.targetTexture = null;
             }
         }
 

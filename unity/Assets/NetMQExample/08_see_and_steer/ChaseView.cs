@@ -1,0 +1,17 @@
+// Lesson 08 in Unity: the main camera follows the car, so that one sees it drive. Python does not see this picture.
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Keeps the main camera behind and above this object.</summary>
+    public sealed class ChaseView : MonoBehaviour
+    {
+        private void LateUpdate()
+        {
+            var view = Camera.main;
+            if (view == null) return;
+            view.transform.SetPositionAndRotation(
+                transform.position + transform.rotation * new Vector3(0, 4, -8), transform.rotation * Quaternion.Euler(15, 0, 0));
+        }
+    }
+}
