@@ -1,5 +1,5 @@
-"""Lesson 08 in the player: what only Unity has. Real cameras look at the scene, and a graphics card gives their pictures
-back some frames later. tests/lessons/test_08_drive.py has what is the same for all clients.
+"""Lesson 08 in the player: what only Unity has. Real cameras look at the scene, and a graphics card gives their
+pictures back some frames later. tests/lessons/test_08_drive.py has what is the same for all clients.
 """
 
 from __future__ import annotations
@@ -8,6 +8,8 @@ import hashlib
 import io
 import re
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -16,11 +18,11 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from tests.programs import ROOT, Program
+from tests.programs import ROOT, Program, steady_port
 from tests.unity.test_unity_play import RUNTIMES, needs_mono
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
-from tests.lessons.test_08_drive import Driver, world  # noqa: E402
+from tests.lessons.test_08_drive import Driver, Message, read, world  # noqa: E402
 
 on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
 
@@ -136,7 +138,7 @@ def test_what_is_written_beside_a_picture_belongs_to_it(runtime: str, drive: Cal
 
 
 def test_two_cameras_see_as_two_eyes(drive: Callable[..., Any]) -> None:
-    """What is straight ahead stands further to the right in the left one's picture, and the more so the nearer it is."""
+    """In the left one's picture all stands further to the right, and the more so the nearer it is."""
     driver, client = drive(lambda frame: {}, "count=3", "cameras=left,right", "lockstep=true")
     assert client.wait() == 0, client.output
 
@@ -194,6 +196,46 @@ def test_a_sender_that_was_switched_off_begins_again(drive: Callable[..., Any]) 
     client.wait_for("^done: 60 actions")
     numbers = [frame.id for frame in driver.frames]
     assert len(set(numbers)) == len(numbers) == numbers.index(max(numbers)) + 1, "each picture is newer than the last"
+
+
+def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, speeds: list[float]) -> None:
+    with context.socket(zmq.REP) as socket:
+        socket.linger = 0
+        socket.bind(endpoint)
+        while not over.is_set():
+            if socket.poll(50):
+                frame = read(socket.recv_multipart())
+                speeds.append(frame.values["speed"])
+                action = {"frame": frame.id, "throttle": 1.0, "brake": 0.0, "steer": 0.0}
+                socket.send_multipart(Message("action", frame.id, action).frames())
+
+
+def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harness: Path) -> None:
+    """Another one takes its place on the same port: the car has braked, and drives on."""
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    client = start("dotnet", harness, "drive", f"endpoint={endpoint}", "every=0", "count=200", "patience=0.4")
+    speeds: list[list[float]] = [[], []]
+    with zmq.Context() as context:
+        for there in speeds:
+            over = threading.Event()
+            thread = threading.Thread(target=answer_at, args=(context, endpoint, over, there), daemon=True)
+            begin = len(client.lines)
+            thread.start()
+            if there is speeds[0]:
+                while len(there) < 50:
+                    assert client.process.poll() is None, client.output
+                    time.sleep(0.01)
+                over.set()
+                thread.join()
+                client.wait_for("^trouble: no reply from .* within 0.4 s; is the server running", start=begin)
+                client.wait_for("^trouble: no action for 0.5 s: braking$", start=begin)
+        client.wait_for("^an action again: driving on$", start=begin)
+        assert client.wait() == 0, client.output
+        over.set()
+        thread.join()
+    client.wait_for("^done: 200 actions")
+    assert len(speeds[0]) + len(speeds[1]) == 200
+    assert len(speeds[1]) > 0 and speeds[1][-1] > 5
 
 
 @pytest.mark.xdist_group("times")

@@ -51,7 +51,8 @@ namespace NetMQExample
             else Read();
         }
 
-        /// <summary>Takes the picture when it is there. In each frame: in the one after, Unity has taken it back.</summary>
+        /// <summary>Takes the picture when it is there. Call it in each frame: in the one after, Unity has taken it
+        /// back.</summary>
         /// <returns>True once it is there, or an error.</returns>
         public bool Look()
         {
@@ -69,8 +70,8 @@ namespace NetMQExample
             Look();
         }
 
-        /// <summary>Looks once with a cube at the upper edge of the picture and once without: where do they differ? Whether
-        /// a picture's lowest row comes first depends on the graphics card, the pipeline and its effects.</summary>
+        /// <summary>Whether the highest row comes first. That depends on the graphics card, the pipeline and its
+        /// effects, so it looks twice, once with a cube in the upper half: where do the two pictures differ?</summary>
         public bool IsTurned()
         {
             var without = Now();

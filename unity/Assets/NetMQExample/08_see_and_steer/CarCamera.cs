@@ -17,8 +17,10 @@ namespace NetMQExample
             camera.transform.SetParent(car, false);
             camera.transform.localPosition = new Vector3((float)right, 1.5f, 0);
             camera.transform.localRotation = Quaternion.Euler(16.26f, 0, 0);
-            (camera.enabled, camera.fieldOfView) = (false, 60);
-            (camera.clearFlags, camera.backgroundColor) = (CameraClearFlags.SolidColor, new Color32(150, 190, 230, 255));
+            camera.enabled = false;
+            camera.fieldOfView = 60;
+            camera.clearFlags = CameraClearFlags.SolidColor;
+            camera.backgroundColor = new Color32(150, 190, 230, 255);
             // The bytes in it are those of the screen, also where a project computes its light in linear space.
             camera.targetTexture = new RenderTexture(DrawnCamera.Width, DrawnCamera.Height, 24,
                 RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);

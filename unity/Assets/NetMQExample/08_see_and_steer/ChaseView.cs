@@ -10,8 +10,9 @@ namespace NetMQExample
         {
             var view = Camera.main;
             if (view == null) return;
-            view.transform.SetPositionAndRotation(
-                transform.position + transform.rotation * new Vector3(0, 4, -8), transform.rotation * Quaternion.Euler(15, 0, 0));
+            var (place, turn) = (transform.position, transform.rotation);
+            var behind = place + turn * new Vector3(0, 4, -8);
+            view.transform.SetPositionAndRotation(behind, turn * Quaternion.Euler(15, 0, 0));
         }
     }
 }

@@ -19,10 +19,12 @@ namespace NetMQExample
             var brake = Input.GetKey(KeyCode.Space) ? 1 : Math.Max(0, -pedal);
             if (Input.GetKey(KeyCode.Return)) drive.GiveBack();
             // Once taken, it stays in the person's hands, also while no key is pressed.
-            else if (drive.Manual || steer != 0 || pedal != 0 || brake > 0) drive.TakeOver(Math.Max(0, pedal), brake, steer);
+            else if (drive.Manual || steer != 0 || pedal != 0 || brake > 0)
+                drive.TakeOver(Math.Max(0, pedal), brake, steer);
         }
 #else
-        private void Start() => Debug.Log("no keyboard: set Edit, Project Settings, Player, Active Input Handling to Both");
+        private void Start() =>
+            Debug.Log("no keyboard: set Project Settings, Player, Active Input Handling to Both");
 #endif
     }
 }

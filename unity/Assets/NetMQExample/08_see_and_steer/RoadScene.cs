@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>The world around the car, 40 cm below nothing: y is 0 on the ground.</summary>
+    /// <summary>The world around the car. On the ground y is 0.</summary>
     public sealed class RoadScene : MonoBehaviour
     {
         // So many points of the road for each piece: 1.5 m.
@@ -21,16 +21,15 @@ namespace NetMQExample
                 var (from, to) = (points[i], points[(i + Step) % points.Length]);
                 var ahead = new Vector3((float)(to.X - from.X), 0, (float)(to.Y - from.Y));
                 var middle = new Vector3((float)(from.X + to.X) / 2, 0, (float)(from.Y + to.Y) / 2);
-                var (turn, length) = (Quaternion.LookRotation(ahead), ahead.magnitude);
+                var turn = Quaternion.LookRotation(ahead);
                 // One above the other: the lower ones are longer, so that no grass is seen in a bend.
-                Strip(middle, turn, 0.01f, 2 * (float)Road.HalfWidth, length + 0.6f, white);
-                Strip(middle, turn, 0.02f, 2 * (float)Road.HalfWidth - 0.4f, length + 0.8f, tarmac);
-                if (i % 50 < 25) Strip(middle, turn, 0.03f, 0.2f, length, white);
+                void Strip(float top, float width, float longer, Material paint) => Cube(
+                    middle + Vector3.up * top, turn, new Vector3(width, 0.002f, ahead.magnitude + longer), paint);
+                Strip(0.01f, 2 * (float)Road.HalfWidth, 0.6f, white);
+                Strip(0.02f, 2 * (float)Road.HalfWidth - 0.4f, 0.8f, tarmac);
+                if (i % 50 < 25) Strip(0.03f, 0.2f, 0, white);
             }
         }
-
-        private static void Strip(Vector3 middle, Quaternion turn, float top, float width, float length, Material paint) =>
-            Cube(middle + Vector3.up * top, turn, new Vector3(width, 0.002f, length), paint);
 
         // `middle` is that of the upper side.
         private static void Cube(Vector3 middle, Quaternion turn, Vector3 size, Material paint)
