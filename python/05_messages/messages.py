@@ -79,8 +79,7 @@ def read(frames: list[Any]) -> Message:
     if len(frames[0]) > HEADER_LIMIT or sum(map(len, frames[1:])) > LIMIT:
         raise MessageError("too-big", f"a header has at most {HEADER_LIMIT} bytes, all arrays together {LIMIT}")
     try:
-        text = bytes(frames[0]).decode()
-        header = DECODER.decode(text)
+        header = DECODER.decode(text := bytes(frames[0]).decode())
         if "\\u" in text:
             # Half a character, such as \ud800 alone, is none that could be printed, and another one in C#.
             json.dumps(header, ensure_ascii=False).encode()
