@@ -1,0 +1,133 @@
+"""Lesson 08, see and steer: every picture has a number, and every action names the picture that it answers.
+
+    python python/08_see_and_steer/server.py       prints: listening on tcp://127.0.0.1:5558
+    python python/08_see_and_steer/client.py       or: dotnet run --project csharp-console -- 8
+
+Bytes: messages of lesson 05. The request is of kind `frame`: its id and its value `frame` are the picture's number, and
+it has an array for each camera (pictures.py). Beside them stand `run` (the drive), `manual` (whether a person drives),
+`sim_time` and `wall_time` in s, `speed` in m/s, and what was in force then: `throttle` and `brake`, 0 to 1, and
+`steer`, -1, left, to 1, right. The reply is of kind `action`: `frame`, `throttle`, `brake` and `steer`.
+`--record runs` keeps each drive in a folder of its own, `--model steering.npz` drives by what train.py has learned.
+Trouble on command: `--delay 0.2` is a slow driver. Take home: this file, driver.py, pictures.py, recorder.py, train.py
+and messages.py of lesson 05.
+"""
+
+import argparse
+import contextlib
+import re
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import zmq
+from driver import follow_road
+from pictures import check_values, pictures
+from recorder import Recorder
+from train import load
+
+# messages.py is lesson 05's. At home it lies beside this file.
+sys.path.append(str(Path(__file__).parent / "../05_messages"))
+from messages import LIMIT, Message, MessageError, read
+
+Driver = Callable[[Any, float], tuple[float, float, float]]
+# Above the limit of messages.py a sender is told so. Above this one libzmq takes no more of it and hangs up.
+ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5558", zmq.REP, 4 * LIMIT
+
+
+def drive(picture: Any, speed: float) -> tuple[float, float, float]:
+    """Your own model goes here: from uint8 [height, width, 3], top row first, and m/s to throttle, brake and steer."""
+    return follow_road(picture, speed)
+
+
+def answer(frame: Message, driver: Driver) -> Message:
+    """The action for a picture; MessageError says why there is none."""
+    check_values(frame)
+    seen = pictures(frame)
+    # Of two cameras it looks through the left one.
+    throttle, brake, steer = map(float, driver(seen.get("center", next(iter(seen.values()))), frame.values["speed"]))
+    return Message("action", frame.id, {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer})
+
+
+def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
+    driver = load(options.model) if options.model else drive
+    recorder = Recorder(options.record) if options.record else None
+    while True:
+        # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
+        with contextlib.suppress(zmq.Again):
+            frame, action = answered(socket.recv_multipart(copy=False), driver)
+            time.sleep(options.delay)
+            socket.send_multipart(action.frames())
+            # Afterwards: a picture that is written makes no action older.
+            if recorder and action.kind == "action":
+                recorder.add(frame, action)
+
+
+def answered(frames: list[zmq.Frame], driver: Driver) -> tuple[Message, Message]:
+    """A request and its reply. What is wrong is told to whoever asked, and the server serves on."""
+    frame = Message("")
+    try:
+        frame = read(frames)
+        action = answer(frame, driver)
+        # What cannot be written, such as NaN, is found out here.
+        action.frames()
+        return frame, action
+    except Exception as error:
+        if not isinstance(error, MessageError):
+            # A mistake in the driver: its place is for whoever writes it.
+            traceback.print_exc()
+            error = MessageError("error-in-driver", repr(error))
+        return frame, Message("error", error.id or frame.id, {"code": error.code, "text": error.text})
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--delay", type=seconds, default=0, help="seconds to wait before each action")
+    parser.add_argument("--record", type=Path, metavar="FOLDER", help="keep each drive in a new folder there")
+    parser.add_argument("--model", type=Path, metavar="FILE", help="drive by what train.py has learned")
+
+
+# From here on all servers of this kit are the same, as far as they need it.
+
+
+def seconds(text: str) -> float:
+    if not 0 <= float(text) < 86_400:
+        raise ValueError
+    return float(text)
+
+
+def endpoint(text: str) -> str:
+    """libzmq itself would listen on port 99999 - 65536 without a word."""
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
+    if not port or int(port[1].replace("*", "0")) > 65535:
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
+    return text
+
+
+def main() -> None:
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="port 0 takes a free one")
+    add_options(parser)
+    options = parser.parse_args()
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with zmq.Context() as context, context.socket(SOCKET) as socket:
+        # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
+        # Who announces more than the largest message is disconnected before it is in memory.
+        socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, LARGEST, 200
+        try:
+            socket.bind(options.endpoint)
+        except zmq.ZMQError as error:
+            cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
+            sys.exit(f"cannot listen on {options.endpoint}: {zmq.strerror(error.errno or 0)}; {cure}")
+        print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        serve(socket, options)
+
+
+if __name__ == "__main__":
+    with contextlib.suppress(KeyboardInterrupt):
+        main()

@@ -33,7 +33,9 @@ class Road:
             a, b, c, d = (np.array(CORNERS[(i + k - 1) % len(CORNERS)], np.float64) for k in range(4))
             for k in range(SAMPLES):
                 t = k / SAMPLES
-                points.append(((((d - a + (b - c) * 3) * t + (a * 2 - b * 5 + c * 4 - d)) * t + (c - a)) * t + b * 2) / 2)
+                points.append(
+                    ((((d - a + (b - c) * 3) * t + (a * 2 - b * 5 + c * 4 - d)) * t + (c - a)) * t + b * 2) / 2
+                )
         self.points = np.array(points)
 
     def nearest(self, x: float, y: float) -> tuple[int, float]:

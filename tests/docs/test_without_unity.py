@@ -84,8 +84,9 @@ def test_what_a_header_says_to_take_home_runs_there(path, tmp_path):
     if "numpy" in text:
         pytest.importorskip("numpy", reason="lesson 05 needs numpy: pip install numpy")
     said = re.search(r"Take home: (.*?)\.(\s|$)", ast.get_docstring(ast.parse(text)), re.DOTALL)[1]
-    for name in {path.name, *re.findall(r"\w+\.py", said)}:
-        shutil.copy(path.parent / name, tmp_path)
+    for name, lesson in re.findall(r"(\w+\.py)(?: of lesson (\d\d))?", f"{path.name} {said}"):
+        (folder,) = ROOT.glob(f"python/{lesson}_*") if lesson else [path.parent]
+        shutil.copy(folder / name, tmp_path)
     for copied in list(tmp_path.glob("*.py")):
         done = subprocess.run([PYTHON, copied.name, "--help"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stderr

@@ -35,6 +35,9 @@ LONGER = {
     "python/06_many_in_flight/server.py": 82,
     "python/07_catch_up/client.py": 62,
     "python/07_catch_up/server.py": 62,
+    # Ten options; and a server that also records, and drives by a file.
+    "python/08_see_and_steer/client.py": 84,
+    "python/08_see_and_steer/server.py": 80,
 }
 
 
