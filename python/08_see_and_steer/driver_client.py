@@ -1,13 +1,14 @@
 """Lesson 08, the driver's client: sends one picture at a time and gets its action, without waiting longer than it may.
 
     client.send(frame)                   a message of kind `frame`, whose id is the picture's number
-    action = client.receive(0.02)        as long as `client.asked` is there, its action may still come
+    action = client.receive(until)       as long as `client.asked` is there, its action may still come
 
 A picture without an action is not sent again: by then there is a newer one. Each failure costs the socket, because REQ
 can only receive after it has sent, and a new one finds a server that is back again.
-Take home: this file, drive.py, world.py and messages.py of lesson 05.
+Take home: this file, drive.py, pictures.py and world.py, with messages.py of lesson 05.
 """
 
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -26,6 +27,8 @@ class GaveUp(Exception):
 
 
 class DriverClient:
+    """One picture at a time. `log` gets a line about each that has no action."""
+
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
@@ -36,60 +39,72 @@ class DriverClient:
     ) -> None:
         self.context, self.endpoint, self.patience, self.tries, self.log = context, endpoint, patience, tries, log
         self.asked: Message | None = None
-        self._socket: zmq.Socket[bytes] | None = None
-        self._began, self._lost = 0.0, 0
+        self.socket: zmq.Socket[bytes] | None = None
+        self.began, self.lost = 0.0, 0
 
     def send(self, frame: Message) -> None:
-        self.asked, self._began = frame, time.monotonic()
-        if self._socket is None:
-            self._socket = self.context.socket(zmq.REQ)
+        """Ask about a picture."""
+        self.asked, self.began = frame, time.monotonic()
+        if self.socket is None:
+            self.socket = self.context.socket(zmq.REQ)
             # Above the limit of messages.py a reply is refused by name. Above this one libzmq takes no more of it.
-            self._socket.linger, self._socket.maxmsgsize = 0, 4 * LIMIT
-            self._socket.connect(self.endpoint)
+            # Sending does not wait: libzmq would say of a request whose connection ends just then that it is sent.
+            self.socket.linger, self.socket.maxmsgsize, self.socket.sndtimeo = 0, 4 * LIMIT, 0
+            self.socket.connect(self.endpoint)
         try:
-            self._socket.send_multipart(frame.frames(), zmq.NOBLOCK, copy=False)
+            self.socket.send_multipart(frame.frames())
         except zmq.Again:
-            # The connection has just ended. Nothing will come, and `receive` says so.
-            self._began -= self.patience
+            # Nothing will come, and `receive` says so.
+            self.began -= self.patience
 
-    def receive(self, wait: float) -> Action | None:
-        """The action, if it comes within so many seconds. None, and nothing asked any more: there is none."""
-        if self.asked is None or self._socket is None:
-            return None
-        left = self._began + self.patience - time.monotonic()
+    def receive(self, until: float, patient: bool = False) -> Action | None:
+        """The action, if it comes before that time; or, `patient`, in the time that it may take at all.
+
+        None while something is asked: not yet. None and nothing is asked any more: there is none.
+        """
+        last = self.began + self.patience
         try:
-            if not self._socket.poll(int(1000 * max(0, min(wait, left)))):
-                if left > wait:
+            while not self.arrived(last if patient else min(until, last)):
+                if time.monotonic() >= last:
+                    raise TimeoutError(
+                        f"no reply from {self.endpoint} within {self.patience:g} s; is the server running?"
+                    )
+                if not patient:
                     return None
-                raise MessageError(
-                    "", f"no reply from {self.endpoint} within {self.patience:g} s; is the server running?"
-                )
-            reply = read(self._socket.recv_multipart(copy=False))
-            if reply.kind == "error":
-                code, text = (str(reply.values.get(name, "not said")) for name in ("code", "text"))
-                raise MessageError(code, text)
-            action = read_action(reply, self.asked.id)
-        except MessageError as error:
-            self._fail(str(error).removeprefix(": "))
+            return self.read()
+        except (TimeoutError, MessageError) as error:
+            self.fail(printable(str(error)))
             return None
-        action.milliseconds = (time.monotonic() - self._began) * 1000
-        self.asked, self._lost = None, 0
+
+    def arrived(self, until: float) -> bool:
+        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+        wait = min(0.2, max(0.0, until - time.monotonic()))
+        return self.socket is not None and bool(self.socket.poll(math.ceil(wait * 1000)))
+
+    def read(self) -> Action:
+        assert self.socket and self.asked
+        reply = read(self.socket.recv_multipart(zmq.NOBLOCK, copy=False))
+        if reply.kind == "error":
+            code, text = (str(reply.values.get(name, "not said")) for name in ("code", "text"))
+            raise MessageError(code, text)
+        action = read_action(reply, self.asked.id)
+        action.milliseconds = (time.monotonic() - self.began) * 1000
+        self.asked, self.lost = None, 0
         return action
 
-    def wait(self) -> Action | None:
-        """The same, however long it takes; in slices, because on Windows Ctrl-C does not interrupt a longer wait."""
-        while (action := self.receive(0.2)) is None and self.asked:
-            pass
-        return action
-
-    def _fail(self, why: str) -> None:
+    def fail(self, why: str) -> None:
         self.close()
-        self._lost += 1
-        if self._lost >= self.tries:
+        self.lost += 1
+        if self.lost >= self.tries:
             raise GaveUp(why)
         self.log(f"trouble: {why}")
 
     def close(self) -> None:
-        if self._socket is not None:
-            self._socket.close()
-        self.asked = self._socket = None
+        if self.socket:
+            self.socket.close()
+        self.asked = self.socket = None
+
+
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")

@@ -21,13 +21,14 @@ class Driven(Protocol):
 class Keyboard:
     """An arrow key or the space bar takes over, Enter gives back. `with` gives the terminal back as it was."""
 
-    def __init__(self) -> None:
+    def __init__(self, wanted: bool) -> None:
+        self.wanted = wanted
         self.throttle = self.brake = self.steer = 0.0
         self.rest = b""
 
     def look(self, driven: Driven) -> None:
         """Take what was pressed since the last call."""
-        self.rest += pressed()
+        self.rest += pressed() if self.wanted else b""
         while self.rest:
             code = next((code for code in KEYS if self.rest.startswith(code)), None)
             if code is None and any(known.startswith(self.rest) for known in KEYS):
@@ -47,7 +48,7 @@ class Keyboard:
                 driven.take_over(self.throttle, self.brake, self.steer)
 
     def __enter__(self) -> "Keyboard":
-        if sys.platform != "win32":
+        if self.wanted and sys.platform != "win32":
             import termios
             import tty
 
@@ -57,7 +58,7 @@ class Keyboard:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if sys.platform != "win32":
+        if self.wanted and sys.platform != "win32":
             import termios
 
             termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self.before)

@@ -21,8 +21,6 @@ except ImportError:
     sys.exit("this lesson needs numpy: pip install numpy, or let python3 kit.py run 8 do it")
 
 CAMERAS = ("center", "left,right", "left,center,right")
-VALUES: dict[str, tuple[type, ...]] = {"frame": (int,), "run": (str,), "manual": (bool,)}
-VALUES |= dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), (int, float))
 MOST_SCANS, MOST_PARTS = 50, 200
 # What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
 # of JPEG that no camera writes are left out: some are ten times as slow to decode.
@@ -46,17 +44,6 @@ def pictures(frame: Message) -> dict[str, Any]:
     return found
 
 
-def check_values(frame: Message) -> None:
-    """Refuse a frame whose number, drive or numbers are not there; `answer` and the recorder take them as they are."""
-    if frame.kind != "frame":
-        raise MessageError("unknown-kind", f"kind {frame.kind!a:.40} is not frame")
-    for name, kinds in VALUES.items():
-        if type(frame.values.get(name)) not in kinds:
-            raise MessageError("wrong-type", f"a frame needs the value '{name}', as {kinds[-1].__name__}")
-    if frame.values["frame"] != frame.id:
-        raise MessageError("wrong-frame", f"its id is {frame.id}, but its value 'frame' {frame.values['frame']}")
-
-
 def from_raw(array: Array, frame: Message) -> Any:
     """Without a copy: cutting off and turning over make views of the memory in which ZeroMQ received the bytes."""
     shape = array.shape
@@ -77,7 +64,7 @@ def encode(picture: Any) -> bytes:
     try:
         from PIL import Image
     except ImportError:
-        sys.exit("--jpeg needs Pillow: pip install pillow, or let python3 kit.py run 8 do it")
+        sys.exit("JPEG needs Pillow: pip install pillow, or let python3 kit.py run 8 do it")
     file = io.BytesIO()
     Image.fromarray(np.ascontiguousarray(picture)).save(file, "JPEG", quality=90)
     return file.getvalue()

@@ -5,13 +5,15 @@
     runs/run_0001/metadata.csv               all that is known about each picture, also for Hugging Face's imagefolder
 
 A picture is written before the rows about it: when the program is killed, at most the last one is lost.
-Take home: this file, pictures.py, and messages.py of lesson 05. It needs numpy and Pillow.
+Take home: this file and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
 """
 
 import os
 import sys
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
@@ -76,29 +78,33 @@ class Recording:
 class Recorder:
     """Keeps what was asked and answered, until it cannot any more: then it says so, and the car drives on."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.drives, self.works = folder, dict[str, Recording](), True
+    def __init__(self, folder: Path | None) -> None:
+        self.folder, self.drives = folder, dict[str, Recording]()
+        if folder:
+            # Pillow loads its parts at the first picture, and that takes long enough to make actions old.
+            encode(np.zeros((8, 8, 3), np.uint8))
 
     def add(self, frame: Message, action: Message) -> None:
-        if not self.works:
+        """Keep a picture and what was answered to it, unless that was an error."""
+        if not self.folder or action.kind != "action":
             return
         try:
-            drive = self.drive(frame)
+            drive = self.drive(frame, self.folder)
             if drive.cameras == frame.values["cameras"]:
                 drive.add(frame, action)
                 if drive.count % 100 == 0:
                     print(f"recorded {drive.count} pictures to {drive.folder}", flush=True)
         except OSError as error:
-            self.works = False
+            self.folder = None
             print(f"trouble: recording has stopped, the car drives on: {error}", flush=True)
 
-    def drive(self, frame: Message) -> Recording:
+    def drive(self, frame: Message, folder: Path) -> Recording:
         run = str(frame.values["run"])
         if run not in self.drives:
             if len(self.drives) == MOST:
                 del self.drives[next(iter(self.drives))]
-            last = max((int(path.name[4:]) for path in self.folder.glob("run_[0-9]*")), default=0)
-            self.drives[run] = Recording(self.folder / f"run_{last + 1:04}", frame.values["cameras"])
+            last = max((int(path.name[4:]) for path in folder.glob("run_[0-9]*")), default=0)
+            self.drives[run] = Recording(folder / f"run_{last + 1:04}", frame.values["cameras"])
             print(f"recording to {self.drives[run].folder}", flush=True)
         return self.drives[run]
 

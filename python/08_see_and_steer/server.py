@@ -1,15 +1,17 @@
 """Lesson 08, see and steer: every picture has a number, and every action names the picture that it answers.
 
-    python python/08_see_and_steer/server.py       prints: listening on tcp://127.0.0.1:5558
-    python python/08_see_and_steer/client.py       or: dotnet run --project csharp-console -- 8
+    python python/08_see_and_steer/server.py                     prints: listening on tcp://127.0.0.1:5558
+    python python/08_see_and_steer/client.py                     or: dotnet run --project csharp-console -- 8
+    python python/08_see_and_steer/server.py --record runs       keeps each drive in a folder of its own there
+    python python/08_see_and_steer/server.py --model steering.npz          drives by what train.py has learned
 
-Bytes: messages of lesson 05. The request is of kind `frame`: its id and its value `frame` are the picture's number, and
-it has an array for each camera (pictures.py). Beside them stand `run` (the drive), `manual` (whether a person drives),
-`sim_time` and `wall_time` in s, `speed` in m/s, and what was in force then: `throttle` and `brake`, 0 to 1, and
-`steer`, -1, left, to 1, right. The reply is of kind `action`: `frame`, `throttle`, `brake` and `steer`.
-`--record runs` keeps each drive in a folder of its own, `--model steering.npz` drives by what train.py has learned.
-Trouble on command: `--delay 0.2` is a slow driver. Take home: this file, driver.py, pictures.py, recorder.py, train.py
-and messages.py of lesson 05.
+Bytes: messages of lesson 05. A request of kind `frame` has as values its number `frame`, `run` (another text for each
+drive), `manual` (true while a person drives), `sim_time` and `wall_time` (seconds), `throttle`, `brake` (0 to 1) and
+`steer` (-1, left, to 1, right) as they were in force when the picture was taken, `speed` (m/s), `cameras`, `encoding`
+and `bottom_up`; pictures.py says what its arrays are. The reply is of kind `action`: `frame`, `throttle`, `brake`,
+`steer`.
+Trouble on command: `--delay 0.2` is a slow driver. Take home: this file, pictures.py, driver.py, recorder.py and
+train.py, with messages.py of lesson 05.
 """
 
 import argparse
@@ -19,74 +21,69 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import zmq
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from driver import follow_road
-from pictures import check_values, pictures
+from messages import LIMIT, Message, MessageError, read
+from pictures import pictures
 from recorder import Recorder
 from train import load
 
-# messages.py is lesson 05's. At home it lies beside this file.
-sys.path.append(str(Path(__file__).parent / "../05_messages"))
-from messages import LIMIT, Message, MessageError, read
-
-Driver = Callable[[Any, float], tuple[float, float, float]]
-# Above the limit of messages.py a sender is told so. Above this one libzmq takes no more of it and hangs up.
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5558", zmq.REP, 4 * LIMIT
 
 
 def drive(picture: Any, speed: float) -> tuple[float, float, float]:
-    """Your own model goes here: from uint8 [height, width, 3], top row first, and m/s to throttle, brake and steer."""
+    """Your own model goes here: throttle, brake and steer for a picture, uint8 [height, width, 3], and a speed, m/s."""
     return follow_road(picture, speed)
 
 
-def answer(frame: Message, driver: Driver) -> Message:
-    """The action for a picture; MessageError says why there is none."""
-    check_values(frame)
+def answer(frame: Message, driver: Any) -> Message:
+    """What the middle camera sees, or the left one of two, decides. The action names its picture."""
     seen = pictures(frame)
-    # Of two cameras it looks through the left one.
-    throttle, brake, steer = map(float, driver(seen.get("center", next(iter(seen.values()))), frame.values["speed"]))
-    return Message("action", frame.id, {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer})
+    decided = driver(seen.get("center", next(iter(seen.values()))), float(frame.values["speed"]))
+    action = dict(zip(("throttle", "brake", "steer"), map(float, decided), strict=True))
+    return Message("action", frame.id, {"frame": frame.id, **action})
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     driver = load(options.model) if options.model else drive
-    recorder = Recorder(options.record) if options.record else None
+    recorder = Recorder(options.record)
     while True:
         # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
         with contextlib.suppress(zmq.Again):
-            frame, action = answered(socket.recv_multipart(copy=False), driver)
+            frame, reply = reply_to(socket.recv_multipart(copy=False), driver)
             time.sleep(options.delay)
-            socket.send_multipart(action.frames())
+            socket.send_multipart(reply.frames())
             # Afterwards: a picture that is written makes no action older.
-            if recorder and action.kind == "action":
-                recorder.add(frame, action)
+            recorder.add(frame, reply)
 
 
-def answered(frames: list[zmq.Frame], driver: Driver) -> tuple[Message, Message]:
-    """A request and its reply. What is wrong is told to whoever asked, and the server serves on."""
+def reply_to(frames: list[zmq.Frame], driver: Any) -> tuple[Message, Message]:
+    """What is wrong is told to whoever asked, and the server serves on."""
     frame = Message("")
     try:
         frame = read(frames)
-        action = answer(frame, driver)
+        reply = answer(frame, driver)
         # What cannot be written, such as NaN, is found out here.
-        action.frames()
-        return frame, action
+        reply.frames()
+        return frame, reply
     except Exception as error:
-        if not isinstance(error, MessageError):
-            # A mistake in the driver: its place is for whoever writes it.
+        if not isinstance(error, (MessageError, KeyError)):
+            # A mistake in a driver: its place is for whoever writes it.
             traceback.print_exc()
-            error = MessageError("error-in-driver", repr(error))
-        return frame, Message("error", error.id or frame.id, {"code": error.code, "text": error.text})
+        code, text = getattr(error, "code", "error-in-answer"), getattr(error, "text", repr(error))
+        return frame, Message("error", frame.id, {"code": code, "text": text})
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--delay", type=seconds, default=0, help="seconds to wait before each action")
-    parser.add_argument("--record", type=Path, metavar="FOLDER", help="keep each drive in a new folder there")
-    parser.add_argument("--model", type=Path, metavar="FILE", help="drive by what train.py has learned")
+    parser.add_argument("--delay", type=seconds, default=0, help="seconds to think about each picture")
+    parser.add_argument("--record", type=Path, help="a folder, to which each drive is recorded")
+    parser.add_argument("--model", type=Path, help="drive by what train.py has learned: steering.npz")
 
 
 # From here on all servers of this kit are the same, as far as they need it.
