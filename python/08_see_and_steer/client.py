@@ -32,7 +32,7 @@ def see_and_steer(drive: Drive, client: DriverClient, keyboard: Keyboard, option
         if client.asked:
             skipped += 1
         else:
-            pictures = camera.take(drive.car, drive.frame, options.cameras)
+            pictures = [camera.draw(drive.car, drive.frame, right) for right in CAMERAS[options.cameras]]
             client.send(drive.message(options.cameras, pictures, options.jpeg))
         if not options.lockstep:
             drive.step()

@@ -8,6 +8,7 @@ src/lerobot/cameras/zmq in github.com/huggingface/lerobot.
 Take home: this file, driver.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
 """
 
+import argparse
 import base64
 import json
 import sys
@@ -42,7 +43,10 @@ def bridge(unity: zmq.Socket[bytes], lerobot: zmq.Socket[bytes]) -> None:
 
 
 def main() -> None:
-    endpoints = sys.argv[1:] or [UNITY, LEROBOT]
+    parser = argparse.ArgumentParser(description="Publishes what a Unity camera sees for LeRobot's ZMQCamera.")
+    parser.add_argument("--endpoint", default=UNITY, help="where Unity connects")
+    parser.add_argument("--publish", default=LEROBOT, help="where LeRobot connects")
+    options = parser.parse_args()
     with zmq.Context() as context, context.socket(zmq.REP) as unity, context.socket(zmq.PUB) as lerobot:
         # Old pictures are worth nothing, and a reply that nobody fetches even less.
         unity.linger = lerobot.linger = 0

@@ -8,7 +8,6 @@ A picture is written before the rows about it: when the program is killed, at mo
 Take home: this file and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
 """
 
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -67,8 +66,8 @@ class Recording:
         for name, file in found.items():
             files[name] = f"IMG/{name}_{values['frame']:06}.jpg"
             write(self.folder / files[name], file)
-        answered = (action.values[name] for name in ANSWERED)
-        self.metadata.add((*files.values(), *(values[name] for name in KNOWN), *answered))
+        known = [values[name] for name in KNOWN] + [action.values[name] for name in ANSWERED]
+        self.metadata.add((*files.values(), *known))
         sides = (files.get(name, "") for name in UDACITY[:3])
         speed = values["speed"] * MILES_PER_HOUR
         self.log.add((*sides, values["steer"], values["throttle"], values["brake"], speed))
@@ -114,7 +113,7 @@ def write(path: Path, content: bytes) -> None:
     part = path.with_suffix(".part")
     try:
         part.write_bytes(content)
-        os.replace(part, path)
+        part.replace(path)
     except OSError:
         part.unlink(missing_ok=True)
         raise

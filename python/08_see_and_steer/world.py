@@ -102,10 +102,6 @@ class DrawnCamera:
         self.ahead = (far * (COSINE + up[: self.rows] * SINE))[:, None]
         self.right = far[:, None] * ((np.arange(WIDTH) + 0.5 - WIDTH / 2) / focal)
 
-    def take(self, car: Car, number: int, cameras: str) -> list[Any]:
-        """The pictures of some cameras, named as in CAMERAS."""
-        return [self.draw(car, number, right) for right in CAMERAS[cameras]]
-
     def draw(self, car: Car, number: int, right: float = 0.0) -> Any:
         """The picture from `right` metres right of the car's middle; the number is drawn as 16 squares, 1 in white."""
         across = self.right + right
