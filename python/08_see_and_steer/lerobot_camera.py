@@ -52,13 +52,12 @@ def main() -> None:
         unity.linger = lerobot.linger = 0
         lerobot.sndhwm, unity.rcvtimeo = 2, 200
         try:
-            for socket, at in zip((unity, lerobot), endpoints, strict=True):
-                socket.bind(at)
-                print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        except (zmq.ZMQError, ValueError) as error:
-            sys.exit(
-                f"cannot listen on {' and '.join(endpoints)}: {error}; give two endpoints, for Unity and for LeRobot"
-            )
+            lerobot.bind(options.publish)
+            unity.bind(options.endpoint)
+        except zmq.ZMQError as error:
+            sys.exit(f"cannot listen on {options.endpoint} and {options.publish}: {error}; try other ports")
+        print(f"publishing on {lerobot.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        print(f"listening on {unity.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         while True:
             # In slices: on Windows Ctrl-C does not interrupt a longer wait.
             if unity.poll(200):

@@ -52,8 +52,7 @@ class Recording:
     def __init__(self, folder: Path, cameras: str) -> None:
         self.folder, self.cameras, self.count = folder, cameras, 0
         (folder / "IMG").mkdir(parents=True)
-        names = cameras.split(",")
-        files = ("file_name",) if len(names) == 1 else tuple(f"{name}_file_name" for name in names)
+        files = ("file_name",) if cameras == "center" else tuple(f"{name}_file_name" for name in cameras.split(","))
         self.metadata = Table(folder / "metadata.csv", (*files, *KNOWN, *(f"answered_{name}" for name in ANSWERED)))
         self.log = Table(folder / "driving_log.csv", UDACITY)
 
@@ -66,11 +65,11 @@ class Recording:
         for name, file in found.items():
             files[name] = f"IMG/{name}_{values['frame']:06}.jpg"
             write(self.folder / files[name], file)
-        known = [values[name] for name in KNOWN] + [action.values[name] for name in ANSWERED]
-        self.metadata.add((*files.values(), *known))
+        known = [values[name] for name in KNOWN]
+        self.metadata.add((*files.values(), *known, *(action.values[name] for name in ANSWERED)))
         sides = (files.get(name, "") for name in UDACITY[:3])
-        speed = values["speed"] * MILES_PER_HOUR
-        self.log.add((*sides, values["steer"], values["throttle"], values["brake"], speed))
+        driven = (values["steer"], values["throttle"], values["brake"], values["speed"] * MILES_PER_HOUR)
+        self.log.add((*sides, *driven))
         self.count += 1
 
 
