@@ -65,7 +65,9 @@ def test_the_files_to_take_need_no_others(row):
     folder = ROOT / "python" / key
     for names in (client, server):
         for name in names:
-            nodes = ast.walk(ast.parse((folder / name).read_text(encoding="utf-8")))
+            # An earlier lesson's, where this one has none of that name.
+            path = folder / name if (folder / name).exists() else next(ROOT.glob(f"python/*/{name}"))
+            nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
             used = {f"{node.module}.py" for node in nodes if isinstance(node, ast.ImportFrom)}
             assert not [other for other in used - set(names) if (folder / other).exists()], name
 
