@@ -35,10 +35,11 @@ def bridge(unity: zmq.Socket[bytes], lerobot: zmq.Socket[bytes]) -> None:
         throttle, brake, steer = follow_road(first, float(speed))
         action: dict[str, Any] = {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer}
         unity.send_multipart(Message("action", frame.id, action).frames())
-    except (MessageError, KeyError, ValueError) as error:
-        unity.send_multipart(Message("error", 0, {"code": "no-frame", "text": f"{error!s:.80}"}).frames())
+    except MessageError as error:
+        unity.send_multipart(Message("error", error.id, {"code": error.code, "text": error.text}).frames())
         return
-    images = {name: base64.b64encode(encode(picture)).decode() for name, picture in seen.items()}
+    # Red and blue change places: what OpenCV reads from the file, blue first, LeRobot takes for red first.
+    images = {name: base64.b64encode(encode(picture[:, :, ::-1])).decode() for name, picture in seen.items()}
     lerobot.send_string(json.dumps({"timestamps": dict.fromkeys(seen, time), "images": images}))
 
 
@@ -51,13 +52,13 @@ def main() -> None:
         # Old pictures are worth nothing, and a reply that nobody fetches even less.
         unity.linger = lerobot.linger = 0
         lerobot.sndhwm, unity.rcvtimeo = 2, 200
-        try:
-            lerobot.bind(options.publish)
-            unity.bind(options.endpoint)
-        except zmq.ZMQError as error:
-            sys.exit(f"cannot listen on {options.endpoint} and {options.publish}: {error}; try other ports")
-        print(f"publishing on {lerobot.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        print(f"listening on {unity.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        for socket, at in (unity, options.endpoint), (lerobot, options.publish):
+            try:
+                socket.bind(at)
+            except zmq.ZMQError as error:
+                cure = "try another port with --endpoint and --publish"
+                sys.exit(f"cannot listen on {at}: {zmq.strerror(error.errno or 0)}; {cure}")
+            print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         while True:
             # In slices: on Windows Ctrl-C does not interrupt a longer wait.
             if unity.poll(200):
