@@ -6,7 +6,7 @@
 
 What was recorded from JPEG files is the same to the byte, and the same driver then gives the same actions to the bit.
 What was recorded from raw pictures has become JPEG on the way, which changes an action's last digits.
-Take home: this file, driver_client.py, drive.py, pictures.py and world.py, with messages.py of lesson 05.
+Take home: this file, driver_client.py, action.py and pictures.py, with messages.py of lesson 05.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import zmq
-from drive import Action
+from action import Action
 from driver_client import DriverClient, GaveUp
 from pictures import decode
 

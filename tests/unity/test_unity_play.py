@@ -359,7 +359,7 @@ def test_a_phone_closes_the_sockets_of_a_game_that_is_not_seen(
     # Lesson 07's second port is 100 higher if nobody says otherwise.
     endpoint = serve(key, endpoint=f"tcp://127.0.0.1:{steady_port()}")[1]
     unity = editor(runtime, "keep", key, endpoint, 2, f"{key} x 2, paused as on a phone")
-    reply = r"^\d+: |^received |^snapshot"
+    reply = r"^\d+: |^frame \d+: |^received |^snapshot"
     unity.play()
     for _ in range(4):
         unity.wait_for(reply)
