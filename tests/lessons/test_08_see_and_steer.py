@@ -1,0 +1,567 @@
+"""Lesson 08, the Python programs: what they see, record, replay and learn, and all that can go wrong meanwhile.
+
+What the clients do is in test_08_drive.py.
+"""
+
+from __future__ import annotations
+
+import base64
+import csv
+import importlib
+import io
+import itertools
+import json
+import math
+import random
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import zmq
+
+from tests.conftest import PYTHON
+from tests.lessons.conftest import ask as exchange
+from tests.programs import ROOT, free_port, steady_port
+
+KEY = "08_see_and_steer"
+LESSON = ROOT / "python" / KEY
+sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+Image = pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
+driver, train, world, recorder, pixels, messages = map(
+    importlib.import_module, ("driver", "train", "world", "recorder", "pictures", "messages")
+)
+Array, Message, read = messages.Array, messages.Message, messages.read
+Recorder, encode = recorder.Recorder, pixels.encode
+
+VALUES = {"run": "a test", "manual": False, "sim_time": 0.0, "wall_time": 0.0, "speed": 8.0}
+VALUES |= {"throttle": 0.5, "brake": 0.0, "steer": 0.1, "cameras": "center", "encoding": "raw", "bottom_up": False}
+
+
+def frame(number, *seen, **values):
+    """The message about some pictures, top row first, or about JPEG files."""
+    arrays = [
+        Array("uint8", (len(one),), one) if isinstance(one, bytes) else Array("uint8", one.shape, one.copy())
+        for one in seen
+    ]
+    return Message("frame", number, VALUES | {"frame": number} | values, arrays)
+
+
+@pytest.fixture(scope="module")
+def camera():
+    return world.DrawnCamera(world.Road())
+
+
+@pytest.fixture(scope="module")
+def road():
+    return world.Road()
+
+
+@pytest.fixture
+def plain(camera, road):
+    return camera.draw(world.Car.on(road), 0)[::-1]
+
+
+@pytest.fixture
+def ask(context):
+    return lambda endpoint, message: read(exchange(context, endpoint, *message.frames()))
+
+
+def rows(folder, name="metadata.csv"):
+    with (folder / name).open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def number_in(picture):
+    """The squares along its upper edge."""
+    return sum(int(picture[4, 8 * bit + 4].mean() > 128) << (15 - bit) for bit in range(16))
+
+
+def check_recording(folder, lost=0):
+    """Rows and pictures agree, but for so many that a kill may have cut off; returns the rows."""
+    known, log, files = rows(folder), rows(folder, "driving_log.csv"), list((folder / "IMG").iterdir())
+    cameras = [column for column in known[0] if column.endswith("file_name")]
+    assert 0 <= len(known) - len(log) <= lost
+    assert 0 <= len(files) - len(known) * len(cameras) <= lost * len(cameras)
+    for row, column in itertools.product(known, cameras):
+        picture = np.asarray(Image.open(folder / row[column]).convert("RGB"))
+        assert picture.shape == (int(row["height"]), int(row["width"]), 3)
+        if picture.shape[1] == 320:
+            assert number_in(picture) == int(row["frame"]) == int(row[column][-10:-4]), "another picture than it says"
+    for row, wrote in zip(known, log, strict=False):
+        assert float(wrote["steering"]) == float(row["steer"])
+        assert float(wrote["speed"]) == pytest.approx(float(row["speed"]) * 2.2369363)
+    return known
+
+
+# What is recorded
+
+
+@pytest.mark.parametrize(
+    "kind, words",
+    [
+        ("python", []),
+        ("python", ["--jpeg"]),
+        ("python", ["--jpeg", "--cameras", "left,right"]),
+        ("csharp", ["--cameras", "left,center,right"]),
+    ],
+)
+def test_the_numbered_picture_is_the_recorded_one(kind, words, serve, start, client_command, tmp_path):
+    server, endpoint = serve(KEY, "--record", "runs")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "100", *words))
+    assert client.wait() == 0, client.output
+    server.wait_for(f"^recorded 100 pictures to {re.escape(str(Path('runs/run_0001')))}$")
+    known = check_recording(tmp_path / "runs" / "run_0001")
+    assert len(known) == 100
+    numbers = [int(row["frame"]) for row in known]
+    assert numbers == sorted(set(numbers))
+
+
+def recorded(folder, count, cameras="center", jpeg=False, size=8):
+    """A recording made here, of pictures that are all one grey."""
+    keeper, names = Recorder(folder), cameras.split(",")
+    for number in range(count):
+        picture = np.full((size, 2 * size, 3), number % 200, np.uint8)
+        seen = [encode(picture) if jpeg else picture for _ in names]
+        message = frame(number, *seen, cameras=cameras, encoding="jpeg" if jpeg else "raw", steer=number / 100)
+        keeper.add(message, Message("action", number, {"throttle": 1.0, "brake": 0.0, "steer": -number / 7}))
+    return folder / "run_0001"
+
+
+def test_three_kinds_of_reader_open_a_recording(tmp_path):
+    """Udacity's simulator, and what was written for it, agree only on the order of the columns."""
+    folder = recorded(tmp_path / "runs", 12)
+    with (folder / "driving_log.csv").open(newline="", encoding="utf-8") as file:
+        lines = list(csv.reader(file))
+    # One that knows nothing of a header skips what is no number; one that drops the first line gets the same.
+    numbers = [line for line in lines if re.fullmatch(r"[-+\d.e]+", line[3])]
+    assert numbers == lines[1:] and all(len(line) == 7 for line in lines)
+    assert lines[0] == ["center", "left", "right", "steering", "throttle", "brake", "speed"]
+    assert [line[0].split("/")[-1] for line in numbers] == [f"center_{i:06}.jpg" for i in range(12)]
+    # What pandas makes of it: columns of numbers by their names.
+    try:
+        pandas = importlib.import_module("pandas")
+    except ImportError:
+        steering = [float(row["steering"]) for row in rows(folder, "driving_log.csv")]
+    else:
+        steering = list(pandas.read_csv(folder / "driving_log.csv")["steering"])
+    assert steering == [i / 100 for i in range(12)]
+    # An imagefolder: metadata.csv at its top, `file_name` or several of them, relative and with a slash.
+    stereo = recorded(tmp_path / "stereo", 2, "left,right")
+    for where, names in (folder, ["file_name"]), (stereo, ["left_file_name", "right_file_name"]):
+        known = rows(where)
+        assert [column for column in known[0] if column.endswith("file_name")] == names
+        found = {path.relative_to(where).as_posix() for path in where.rglob("*.jpg")}
+        assert {row[name] for row in known for name in names} == found
+    assert [float(row["answered_steer"]) for row in rows(folder)] == [-i / 7 for i in range(12)], "to the last bit"
+
+
+def test_what_came_as_jpeg_is_kept_to_the_byte(tmp_path, plain):
+    keeper, file = Recorder(tmp_path), encode(plain)
+    keeper.add(frame(3, file, encoding="jpeg"), Message("action", 3, {"throttle": 0, "brake": 0, "steer": 0}))
+    assert (tmp_path / "run_0001" / "IMG" / "center_000003.jpg").read_bytes() == file
+
+
+def test_other_sizes_and_two_cars_get_folders_of_their_own(serve, ask, tmp_path, plain):
+    server, endpoint = serve(KEY, "--record", "runs")
+    small = np.ascontiguousarray(plain[::2, ::2])
+    for number in range(3):
+        for run in ("one car", "another"):
+            assert ask(endpoint, frame(number, plain, run=run)).kind == "action"
+    assert ask(endpoint, frame(3, small, run="one car")).kind == "action"
+    assert ask(endpoint, frame(2, plain, run="another")).kind == "action", "the same picture again"
+    last = Path("runs/run_0003")
+    server.wait_for(f"^recording to {re.escape(str(last))}: center, 160 x 120$")
+    assert ask(endpoint, frame(4, small, run="one car")).kind == "action"
+    # It answers before it records; by its next answer that is done.
+    ask(endpoint, Message("nothing"))
+    assert [len(rows(folder)) for folder in sorted((tmp_path / "runs").iterdir())] == [3, 3, 2]
+
+
+def test_the_recorder_in_figures(tmp_path, plain, capsys):
+    count, keeper = 200, Recorder(tmp_path)
+    action = Message("action", 0, {"throttle": 1.0, "brake": 0.0, "steer": 0.0})
+    began, used = time.perf_counter(), time.process_time()
+    for number in range(count):
+        keeper.add(frame(number, plain), action)
+    took, used = time.perf_counter() - began, time.process_time() - used
+    assert len(rows(tmp_path / "run_0001")) == count
+    with capsys.disabled():
+        print(
+            f"\nrecorder: {count / took:.0f} pictures of 320 x 240 a second, {used / count * 1000:.1f} ms CPU for each"
+        )
+
+
+# What is replayed
+
+
+def replay(start, folder, endpoint, *words):
+    program = start(PYTHON, LESSON / "replay.py", folder, "--endpoint", endpoint, *words)
+    assert program.wait() == 0, program.output
+    return program.lines
+
+
+def test_a_replay_gives_the_same_actions_to_the_bit(serve, start, client_command, tmp_path):
+    server, endpoint = serve(KEY, "--record", "runs")
+    for words in ["--jpeg"], []:
+        client = start(*client_command("python", KEY, endpoint, "--count", "100", *words))
+        assert client.wait() == 0, client.output
+        server.wait_for(rf"^recorded 100 pictures to .*run_000{1 + (words == [])}$")
+    lines = replay(start, tmp_path / "runs" / "run_0001", endpoint, "--compare")
+    assert lines[1:] == ["done: 100 of 100 pictures have an action, 0 another one than then, by at most 0"]
+    # Of raw pictures only JPEG files are left, and their actions are not quite the same.
+    end = replay(start, tmp_path / "runs" / "run_0002", endpoint, "--compare")[-1]
+    others, most = re.search(r"100 of 100 .*, (\d+) another one than then, by at most (\S+)$", end).groups()
+    assert int(others) > 50 and 0 < float(most) < 0.05
+
+
+def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_is_there(serve, start, tmp_path):
+    folder = recorded(tmp_path / "mine", 10)
+    table = folder / "metadata.csv"
+    table.write_text(table.read_text(encoding="utf-8")[:-70], encoding="utf-8")
+    (folder / "IMG" / "center_000002.jpg").unlink()
+    half = folder / "IMG" / "center_000005.jpg"
+    half.write_bytes(half.read_bytes()[:300])
+    _, endpoint = serve(KEY)
+    lines = replay(start, folder, endpoint)
+    where = [
+        int(found[1]) for found in (re.match(r"trouble: line (\d+) of metadata.csv", line) for line in lines) if found
+    ]
+    assert where == [4, 7, 11]
+    assert "center_000002.jpg" in lines[1] and "no JPEG picture" in lines[2]
+    assert lines[-1] == "done: 7 of 7 pictures have an action"
+
+
+# What is learned
+
+
+def look(camera, car):
+    """Every fourth pixel of what the drawn camera sees, top row first: sixteen times as fast, for many laps."""
+    ahead, right = camera.ahead[::4], camera.right[::4, ::4]
+    x = car.x + car.ahead_x * ahead + car.ahead_y * right
+    y = car.y + car.ahead_y * ahead - car.ahead_x * right
+    columns = np.clip((x / world.CELL).astype(int), 0, camera.ground.shape[1] - 1)
+    lines = np.clip((y / world.CELL).astype(int), 0, camera.ground.shape[0] - 1)
+    picture = np.empty((60, 80, 3), np.uint8)
+    picture[:] = world.SKY
+    picture[: len(x)] = camera.colours[camera.ground[lines, columns]]
+    return picture[::-1]
+
+
+def laps(camera, road, act, begin, count, keep=lambda *_: None):
+    """Drives so many times around; returns how far off the middle it was at the most."""
+    car, off, done, last, number = world.Car.on(road, begin), 0.0, 0, begin, 0
+    while done < count * len(road.points):
+        assert number < count * 3000, "it does not get around"
+        picture = look(camera, car)
+        action = act(picture, car.speed)
+        keep(number, picture, car, action)
+        car.step(*action)
+        at, apart = road.nearest(car.x, car.y)
+        off, number = max(off, apart), number + 1
+        assert off < world.HALF_WIDTH, f"off the road at point {at}, after {done / len(road.points):.1f} laps"
+        done += (at - last + 1000) % len(road.points) - 1000
+        last = at
+    return off
+
+
+@pytest.mark.parametrize("begin, count", [(0, 1), (700, 1), pytest.param(1400, 10, marks=pytest.mark.long)])
+def test_the_driver_stays_on_the_road(begin, count, camera, road):
+    assert laps(camera, road, driver.follow_road, begin, count) < 1
+
+
+@pytest.fixture(scope="module")
+def three_laps(tmp_path_factory, camera, road):
+    folder = tmp_path_factory.mktemp("laps")
+    keeper = Recorder(folder)
+
+    def keep(number, picture, car, action):
+        told = dict(zip(("throttle", "brake", "steer"), action, strict=True))
+        keeper.add(frame(number, picture, speed=car.speed), Message("action", number, told))
+
+    laps(camera, road, driver.follow_road, 0, 3, keep)
+    return folder / "run_0001"
+
+
+def learned(folder, out, seed):
+    command = [PYTHON, LESSON / "train.py", folder, "--out", out, "--seed", str(seed)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"^read \d+ of (\d+) pictures, \d+ s\n", done.stdout)
+    assert float(re.search(r"its steering is off by (\S+)", done.stdout)[1]) < 0.05
+    return train.load(out)
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 5))])
+def test_what_was_learned_from_three_laps_stays_on_the_road(seed, request, three_laps, tmp_path, camera, road):
+    """Ten laps with each of five seeds, for the training and for where it begins; without --long one."""
+    act = learned(three_laps, tmp_path / "steering.npz", seed)
+    begin = random.Random(seed).randrange(len(road.points))
+    laps(camera, road, act, begin, 10 if request.config.getoption("--long") else 1)
+
+
+def test_a_server_drives_by_a_model(three_laps, tmp_path, serve, ask, plain):
+    act = learned(three_laps, tmp_path / "steering.npz", 0)
+    _, endpoint = serve(KEY, "--model", "steering.npz")
+    action = ask(endpoint, frame(5, plain))
+    assert action.values["steer"] == act(plain, 8.0)[2] != driver.follow_road(plain, 8.0)[2]
+
+
+CHANGES = {
+    "jpeg": lambda picture: np.asarray(Image.open(io.BytesIO(encode(picture)))),
+    "dark": lambda picture: (picture * 0.35).astype(np.uint8),
+    "bright": lambda picture: np.minimum(picture * 1.4, 255).astype(np.uint8),
+    "warm": lambda picture: np.minimum(picture * np.array([1.15, 1, 0.8]) * 0.9, 255).astype(np.uint8),
+    "cold": lambda picture: np.minimum(picture * np.array([0.85, 1, 1.15]) * 0.8, 255).astype(np.uint8),
+    "small": lambda picture: picture[::2, ::2],
+    "large": lambda picture: picture.repeat(2, 0).repeat(2, 1),
+    "alpha": lambda picture: np.dstack([picture, np.full(picture.shape[:2], 255, np.uint8)]),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_the_driver_sees_the_road_in_any_light_and_size(change, camera, road):
+    for at in range(0, len(road.points), 191):
+        car = world.Car.on(road, at)
+        car.x, car.y = car.x + random.Random(at).uniform(-1, 1), car.y + random.Random(-at).uniform(-1, 1)
+        picture = camera.draw(car, at)[::-1]
+        steer = driver.follow_road(CHANGES[change](picture), 8.0)[2]
+        assert steer == pytest.approx(driver.follow_road(picture, 8.0)[2], abs=0.1), at
+
+
+def test_lerobots_reader_gets_the_pictures(start, context, ask, plain):
+    """What its ZMQCamera does, again: src/lerobot/cameras/zmq/camera_zmq.py of huggingface/lerobot."""
+    words = ["--endpoint", "tcp://127.0.0.1:0", "--publish", "tcp://127.0.0.1:0"]
+    bridge = start(PYTHON, LESSON / "lerobot_camera.py", *words)
+    endpoint = bridge.wait_for(r"^listening on (\S+)")[1]
+    published = bridge.wait_for(r"^publishing on (\S+)")[1]
+    with context.socket(zmq.SUB) as camera:
+        camera.setsockopt_string(zmq.SUBSCRIBE, "")
+        camera.setsockopt(zmq.CONFLATE, True)
+        camera.linger = 0
+        camera.connect(published)
+        for number in itertools.count():
+            assert ask(endpoint, frame(number, plain, wall_time=12.5)).values["frame"] == number
+            if camera.poll(100):
+                break
+            assert number < 200, "nothing is published"
+        data = json.loads(camera.recv_string())
+    assert data["timestamps"] == {"center": 12.5}
+    file = np.frombuffer(base64.b64decode(data["images"]["center"]), np.uint8)
+    # cv2.imdecode gives blue first, and LeRobot says of it that red comes first.
+    seen = np.asarray(Image.open(io.BytesIO(file.tobytes())))[:, :, ::-1]
+    assert np.abs(seen.astype(int) - plain).mean() < 4
+
+
+# What can go wrong
+
+
+def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp_path):
+    """Of either side, while it records."""
+    endpoint, chance = f"tcp://127.0.0.1:{steady_port()}", random.Random(8)
+    words = ["--count", "100000", "--patience", "0.3", "--tries", "1000"]
+    client = start(*client_command("python", KEY, endpoint, *words))
+    for number in range(1, 5):
+        server, _ = serve(KEY, "--record", "runs", endpoint=endpoint)
+        server.wait_for(f"^recording to .*run_000{number}")
+        folder = tmp_path / "runs" / f"run_000{number}"
+        while len(rows(folder)) < 20:
+            time.sleep(0.01)
+        time.sleep(chance.random() / 10)
+        server.kill()
+        assert len(check_recording(folder, lost=1)) >= 20
+    server, _ = serve(KEY, "--record", "runs", endpoint=endpoint)
+    server.wait_for("^recorded 100 pictures to .*run_0005")
+    client.kill()
+    assert server.stop() == 0, server.output
+    assert len(check_recording(tmp_path / "runs" / "run_0005")) >= 100
+
+
+def test_on_a_full_disk_the_car_drives_on(serve, start, client_command, tmp_path):
+    resource = pytest.importorskip("resource")
+    if not hasattr(resource, "prlimit"):
+        pytest.skip("only Linux takes a running program's disk away")
+    server, endpoint = serve(KEY, "--record", "runs")
+    client = start(*client_command("python", KEY, endpoint, "--count", "300"))
+    server.wait_for("^recorded 100 pictures")
+    # No file may grow beyond this: a picture is cut off in its middle.
+    resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
+    server.wait_for("^trouble: recording has stopped, the car drives on: ")
+    assert client.wait() == 0, client.output
+    assert len(check_recording(tmp_path / "runs" / "run_0001")) >= 100
+    assert server.stop() == 0
+    assert "Traceback" not in server.output and sum("trouble" in line for line in server.lines) == 1
+
+
+@pytest.mark.parametrize("full", range(5))
+def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, capsys):
+    """The disk is full from the second picture on, at each place where something is written."""
+    keeper, action = Recorder(tmp_path), Message("action", 1, {"throttle": 1.0, "brake": 0.0, "steer": 0.0})
+    assert keeper.add(frame(1, plain, plain, cameras="left,right"), action) is None
+    drive = next(iter(keeper.drives.values()))
+    writes = itertools.count()
+    real = Path.write_bytes
+
+    class Full:
+        def __init__(self, file):
+            self.file = file
+
+        def __getattr__(self, name):
+            return getattr(self.file, name)
+
+        def write(self, line):
+            return self.file.write(line[: len(line) // 2] if next(writes) == full else line)
+
+    def half(path, content):
+        if next(writes) == full:
+            real(path, content[:100])
+            raise OSError(28, "No space left on device")
+        return real(path, content)
+
+    monkeypatch.setattr(Path, "write_bytes", half)
+    for table in drive.tables:
+        table.file = Full(table.file)
+    keeper.add(frame(2, plain, plain, cameras="left,right"), action)
+    assert [len(rows(drive.folder, name)) for name in ("metadata.csv", "driving_log.csv")] == [1 + (full == 4)] * 2
+    assert len(list((drive.folder / "IMG").iterdir())) == 2 * (1 + (full == 4))
+    assert ("No space left on device" in capsys.readouterr().out) == (full < 4)
+
+
+def test_a_folder_that_cannot_be_written_to_is_named_and_the_car_drives_on(serve, start, client_command, tmp_path):
+    (tmp_path / "runs").write_text("a file", encoding="utf-8")
+    server, endpoint = serve(KEY, "--record", "runs")
+    client = start(*client_command("python", KEY, endpoint, "--count", "20"))
+    assert client.wait() == 0, client.output
+    server.wait_for("^trouble: recording has stopped, the car drives on: .*runs")
+    assert (tmp_path / "runs").read_text(encoding="utf-8") == "a file"
+
+
+GREY = np.full((24, 32, 3), 100, np.uint8)
+FILE = encode(GREY)
+WRONG = {
+    "mono for stereo": (frame(7, GREY, cameras="left,right"), "bad-cameras"),
+    "stereo for mono": (frame(7, GREY, GREY), "bad-cameras"),
+    "no such cameras": (frame(7, GREY, cameras="behind"), "bad-cameras"),
+    "no such encoding": (frame(7, GREY, encoding="png"), "bad-encoding"),
+    "two sizes": (frame(7, GREY, GREY[::2], cameras="left,right"), "bad-shape"),
+    "grey": (frame(7, GREY[:, :, 0]), "bad-shape"),
+    "two channels": (frame(7, GREY[:, :, :2]), "bad-shape"),
+    "nothing": (frame(7, GREY[:0]), "bad-shape"),
+    "floats": (Message("frame", 7, VALUES | {"frame": 7}, [Array("float32", (1, 1, 3), bytes(12))]), "bad-shape"),
+    "half a file": (frame(7, FILE[: len(FILE) // 2], encoding="jpeg"), "bad-jpeg"),
+    "no file": (frame(7, b"GIF89a", encoding="jpeg"), "bad-jpeg"),
+    "raw said to be jpeg": (frame(7, GREY, encoding="jpeg"), "bad-shape"),
+    "another number": (frame(7, GREY, frame=8), "wrong-frame"),
+    "half a number": (frame(7, GREY, frame=7.5), "wrong-type"),
+    "no speed": (frame(7, GREY, speed="fast"), "wrong-type"),
+    "another kind": (Message("echo", 7), "unknown-kind"),
+}
+
+
+def test_what_is_no_picture_is_refused_by_name_and_the_server_serves_on(serve, ask, context, plain):
+    server, endpoint = serve(KEY, "--record", "runs")
+    for name, (message, code) in WRONG.items():
+        reply = ask(endpoint, message)
+        assert (reply.kind, reply.id, reply.values.get("code")) == ("error", 7, code), name
+    header, data = frame(7, GREY).frames()
+    for frames, code in (
+        ([header, bytes(data)[:1000]], "bad-shape"),
+        ([header], "bad-frames"),
+        ([header.replace(b"8.0", b"NaN"), data], "bad-json"),
+        ([header.replace(b"8.0", b"1e999"), data], "bad-value"),
+    ):
+        reply = read(exchange(context, endpoint, *frames))
+        assert reply.values.get("code") == code
+    huge = ask(endpoint, frame(8, plain, speed=1e308, steer=-1e308)).values
+    assert all(math.isfinite(huge[name]) for name in ("throttle", "brake", "steer"))
+    assert server.stop() == 0
+    assert "Traceback" not in server.output
+
+
+def by_hand(endpoint, number, picture, share):
+    """A REQ client made of bytes, ZMTP 3.0, which sends this share of its pixels and leaves; what it was answered."""
+    header, data = (bytes(part) for part in frame(number, picture).frames())
+    ready = b"\x05READY\x0bSocket-Type\x00\x00\x00\x03REQ"
+    with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2])), timeout=20) as peer:
+        peer.sendall(b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32))
+        peer.sendall(b"\x04" + bytes([len(ready)]) + ready)
+        # Nothing may be sent before the other side's READY, or it hangs up.
+        said = b""
+        while b"REP" not in said:
+            said += peer.recv(4096)
+        # REQ's empty part, the header, and the pixels; a length that does not come at once.
+        peer.sendall(b"\x01\x00\x03" + len(header).to_bytes(8, "big") + header)
+        for byte in b"\x02" + len(data).to_bytes(8, "big"):
+            peer.sendall(bytes([byte]))
+        peer.sendall(data[: int(len(data) * share)])
+        if share < 1:
+            peer.shutdown(socket.SHUT_WR)
+        answer = b""
+        while b"action" not in answer and (more := peer.recv(4096)):
+            answer += more
+        return answer
+
+
+def test_half_a_message_of_a_peer_that_leaves_is_none(serve, ask, tmp_path, plain):
+    """Header sizes, what arrives in parts, and who leaves half-way are ZeroMQ's: it comes whole or not at all."""
+    _, endpoint = serve(KEY, "--record", "runs")
+    assert b"action" in by_hand(endpoint, 4, plain, 1)
+    assert b"action" not in by_hand(endpoint, 5, plain, 0.5)
+    assert ask(endpoint, frame(6, plain)).values["frame"] == 6
+    ask(endpoint, Message("nothing"))
+    assert [row["frame"] for row in rows(tmp_path / "runs" / "run_0001")] == ["4", "6"]
+
+
+def test_a_driver_that_says_nan_is_told_so(start, ask, tmp_path, plain):
+    shutil.copytree(LESSON, tmp_path / "mine")
+    shutil.copy(ROOT / "python" / "05_messages" / "messages.py", tmp_path / "mine")
+    path = tmp_path / "mine" / "server.py"
+    text = path.read_text(encoding="utf-8")
+    mine = "return speed / 8, 0.0, float('nan') if speed > 8 else 7"
+    path.write_text(text.replace("return follow_road(picture, speed)", mine), encoding="utf-8")
+    server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0")
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    assert ask(endpoint, frame(1, plain)).values == {"frame": 1, "throttle": 1, "brake": 0, "steer": 7}
+    reply = ask(endpoint, frame(2, plain, speed=9.0))
+    assert (reply.kind, reply.id, reply.values["code"]) == ("error", 2, "error-in-driver")
+    assert "not JSON" in reply.values["text"]
+    assert ask(endpoint, frame(3, plain)).kind == "action"
+
+
+def test_pictures_of_1080p(serve, ask, tmp_path, plain):
+    """6 MB each, raw."""
+    _, endpoint = serve(KEY, "--record", "runs")
+    large = np.ascontiguousarray(np.asarray(Image.fromarray(plain.copy()).resize((1920, 1080))))
+    action = ask(endpoint, frame(1, large))
+    assert (action.values["frame"], action.values["steer"]) == (1, pytest.approx(driver.follow_road(large, 8.0)[2]))
+    ask(endpoint, Message("nothing"))
+    assert [(row["width"], row["height"]) for row in rows(tmp_path / "runs" / "run_0001")] == [("1920", "1080")]
+
+
+@pytest.mark.parametrize("name", ["replay.py", "train.py", "film.py"])
+def test_what_is_no_recording_is_named_in_one_line(name, tmp_path):
+    words = [tmp_path / "out.gif"] if name == "film.py" else []
+    for folder in (tmp_path, tmp_path / "nowhere"):
+        command = [PYTHON, LESSON / name, folder, *words]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
+        assert done.returncode == 1
+        assert str(folder) in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
+
+
+def test_a_replay_without_a_server_gives_up(start, tmp_path):
+    words = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--patience", "0.2"]
+    program = start(PYTHON, LESSON / "replay.py", recorded(tmp_path, 5), *words)
+    assert program.wait() == 1
+    assert re.fullmatch(r"gave up: no reply from tcp://\S+ within 0.2 s; is the server running\?", program.lines[-1])
+
+
+def test_a_message_says_its_pictures(plain):
+    """The lowest row first, and alpha, are not seen by whoever asks for the pictures."""
+    alpha = np.dstack([plain[::-1], np.full(plain.shape[:2], 9, np.uint8)])
+    (seen,) = pixels.pictures(frame(1, alpha, bottom_up=True)).values()
+    assert np.array_equal(seen, plain)
