@@ -38,9 +38,11 @@ class CartPole(Simulation):
 
     def apply(self, action: Any) -> None:
         sine, cosine = math.sin(self.angle), math.cos(self.angle)
-        push = (FORCE if action == 1 else -FORCE) + POLE * HALF_LENGTH * self.turning * self.turning * sine
+        push = (FORCE if action == 1 else -FORCE) + POLE * HALF_LENGTH * (self.turning * self.turning) * sine
         forward = push / (CART + POLE)
-        around = (GRAVITY * sine - cosine * forward) / (HALF_LENGTH * (4 / 3 - POLE * cosine * cosine / (CART + POLE)))
+        around = (GRAVITY * sine - cosine * forward) / (
+            HALF_LENGTH * (4 / 3 - POLE * (cosine * cosine) / (CART + POLE))
+        )
         forward -= POLE * HALF_LENGTH * around * cosine / (CART + POLE)
         self.place += self.dt * self.speed
         self.speed += self.dt * forward
