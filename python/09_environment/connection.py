@@ -36,8 +36,8 @@ class Connection:
         socket.router_mandatory = True
         self.peer, self.id = b"", 0
 
-    def wait(self, limit: float, accept: Callable[[Message], None]) -> None:
-        """Wait for a simulator's hello. What `accept` raises about it, the simulator is told as well."""
+    def wait(self, limit: float, accept: Callable[[Message], None], hope: Callable[[], bool]) -> None:
+        """Wait for a simulator's hello, while there is hope. What `accept` raises, the simulator is told as well."""
         self.peer, end = b"", time.monotonic() + limit
         while not self.peer:
             peer, hello = self.receive()
@@ -52,6 +52,8 @@ class Connection:
             elif hello:
                 # It was given up, and has not noticed.
                 self.refuse(peer, MessageError("unknown-peer", "say hello again"))
+            if not self.peer and not hope():
+                raise TimeoutError(f"the simulator that was launched has ended, and never came to {self.endpoint}")
             if not self.peer and time.monotonic() > end:
                 raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; is it running?")
 

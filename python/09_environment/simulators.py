@@ -56,7 +56,7 @@ class Simulators:
             # One that was lost may still be there, and hang.
             self.end()
             self.process = subprocess.Popen([*self.launch, "--endpoint", endpoint])
-        self.connection.wait(self.limit, accept)
+        self.connection.wait(self.limit, accept, lambda: self.process is None or self.process.poll() is None)
 
     def end(self) -> None:
         """Let the one that was launched end by itself for a moment, then end it."""
