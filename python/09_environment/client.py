@@ -4,8 +4,8 @@
     python python/09_environment/client.py --world Car    lesson 08's car on its road
     python python/09_environment/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: messages of lesson 05, see simulator.py and spaces.py. Take home: this file, simulator.py, simulation.py and
-spaces.py, with messages.py of lesson 05; cart_pole.py stands for your simulation.
+Bytes: messages of lesson 05, see environment_client.py and spaces.py. Take home: this file, environment_client.py,
+simulator.py, simulation.py and spaces.py, with messages.py of lesson 05; cart_pole.py stands for your simulation.
 """
 
 import argparse
@@ -14,6 +14,7 @@ import sys
 from socket import getaddrinfo
 
 from cart_pole import CartPole
+from environment_client import EnvironmentClient
 from simulator import Simulator
 
 ENDPOINT = "tcp://127.0.0.1:5559"
@@ -52,9 +53,10 @@ def main() -> None:
     if options.count < 0 or not 0 < options.patience < 86400:
         parser.error("--count takes whole numbers from 0, --patience seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
-    simulator = Simulator(WORLDS[options.world](), lambda line: print(printable(line), flush=True))
+    simulator = Simulator(WORLDS[options.world]())
+    client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
     try:
-        simulator.run(options.endpoint, options.patience, options.count)
+        client.run(simulator, options.count)
     except TimeoutError as error:
         sys.exit(f"gave up: {printable(str(error))}")
     print(f"done: {simulator.episodes} episodes, {simulator.steps} steps")

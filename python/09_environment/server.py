@@ -4,7 +4,7 @@
     dotnet run --project csharp-console -- 9              or: python python/09_environment/client.py
     python python/09_environment/server.py --world Car    and a client with --world Car
 
-Plays a few episodes with each simulator that comes, and prints a line for each.
+Plays ten episodes with each simulator that comes, and prints a line for each.
 Bytes: messages of lesson 05. Trouble: stop the simulator in an episode; start a second one meanwhile.
 Take home: this file, environment.py, connection.py, simulators.py and spaces.py, with messages.py of lesson 05.
 """
@@ -23,6 +23,7 @@ import zmq
 from messages import LIMIT, MessageError
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5559", zmq.ROUTER, 4 * LIMIT
+EPISODES = 10
 
 
 def policy(world: str, seen: Any) -> Any:
@@ -47,21 +48,14 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     while True:
         try:
             with gymnasium.make(f"NetMQExample/{options.world}-v0", socket=socket) as env:
-                for number in range(1, options.episodes + 1):
+                for number in range(1, EPISODES + 1):
                     print(play(env, options.world, number), flush=True)
         except (OSError, MessageError) as error:
             print(f"trouble: {str(error)!a:.200}", flush=True)
 
 
-def whole(text: str) -> int:
-    if int(text) < 1:
-        raise ValueError
-    return int(text)
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--world", choices=["Car", "CartPole"], default="CartPole", help="which environment")
-    parser.add_argument("--episodes", type=whole, default=10, help="how many with each simulator")
 
 
 # From here on all servers of this kit are the same, as far as they need it.

@@ -16,8 +16,8 @@ namespace NetMQExample
         // The episode is over when the cart leaves the track, in metres, or the pole falls: 12 degrees.
         private const double Track = 2.4, Fall = 12 * 2 * Math.PI / 360;
         private const int Width = 300, Height = 200, Scale = 60;
-        // Twice as far as an episode goes, so that its last observation is in the space as well. Any finite speed: of an
-        // infinite one Gymnasium's checker warns.
+        // Twice as far as an episode goes, so that its last observation is in the space as well. Any finite speed: of
+        // an infinite one Gymnasium's checker warns.
         private static readonly double[] Most = { 2 * Track, float.MaxValue, 2 * Fall, float.MaxValue };
 
         private double speed, turning;

@@ -1,9 +1,9 @@
-// Lesson 09, environment: does in a simulation what a Gymnasium environment in Python asks for. The twin of simulator.py.
+// Lesson 09, environment: connects a simulation with a Gymnasium environment in Python.
 //
-// It connects and says hello with the simulation's name, spaces and dt; then it answers reset, step and render, until
-// close. Each try to connect has a new socket.
-// Take home: this file, Simulator.cs, Simulation.cs and Space.cs, with Message.cs and MessageJson.cs (lesson 05), NetMQConnection.cs
-// and NetMQLifetime.cs. The Python side is python/09_environment/environment.py.
+// It says hello with the simulation's name, spaces and dt; then it answers reset, step and render, until close. Each
+// try to connect has a new socket.
+// Take home: this file, Simulator.cs, Simulation.cs and Space.cs, with Message.cs and MessageJson.cs (lesson 05),
+// NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/09_environment/environment.py.
 // Trouble: stop the Python program while it steps, and start it again.
 using System;
 using System.Collections.Generic;
@@ -108,7 +108,8 @@ namespace NetMQExample
             var frames = new NetMQMessage();
             frames.Append(message.Header());
             foreach (var array in message.Arrays) frames.Append(array.Data.ToArray());
-            if (!NetMQConnection.Slices(limit, stop).Any(slice => connection.Socket.TrySendMultipartMessage(slice, frames)))
+            var (slices, socket) = (NetMQConnection.Slices(limit, stop), connection.Socket);
+            if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, frames)))
                 throw new TimeoutException("no connection");
         }
 

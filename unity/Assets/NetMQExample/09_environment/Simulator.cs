@@ -91,7 +91,8 @@ namespace NetMQExample
                 throw new MessageException("missing-field", "reset needs a whole number 'seed'");
             var state = request.Arrays.SelectMany(Space.Numbers).ToArray();
             if (state.Length != 0 && state.Length != simulation.StateSize)
-                throw new MessageException("bad-state", $"a state is {simulation.StateSize} numbers, not {state.Length}");
+                throw new MessageException("bad-state",
+                    $"a state is {simulation.StateSize} numbers, not {state.Length}");
             simulation.ResetWorld(new Chance(seed), request.Values, state);
             Episodes++;
         }

@@ -55,13 +55,15 @@ namespace NetMQExample
         /// <exception cref="MessageException">It is not in this space.</exception>
         public double[] Read(IReadOnlyList<MessageArray> arrays)
         {
-            if (arrays.Count != 1) throw new MessageException("not-in-space", $"{arrays.Count} arrays are not one of {this}");
+            if (arrays.Count != 1)
+                throw new MessageException("not-in-space", $"{arrays.Count} arrays are not one of {this}");
             var (array, numbers) = (arrays[0], Numbers(arrays[0]));
             var inside = array.Dtype == Form.Dtype && array.Shape.SequenceEqual(Form.Shape);
             // NaN is not between any two numbers.
             for (var i = 0; inside && i < numbers.Length; i++) inside = numbers[i] >= low[i] && numbers[i] <= high[i];
             if (inside) return numbers;
-            throw new MessageException("not-in-space", $"{array.Dtype} {Shown(array.Shape)} {Shown(numbers)} is not in {this}");
+            throw new MessageException("not-in-space",
+                $"{array.Dtype} {Shown(array.Shape)} {Shown(numbers)} is not in {this}");
         }
 
         /// <summary>As people read it.</summary>
