@@ -65,7 +65,8 @@ namespace NetMQExample.Terminal
             var thing = new GameObject(types[0].Name);
             // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
             thing.SetActive(false);
-            var scripts = types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray();
+            // One may have brought another along, by RequireComponent.
+            var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
             foreach (var (name, value) in settings) Inspector.Set(scripts, name, value);
             thing.SetActive(true);
         }

@@ -7,6 +7,7 @@ using System.Linq;
 using System.Reflection;
 using System.Threading;
 using UnityEngine;
+using UnityEngine.Rendering;
 using Debug = UnityEngine.Debug;
 
 namespace UnityPlayer
@@ -44,6 +45,41 @@ namespace UnityPlayer
         public static bool Mobile
         {
             set => Application.Mobile = value;
+        }
+
+        /// <summary>No graphics card, as with -nographics.</summary>
+        public static bool NoGraphics
+        {
+            set => SystemInfo.NoGraphics = value;
+        }
+
+        /// <summary>A graphics card that does not read back behind the frames' back.</summary>
+        public static bool NoReadback
+        {
+            set => SystemInfo.NoReadback = value;
+        }
+
+        /// <summary>A graphics card that has its pictures' highest row first.</summary>
+        public static bool TopRowFirst
+        {
+            set => SystemInfo.TopRowFirst = value;
+        }
+
+        /// <summary>So many of the next readbacks end with an error.</summary>
+        public static int ReadbacksToFail
+        {
+            set => AsyncGPUReadback.ToFail = value;
+        }
+
+        /// <summary>How long this thread has done what in Unity the graphics card does.</summary>
+        public static TimeSpan Rendering => Camera.Rendering.Elapsed;
+
+        /// <summary>What is pressed on the keyboard.</summary>
+        public static void Press(float horizontal, float vertical, params KeyCode[] keys)
+        {
+            (Input.Horizontal, Input.Vertical) = (horizontal, vertical);
+            Input.Pressed.Clear();
+            Input.Pressed.UnionWith(keys);
         }
 
         /// <summary>What OnGUI has drawn last.</summary>
@@ -88,6 +124,7 @@ namespace UnityPlayer
             clockBefore += Time.Elapsed;
             // Capped: after a long frame the game's time is behind, and FixedUpdate does not have to catch up for ever.
             Time.Now += Time.deltaTime;
+            AsyncGPUReadback.NextFrame();
             ForEach(script => script.BeginFrame());
             for (; fixedTime <= Time.Now; fixedTime += Time.fixedDeltaTime)
             {

@@ -15,13 +15,25 @@ namespace UnityEngine
         public GameObject(string name)
         {
             this.name = name;
-            AddComponent<Transform>();
+            transform = AddComponent<Transform>();
             Scene.Objects.Add(this);
         }
 
         internal List<Component> Components { get; } = new List<Component>();
 
-        public Transform transform => GetComponent<Transform>();
+        public string tag { get; set; } = "Untagged";
+
+        /// <summary>A thing that is seen. Unity gives it a collider too.</summary>
+        public static GameObject CreatePrimitive(PrimitiveType type)
+        {
+            MainThread.Only(nameof(CreatePrimitive));
+            if (type != PrimitiveType.Cube) throw new NotSupportedException("the player has only cubes");
+            var thing = new GameObject($"{type}");
+            thing.AddComponent<MeshRenderer>();
+            return thing;
+        }
+
+        public Transform transform { get; }
 
         public bool activeSelf => active;
 
@@ -52,7 +64,13 @@ namespace UnityEngine
             return component;
         }
 
-        public T GetComponent<T>() => Components.OfType<T>().FirstOrDefault();
+        // By index: in Unity what is found costs no memory.
+        public T GetComponent<T>()
+        {
+            for (var i = 0; i < Components.Count; i++)
+                if (Components[i] is T found) return found;
+            return default;
+        }
 
         public Component GetComponent(Type type) => Components.FirstOrDefault(type.IsInstanceOfType);
     }
@@ -196,24 +214,55 @@ namespace UnityEngine
     {
         private Vector3 place;
         private Quaternion turn = Quaternion.identity;
+        private Vector3 size = Vector3.one;
+        private Transform above;
 
+        // Beside others as in Unity, but for one thing: what has parts must have the scale 1.
         public Vector3 position
         {
-            get { MainThread.Only("get_position"); return place; }
-            set { MainThread.Only("set_position"); place = value; }
+            get { MainThread.Only("get_position"); return above == null ? place : above.position + (above.rotation * place); }
+            set { MainThread.Only("set_position"); place = above == null ? value : above.rotation.Back * (value - above.position); }
         }
 
         public Quaternion rotation
         {
-            get { MainThread.Only("get_rotation"); return turn; }
-            set { MainThread.Only("set_rotation"); turn = value; }
+            get { MainThread.Only("get_rotation"); return above == null ? turn : above.rotation * turn; }
+            set { MainThread.Only("set_rotation"); turn = above == null ? value : above.rotation.Back * value; }
+        }
+
+        public Vector3 localPosition
+        {
+            get { MainThread.Only("get_localPosition"); return place; }
+            set { MainThread.Only("set_localPosition"); place = value; }
+        }
+
+        public Quaternion localRotation
+        {
+            get { MainThread.Only("get_localRotation"); return turn; }
+            set { MainThread.Only("set_localRotation"); turn = value; }
+        }
+
+        public Vector3 localScale
+        {
+            get { MainThread.Only("get_localScale"); return size; }
+            set { MainThread.Only("set_localScale"); size = value; }
+        }
+
+        public void SetParent(Transform parent, bool worldPositionStays)
+        {
+            MainThread.Only(nameof(SetParent));
+            var (before, looked) = (position, rotation);
+            above = parent;
+            if (worldPositionStays) SetPositionAndRotation(before, looked);
         }
 
         public void SetPositionAndRotation(Vector3 position, Quaternion rotation)
         {
             MainThread.Only(nameof(SetPositionAndRotation));
-            (place, turn) = (position, rotation);
+            (this.position, this.rotation) = (position, rotation);
         }
+
+        internal bool IsPartOf(GameObject whole) => above != null && above.Owner == whole;
     }
 
     /// <summary>Every game object there is.</summary>
@@ -228,6 +277,7 @@ namespace UnityEngine
             if (thing is GameObject whole)
             {
                 whole.SetActive(false);
+                foreach (var child in Objects.Where(one => one.transform.IsPartOf(whole)).ToArray()) Remove(child);
                 foreach (var part in whole.Components.ToArray()) Remove(part);
                 Objects.Remove(whole);
             }

@@ -1,6 +1,16 @@
-// EncodeToJPG, with an encoder that is as small as a valid one can be: it keeps one colour for each 8 x 8 pixels.
+// EncodeToJPG and EncodeArrayToJPG, with an encoder that is as small as a valid one can be: it keeps one colour for each 8 x 8 pixels.
 using System;
 using System.Collections.Generic;
+using UnityEngine.Experimental.Rendering;
+
+namespace UnityEngine.Experimental.Rendering
+{
+    public enum GraphicsFormat
+    {
+        R8G8B8_SRGB = 3,
+        R8G8B8A8_SRGB = 4,
+    }
+}
 
 namespace UnityEngine
 {
@@ -11,7 +21,14 @@ namespace UnityEngine
         public static byte[] EncodeToJPG(this Texture2D tex, int quality)
         {
             MainThread.Only(nameof(EncodeToJPG));
-            return new Encoder(tex).File.ToArray();
+            return new Encoder(tex.Pixels, tex.width, tex.height).File.ToArray();
+        }
+
+        // On any thread.
+        public static byte[] EncodeArrayToJPG(Array array, GraphicsFormat format, uint width, uint height, uint rowBytes = 0, int quality = 75)
+        {
+            if (array.Length != width * height * (int)format || rowBytes != 0) throw new ArgumentException("the array is not of this size");
+            return new Encoder((byte[])array, (int)width, (int)height).File.ToArray();
         }
 
         // Baseline JPEG (ITU T.81): of each block's 64 coefficients only the first, the mean, is written.
@@ -19,9 +36,8 @@ namespace UnityEngine
         {
             private int bits, held;
 
-            public Encoder(Texture2D tex)
+            public Encoder(byte[] pixels, int width, int height)
             {
-                int width = tex.width, height = tex.height;
                 Add(0xFF, 0xD8);
                 // Every step of the quantization is 8: the coefficient of a mean is 8 times the mean.
                 Segment(0xDB, new byte[65], table => Array.Fill(table, (byte)8, 1, 64));
@@ -34,7 +50,7 @@ namespace UnityEngine
                 for (var y = 0; y < height; y += 8)
                     for (var x = 0; x < width; x += 8)
                     {
-                        var colour = Mean(tex, x, y);
+                        var colour = Mean(pixels, width, height, x, y);
                         for (var part = 0; part < 3; part++)
                         {
                             Difference(colour[part] - before[part]);
@@ -48,16 +64,17 @@ namespace UnityEngine
             public List<byte> File { get; } = new List<byte>();
 
             // Luminance and colour differences of a block, all about 0. The texture's lowest row comes first, the file's last.
-            private static int[] Mean(Texture2D tex, int left, int top)
+            private static int[] Mean(byte[] pixels, int width, int height, int left, int top)
             {
                 double red = 0, green = 0, blue = 0, count = 0;
-                for (var y = top; y < Math.Min(top + 8, tex.height); y++)
-                    for (var x = left; x < Math.Min(left + 8, tex.width); x++, count++)
+                var channels = pixels.Length / (width * height);
+                for (var y = top; y < Math.Min(top + 8, height); y++)
+                    for (var x = left; x < Math.Min(left + 8, width); x++, count++)
                     {
-                        var at = ((tex.height - 1 - y) * tex.width + x) * 3;
-                        red += tex.Pixels[at];
-                        green += tex.Pixels[at + 1];
-                        blue += tex.Pixels[at + 2];
+                        var at = ((height - 1 - y) * width + x) * channels;
+                        red += pixels[at];
+                        green += pixels[at + 1];
+                        blue += pixels[at + 2];
                     }
                 var light = (0.299 * red + 0.587 * green + 0.114 * blue) / count;
                 return new[] { (int)Math.Round(light - 128), (int)Math.Round((blue / count - light) / 1.772), (int)Math.Round((red / count - light) / 1.402) };

@@ -1,4 +1,4 @@
-// Pixels in memory, as far as a lesson sends them somewhere: RGB24 without mipmaps, the lowest row first.
+// Pixels in memory, as far as a lesson sends them somewhere: RGB24 and RGBA32 without mipmaps, the lowest row first.
 using System;
 
 namespace Unity.Collections
@@ -19,9 +19,17 @@ namespace Unity.Collections
 
         public void CopyTo(T[] array)
         {
-            if (array.Length != Length) throw new ArgumentException("source and destination length must be the same");
-            items.CopyTo(array, 0);
+            Copy(this, array);
         }
+
+        public static void Copy(NativeArray<T> src, T[] dst)
+        {
+            if (dst.Length != src.Length) throw new ArgumentException("source and destination length must be the same");
+            Copy(src, 0, dst, 0, src.Length);
+        }
+
+        public static void Copy(NativeArray<T> src, int srcIndex, T[] dst, int dstIndex, int length) =>
+            Array.Copy(src.items, srcIndex, dst, dstIndex, length);
     }
 }
 
@@ -32,6 +40,7 @@ namespace UnityEngine
     public enum TextureFormat
     {
         RGB24 = 3,
+        RGBA32 = 4,
     }
 
     public class Texture : Object
@@ -48,10 +57,11 @@ namespace UnityEngine
         public Texture2D(int width, int height, TextureFormat textureFormat, bool mipChain)
         {
             MainThread.Only("Internal_Create");
-            if (textureFormat != TextureFormat.RGB24 || mipChain) throw new NotSupportedException("the player has only RGB24 without mipmaps");
+            if (!Enum.IsDefined(typeof(TextureFormat), textureFormat) || mipChain)
+                throw new NotSupportedException("the player has only RGB24 and RGBA32 without mipmaps");
             this.width = width;
             this.height = height;
-            pixels = new byte[width * height * 3];
+            pixels = new byte[width * height * (int)textureFormat];
         }
 
         public void LoadRawTextureData(byte[] data)
@@ -66,6 +76,15 @@ namespace UnityEngine
         {
             MainThread.Only(nameof(GetRawTextureData));
             return new NativeArray<T>(pixels as T[] ?? throw new NotSupportedException("the player has only bytes"));
+        }
+
+        public void ReadPixels(Rect source, int destX, int destY, bool recalculateMipMaps)
+        {
+            MainThread.Only(nameof(ReadPixels));
+            var from = RenderTexture.active;
+            if (from == null || source.width != width || source.height != height || from.width != width || from.height != height || pixels.Length != width * height * 4)
+                throw new NotSupportedException("the player reads only all of a render texture of the same size, as RGBA32");
+            Array.Copy(from.Pixels, pixels, pixels.Length);
         }
 
         internal byte[] Pixels => pixels;

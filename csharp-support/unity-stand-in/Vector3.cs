@@ -81,5 +81,42 @@ namespace UnityEngine
         }
 
         public static Quaternion identity => new Quaternion(0, 0, 0, 1);
+
+        // First around z, then x, then y.
+        public static Quaternion Euler(float x, float y, float z) => About(Vector3.up, y) * About(Vector3.right, x) * About(Vector3.forward, z);
+
+        // With its own up as near to the world's as can be: around y, then up or down.
+        public static Quaternion LookRotation(Vector3 forward)
+        {
+            if (forward.sqrMagnitude == 0)
+            {
+                Debug.Log("Look rotation viewing vector is zero");
+                return identity;
+            }
+            const double degrees = 180 / Math.PI;
+            var level = Math.Sqrt((forward.x * forward.x) + (forward.z * forward.z));
+            return Euler((float)(-Math.Atan2(forward.y, level) * degrees), (float)(Math.Atan2(forward.x, forward.z) * degrees), 0);
+        }
+
+        public static Quaternion operator *(Quaternion lhs, Quaternion rhs) => new Quaternion(
+            (lhs.w * rhs.x) + (lhs.x * rhs.w) + (lhs.y * rhs.z) - (lhs.z * rhs.y),
+            (lhs.w * rhs.y) + (lhs.y * rhs.w) + (lhs.z * rhs.x) - (lhs.x * rhs.z),
+            (lhs.w * rhs.z) + (lhs.z * rhs.w) + (lhs.x * rhs.y) - (lhs.y * rhs.x),
+            (lhs.w * rhs.w) - (lhs.x * rhs.x) - (lhs.y * rhs.y) - (lhs.z * rhs.z));
+
+        public static Vector3 operator *(Quaternion rotation, Vector3 point)
+        {
+            var turned = rotation * new Quaternion(point.x, point.y, point.z, 0) * rotation.Back;
+            return new Vector3(turned.x, turned.y, turned.z);
+        }
+
+        internal Quaternion Back => new Quaternion(-x, -y, -z, w);
+
+        private static Quaternion About(Vector3 axis, float degrees)
+        {
+            var half = degrees * Math.PI / 360;
+            var part = axis * (float)Math.Sin(half);
+            return new Quaternion(part.x, part.y, part.z, (float)Math.Cos(half));
+        }
     }
 }

@@ -57,8 +57,8 @@ Transform:
   m_LocalRotation: {rotation}
   m_LocalPosition: {position}
   m_LocalScale: {{x: 1, y: 1, z: 1}}
-  m_Children: []
-  m_Father: {{fileID: 0}}
+  m_Children:{children}
+  m_Father: {{fileID: {father}}}
 """
 CAMERA = """--- !u!20 &102
 Camera:
@@ -184,14 +184,19 @@ def behaviours(folder: Path) -> list[Path]:
 
 def scene(scripts: list[Path]) -> str:
     """A camera, a light, a text that shows the last line, and one game object with the lesson's scripts, whose fields
-    have the values that the code gives. What moves is a cube."""
+    have the values that the code gives. What moves is a cube, if it does not make its own."""
+    code = "".join(path.read_text(encoding="utf-8") for path in scripts)
+    # Where the camera moves, the text moves along.
+    children, father, place = " []", 0, "{x: 0, y: 4, z: 0}"
+    if "Camera.main" in code:
+        children, father, place = "\n  - {fileID: 401}", 101, "{x: 0, y: 3, z: 10}"
     numbers = [202 + i for i in range(len(scripts))]
     last = numbers[-1]
-    moves = any("transform." in path.read_text(encoding="utf-8") for path in scripts)
+    moves = "transform." in code and "CreatePrimitive" not in code
     cube = [last + 1, last + 2] if moves else []
     shown = PACKAGE / "Shared" / "LastLine.cs"
     parts = [
-        game_object(100, "Main Camera", "MainCamera", "{x: 0, y: 1, z: -10}", [101, 102]),
+        game_object(100, "Main Camera", "MainCamera", "{x: 0, y: 1, z: -10}", [101, 102], children=children),
         CAMERA,
         game_object(200, scripts[0].stem, "Untagged", "{x: 0, y: 0, z: 0}", [201, *numbers, *cube]),
         *(script(n, 200, path) for n, path in zip(numbers, scripts, strict=True)),
@@ -201,11 +206,11 @@ def scene(scripts: list[Path]) -> str:
             300, "Light", "Untagged", "{x: 0, y: 3, z: 0}", [301, 302], "{x: 0.41, y: -0.23, z: 0.11, w: 0.88}"
         ),
         LIGHT,
-        game_object(400, "Last line", "Untagged", "{x: 0, y: 4, z: 0}", [401, 402, 403, 404]),
+        game_object(400, "Last line", "Untagged", place, [401, 402, 403, 404], father=father),
         TEXT,
         script(404, 400, shown),
     ]
-    roots = "".join(f"  - {{fileID: {number}}}\n" for number in (101, 201, 301, 401))
+    roots = "".join(f"  - {{fileID: {number}}}\n" for number in (101, 201, 301, 401)[: 3 if father else 4])
     return SCENE.format(game_objects="".join(parts), roots=roots)
 
 
@@ -214,11 +219,26 @@ def script(number: int, owner: int, path: Path) -> str:
 
 
 def game_object(
-    number: int, name: str, tag: str, position: str, components: list[int], rotation: str = "{x: 0, y: 0, z: 0, w: 1}"
+    number: int,
+    name: str,
+    tag: str,
+    position: str,
+    components: list[int],
+    rotation: str = "{x: 0, y: 0, z: 0, w: 1}",
+    children: str = " []",
+    father: int = 0,
 ) -> str:
     lines = "".join(f"  - component: {{fileID: {component}}}\n" for component in components)
     return GAME_OBJECT.format(
-        number=number, transform=number + 1, name=name, tag=tag, position=position, rotation=rotation, components=lines
+        number=number,
+        transform=number + 1,
+        name=name,
+        tag=tag,
+        position=position,
+        rotation=rotation,
+        components=lines,
+        children=children,
+        father=father,
     )
 
 

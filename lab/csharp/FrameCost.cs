@@ -31,9 +31,10 @@ namespace NetMQExample.Lab
         }
 
         /// <summary>The part has ended.</summary>
-        public void End()
+        /// <param name="without">Milliseconds of it that do not count.</param>
+        public void End(double without = 0)
         {
-            var took = (Stopwatch.GetTimestamp() - start) * 1000.0 / Stopwatch.Frequency;
+            var took = (Stopwatch.GetTimestamp() - start) * 1000.0 / Stopwatch.Frequency - without;
             var bytes = GC.GetAllocatedBytesForCurrentThread() - allocatedBefore;
             if (frame >= 0 && !Done)
             {

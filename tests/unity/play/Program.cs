@@ -8,6 +8,7 @@
 //     … play.dll habits                                  one Play, in which scripts do what they may do in Unity
 //     … play.dll flood 1 tcp://127.0.0.1:5551 10000      a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0                         a Play of ten frames with a field that is wrong
+//     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
@@ -41,6 +42,7 @@ namespace NetMQExample.PlayTest
                 case "api": Api.Print(); return 0;
                 case "events": Events.Print(); return 0;
                 case "habits": Habits.Print(); return 0;
+                case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
                 case "wrong": return Wrong(words[1], words[2], float.Parse(words[3], CultureInfo.InvariantCulture));
@@ -169,7 +171,7 @@ namespace NetMQExample.PlayTest
         {
             var thing = new GameObject(name);
             thing.SetActive(false);
-            foreach (var script in types.Select(type => (MonoBehaviour)thing.AddComponent(type)))
+            foreach (var script in types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))))
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
                     if (field.GetValue(script) is string text && text.StartsWith("tcp://", StringComparison.Ordinal)) field.SetValue(script, endpoint);

@@ -1,0 +1,174 @@
+// What is seen: cubes of one colour each, and cameras that look at them when they are told to.
+using System;
+
+namespace UnityEngine.Rendering
+{
+    public enum GraphicsDeviceType
+    {
+        Null = 4,
+        OpenGLCore = 17,
+    }
+}
+
+namespace UnityEngine
+{
+    using UnityEngine.Rendering;
+
+    public enum PrimitiveType
+    {
+        Cube = 3,
+    }
+
+    public enum CameraClearFlags
+    {
+        Skybox = 1,
+        Color = 2,
+        SolidColor = 2,
+        Depth = 3,
+        Nothing = 4,
+    }
+
+    public enum RenderTextureFormat
+    {
+        ARGB32 = 0,
+    }
+
+    public enum RenderTextureReadWrite
+    {
+        sRGB = 2,
+    }
+
+    public struct Color
+    {
+        public float r;
+        public float g;
+        public float b;
+        public float a;
+
+        public Color(float r, float g, float b, float a)
+        {
+            this.r = r;
+            this.g = g;
+            this.b = b;
+            this.a = a;
+        }
+    }
+
+    public struct Color32
+    {
+        public byte r;
+        public byte g;
+        public byte b;
+        public byte a;
+
+        public Color32(byte r, byte g, byte b, byte a)
+        {
+            this.r = r;
+            this.g = g;
+            this.b = b;
+            this.a = a;
+        }
+
+        public static implicit operator Color(Color32 c) => new Color(c.r / 255f, c.g / 255f, c.b / 255f, c.a / 255f);
+    }
+
+    public class Material : Object
+    {
+        public Color color { get; set; } = new Color(1, 1, 1, 1);
+    }
+
+    public class Renderer : Component
+    {
+        private static readonly Material Default = new Material();
+        private Material own;
+
+        public bool enabled { get; set; } = true;
+
+        public Material sharedMaterial { get; set; } = Default;
+
+        // Who asks for it gets a copy of its own.
+        public Material material
+        {
+            get
+            {
+                MainThread.Only("get_material");
+                if (own == null) own = sharedMaterial = new Material { color = sharedMaterial.color };
+                return own;
+            }
+        }
+    }
+
+    public class MeshRenderer : Renderer
+    {
+    }
+
+    public class RenderTexture : Texture
+    {
+        public RenderTexture(int width, int height, int depth, RenderTextureFormat format, RenderTextureReadWrite readWrite)
+        {
+            MainThread.Only("Internal_Create");
+            this.width = width;
+            this.height = height;
+            Pixels = new byte[width * height * 4];
+        }
+
+        public static RenderTexture active { get; set; }
+
+        // Red, green, blue and alpha, as a picture of RGBA32.
+        internal byte[] Pixels { get; }
+    }
+
+    public sealed class Camera : Behaviour
+    {
+        private static readonly Rasterizer Graphics = new Rasterizer();
+
+        /// <summary>What rendering has taken so far, which in Unity the graphics card does.</summary>
+        internal static System.Diagnostics.Stopwatch Rendering { get; } = new System.Diagnostics.Stopwatch();
+
+        public static Camera main
+        {
+            get
+            {
+                MainThread.Only("get_main");
+                foreach (var thing in Scene.Objects)
+                    if (thing.tag == "MainCamera" && thing.activeSelf && thing.GetComponent<Camera>() is Camera camera && camera.enabled) return camera;
+                return null;
+            }
+        }
+
+        public float fieldOfView { get; set; } = 60;
+
+        public float nearClipPlane { get; set; } = 0.3f;
+
+        public float farClipPlane { get; set; } = 1000;
+
+        public CameraClearFlags clearFlags { get; set; } = CameraClearFlags.Skybox;
+
+        public Color backgroundColor { get; set; } = new Color(0.19215686f, 0.3019608f, 0.4745098f, 0);
+
+        public RenderTexture targetTexture { get; set; }
+
+        public void Render()
+        {
+            MainThread.Only(nameof(Render));
+            if (targetTexture == null || SystemInfo.graphicsDeviceType == GraphicsDeviceType.Null) return;
+            Rendering.Start();
+            Graphics.Draw(this, targetTexture);
+            Rendering.Stop();
+        }
+    }
+
+    public sealed class SystemInfo
+    {
+        internal static bool NoGraphics { get; set; }
+
+        internal static bool NoReadback { get; set; }
+
+        /// <summary>What some graphics cards do with what a camera has rendered: the highest row first.</summary>
+        internal static bool TopRowFirst { get; set; }
+
+        public static GraphicsDeviceType graphicsDeviceType => NoGraphics ? GraphicsDeviceType.Null : GraphicsDeviceType.OpenGLCore;
+
+        public static bool supportsAsyncGPUReadback => !NoGraphics && !NoReadback;
+    }
+}

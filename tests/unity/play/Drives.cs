@@ -1,0 +1,96 @@
+// One Play of lesson 08 to its end, with what may happen to it:
+//
+//     topfirst, noreadback, nographics       another graphics card, or none
+//     fail=20                                three readbacks end with an error after so many steps
+//     press=20                               somebody takes over after so many steps, and gives back 100 later
+//     disable=20                             the sender is switched off and on after so many steps
+//     numbered                               the sky's colour is the number of the step
+//     positions                              prints where the car is after each step
+//     frames=1000                            prints what so many frames cost, but for what the graphics card does
+//     endpoint=tcp://127.0.0.1:5558 …        and the serialized fields
+using System;
+using System.Diagnostics;
+using System.Globalization;
+using System.Linq;
+using System.Reflection;
+using System.Threading;
+using NetMQExample.Lab;
+using UnityEngine;
+using UnityPlayer;
+
+namespace NetMQExample.PlayTest
+{
+    internal static class Drives
+    {
+        private const BindingFlags Hidden = BindingFlags.Instance | BindingFlags.NonPublic;
+
+        public static int Run(string[] words)
+        {
+            var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
+            int At(string name) => told.Remove(name, out var text) ? int.Parse(text, CultureInfo.InvariantCulture) : -1;
+            (Player.TopRowFirst, Player.NoReadback, Player.NoGraphics) = (told.Remove("topfirst"), told.Remove("noreadback"), told.Remove("nographics"));
+            int fail = At("fail"), press = At("press"), disable = At("disable"), frames = At("frames");
+            var (numbered, positions) = (told.Remove("numbered"), told.Remove("positions"));
+            var lessons = typeof(NetMQLifetime).Assembly;
+            var player = new Player(lessons);
+            CameraSender sender = null;
+            DrivenCar car = null;
+            player.Begin(() =>
+            {
+                var thing = new GameObject("car");
+                thing.SetActive(false);
+                var scripts = Scripts.Of(lessons, "8").Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+                foreach (var setting in told) Inspector.Set(scripts, setting.Key, setting.Value);
+                thing.SetActive(true);
+                (sender, car) = (thing.GetComponent<CameraSender>(), thing.GetComponent<DrivenCar>());
+                // It comes after the car: its FixedUpdate sees what the car's has done.
+                var other = new GameObject("numbers");
+                if (numbered) other.AddComponent<NumberedSky>().Sender = sender;
+            });
+            var cost = new FrameCost(Math.Max(frames, 1));
+            var clock = Stopwatch.StartNew();
+            for (long frame = 1, step = -1; !player.Done && !(frames > 0 && cost.Done); frame++)
+            {
+                var rendering = Player.Rendering;
+                cost.Begin();
+                player.Frame();
+                cost.End((Player.Rendering - rendering).TotalMilliseconds);
+                var now = car.Drive.Frame;
+                if (positions && now != step) Console.WriteLine(FormattableString.Invariant($"at {now} {car.Drive.Car.X:R} {car.Drive.Car.Y:R} {Stands(car)}"));
+                if (step < fail && now >= fail) Player.ReadbacksToFail = 3;
+                if (step < press && now >= press) Player.Press(-0.5f, 1);
+                if (press >= 0 && step < press + 50 && now >= press + 50) Player.Press(0, 0);
+                if (press >= 0 && step < press + 100 && now >= press + 100) Player.Press(0, 0, KeyCode.Return);
+                if (step < disable && now >= disable) (sender.enabled, sender.enabled) = (false, true);
+                step = now;
+                var rest = TimeSpan.FromSeconds(frame / 60.0) - clock.Elapsed;
+                if (rest > TimeSpan.Zero) Thread.Sleep(rest);
+            }
+            if (frames > 0) Console.WriteLine($"cost: {cost}");
+            player.Stop();
+            return player.Errors > 0 ? 1 : 0;
+        }
+
+        private static bool Stands(DrivenCar car)
+        {
+            var (place, ahead) = (car.transform.position, car.transform.rotation * Vector3.forward);
+            return place == new Vector3((float)car.Drive.Car.X, 0, (float)car.Drive.Car.Y)
+                && (ahead - new Vector3((float)car.Drive.Car.AheadX, 0, (float)car.Drive.Car.AheadY)).magnitude < 0.001f;
+        }
+
+        /// <summary>So a picture says when it was rendered.</summary>
+        private sealed class NumberedSky : MonoBehaviour
+        {
+            public CameraSender Sender { get; set; }
+
+            private void FixedUpdate()
+            {
+                var shots = typeof(CameraSender).GetField("shots", Hidden).GetValue(Sender);
+                if (shots == null) return;
+                var number = Sender.GetComponent<DrivenCar>().Drive.Frame;
+                foreach (var camera in (Camera[])typeof(ShotTaker).GetField("cameras", Hidden).GetValue(shots))
+                    camera.backgroundColor = new Color32((byte)number, (byte)(number >> 8), 200, 255);
+            }
+        }
+    }
+}

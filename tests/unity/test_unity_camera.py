@@ -1,0 +1,250 @@
+"""Lesson 08 in the player: what only Unity has. Real cameras look at the scene, and a graphics card gives their
+pictures back some frames later. tests/lessons/test_08_drive.py has what is the same for all clients.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import re
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zmq
+
+from kitlib.setup import dotnet
+from tests.programs import ROOT, Program, steady_port
+from tests.unity.test_unity_play import RUNTIMES, needs_mono
+
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+from tests.lessons.test_08_drive import Driver, Message, read, world  # noqa: E402
+
+on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
+
+
+@pytest.fixture(scope="session")
+def harness(engine: dotnet.Engine) -> Path:
+    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+
+
+@pytest.fixture
+def drive(
+    engine: dotnet.Engine, harness: Path, start: Callable[..., Program]
+) -> Iterator[Callable[..., tuple[Driver, Program]]]:
+    """Plays tests/unity/play/Drives.cs against a driver: drive(answer, "count=10", runtime=".net")."""
+    with zmq.Context() as context:
+        drivers: list[Driver] = []
+
+        def play(answer: Callable[[Any], Any], *words: str, runtime: str = ".net") -> tuple[Driver, Program]:
+            if runtime == "mono":
+                needs_mono(engine)
+            drivers.append(Driver(context, answer))
+            program = {"mono": "mono", ".net": "dotnet"}[runtime]
+            words = ("every=0", "tries=100", f"endpoint={drivers[-1].endpoint}", *words)
+            return drivers[-1], start(program, harness, "drive", *words)
+
+        yield play
+        for one in drivers:
+            one.over.set()
+            one.join()
+
+
+def picture(frame: Any, camera: int = 0) -> Any:
+    """Red, green and blue of each pixel, the top row first."""
+    assert frame.values["bottom_up"] is True and frame.values["encoding"] == "raw"
+    array = frame.arrays[camera]
+    return np.frombuffer(bytes(array.data), np.uint8).reshape(240, 320, 4)[::-1, :, :3].astype(int)
+
+
+def is_road(pixels: Any) -> Any:
+    """Grass is green; neither tarmac nor paint is."""
+    return pixels[..., 1] <= pixels[..., 0] + 10
+
+
+def along_the_road(frame: Any) -> dict[str, float]:
+    """Steers towards the middle of the road in a row of the picture that shows what is some 7 m ahead."""
+    columns = np.flatnonzero(is_road(picture(frame)[120]))
+    aside = (columns.mean() - 159.5) / 160 if len(columns) else 0.0
+    return {"steer": 3.0 * float(aside), "throttle": 1.0 if frame.values["speed"] < 8 else 0.0}
+
+
+@on_each_runtime
+def test_the_car_goes_where_pythons_goes(runtime: str, drive: Callable[..., Any]) -> None:
+    """Each place is compared to the last bit with that of a car of the test's own, and the picture is Unity's."""
+    road = world.Road()
+    car, places = world.Car.on(road), []
+
+    def answer(frame: Any) -> dict[str, float]:
+        number = len(places)
+        action = {"throttle": 0.8, "brake": 0.3 if number % 60 < 5 else 0.0, "steer": (number % 7 - 3) / 10}
+        car.step(**action)
+        places.append((float(car.x), float(car.y)))
+        return action
+
+    _, client = drive(answer, "count=300", "lockstep=true", "positions", runtime=runtime)
+    assert client.wait() == 0, client.output
+    assert "done: 300 actions, 0 pictures skipped" in client.lines, client.lines[-3:]
+    found = re.findall(r"^at (\d+) (\S+) (\S+) (True|False)$", client.output, re.MULTILINE)
+    assert [(float(x), float(y)) for number, x, y, _ in found if number != "0"] == places
+    assert all(stands == "True" for *_, stands in found), "the object is where the drive's car is"
+
+
+@on_each_runtime
+def test_a_lap_by_what_the_camera_sees(runtime: str, drive: Callable[..., Any]) -> None:
+    """The road is some 300 m long, and nobody tells where it is."""
+    _, client = drive(along_the_road, "count=2200", "positions", runtime=runtime)
+    assert client.wait(120) == 0, client.output[-2000:]
+    road = world.Road()
+    found = re.findall(r"^at \d+ (\S+) (\S+) ", client.output, re.MULTILINE)
+    near = [road.nearest(float(x), float(y)) for x, y in found[::5]]
+    assert max(off for _, off in near) < world.HALF_WIDTH
+    assert {at // 200 for at, _ in near} == set(range(10)), "all corners of the road"
+
+
+def test_a_picture_is_upright_whatever_the_graphics_card_does(drive: Callable[..., Any]) -> None:
+    """The same pictures where the card has the highest row first, and where it reads back only while Unity waits."""
+    digests = []
+    for words in ([], ["topfirst"], ["noreadback"], ["topfirst", "noreadback"]):
+        driver, client = drive(lambda frame: {"steer": 0.3}, "count=30", "lockstep=true", *words)
+        assert client.wait() == 0, client.output
+        said = "pictures come with the highest row first here: they are turned over" in client.lines
+        assert said == ("topfirst" in words), client.output
+        digests.append(hashlib.sha256(b"".join(bytes(frame.arrays[0].data) for frame in driver.frames)).hexdigest())
+        seen = picture(driver.frames[-1])
+        assert (seen[0] == (150, 190, 230)).all(), "the sky"
+        assert not (seen[-1] == (150, 190, 230)).all(axis=1).any() and is_road(seen[-1]).any(), "the ground"
+    assert len(set(digests)) == 1
+
+
+@on_each_runtime
+def test_what_is_written_beside_a_picture_belongs_to_it(runtime: str, drive: Callable[..., Any]) -> None:
+    """It arrives two frames after it was rendered: the sky says when that was."""
+    driver, client = drive(lambda frame: {}, "count=100", "cameras=left,right", "numbered", runtime=runtime)
+    assert client.wait() == 0, client.output
+    numbers = [frame.id for frame in driver.frames]
+    # The first ones may have been rendered before the sky was told its number.
+    for frame in driver.frames[5:]:
+        for camera in range(2):
+            red, green, blue = picture(frame, camera)[0, 0]
+            assert (red + 256 * green, blue) == (frame.values["frame"], 200)
+    assert len(set(numbers)) == 100 and numbers == sorted(numbers)
+    skipped = int(client.wait_for(r"^done: 100 actions, (\d+) pictures skipped$")[1])
+    assert skipped == numbers[-1] - numbers[0] + 1 - 100
+
+
+def test_two_cameras_see_as_two_eyes(drive: Callable[..., Any]) -> None:
+    """In the left one's picture all stands further to the right, and the more so the nearer it is."""
+    driver, client = drive(lambda frame: {}, "count=3", "cameras=left,right", "lockstep=true")
+    assert client.wait() == 0, client.output
+
+    def right_edge(camera: int, row: int) -> float:
+        return float(np.flatnonzero(is_road(picture(driver.frames[0], camera)[row]))[-1])
+
+    # 0.15 m, seen from 5 m: some 6 of 208 pixels, which are as wide as they are far away.
+    near, far = (right_edge(0, row) - right_edge(1, row) for row in (130, 90))
+    assert near > far >= 1
+
+
+def test_jpeg_is_made_of_the_same_picture(drive: Callable[..., Any]) -> None:
+    images = pytest.importorskip("PIL.Image", reason="reads a JPEG file")
+    driver, client = drive(lambda frame: {}, "count=3", "jpeg=true", "lockstep=true")
+    assert client.wait() == 0, client.output
+    frame = driver.frames[0]
+    assert (frame.values["encoding"], frame.values["bottom_up"]) == ("jpeg", False)
+    seen = np.asarray(images.open(io.BytesIO(bytes(frame.arrays[0].data))).convert("RGB")).astype(int)
+    assert seen.shape == (240, 320, 3)
+    assert abs(seen[4, 160] - (150, 190, 230)).max() < 25 and is_road(seen[236, 160])
+
+
+@pytest.mark.parametrize("mode", ["lockstep=true", "lockstep=false"])
+def test_an_error_of_the_graphics_card_is_said_once(mode: str, drive: Callable[..., Any]) -> None:
+    _, client = drive(lambda frame: {}, "count=80", "fail=20", mode)
+    assert client.wait() == 0, client.output
+    trouble = [line for line in client.lines if "graphics card" in line]
+    assert trouble == ["trouble: the graphics card gave no picture"]
+    assert client.lines.index("pictures again") > client.lines.index(trouble[0])
+    client.wait_for("^done: 80 actions")
+
+
+def test_without_a_graphics_card_it_says_so(drive: Callable[..., Any]) -> None:
+    _, client = drive(lambda frame: {}, "nographics")
+    assert client.wait() == 1
+    assert client.lines[1:] == ["gave up: a camera needs a graphics card: start Unity without -nographics"]
+
+
+@on_each_runtime
+def test_a_person_takes_over_and_gives_back(runtime: str, drive: Callable[..., Any]) -> None:
+    driver, client = drive(lambda frame: {"steer": 0.25}, "count=300", "press=60", runtime=runtime)
+    assert client.wait() == 0, client.output
+    said = [line for line in client.lines if line.endswith(" drives")]
+    assert said == ["a person drives", "Python drives"]
+    by_hand = [frame.values for frame in driver.frames if frame.values["manual"]]
+    assert (by_hand[10]["steer"], by_hand[10]["throttle"]) == (-0.5, 1), "both pressed"
+    assert (by_hand[-1]["steer"], by_hand[-1]["throttle"]) == (0, 0), "let go, and not yet given back"
+    assert driver.frames[-1].values["steer"] == 0.25
+
+
+def test_a_sender_that_was_switched_off_begins_again(drive: Callable[..., Any]) -> None:
+    driver, client = drive(lambda frame: {}, "count=60", "disable=30")
+    assert client.wait() == 0, client.output
+    assert sum(line.startswith("asking ") for line in client.lines) == 2
+    client.wait_for("^done: 60 actions")
+    numbers = [frame.id for frame in driver.frames]
+    assert len(set(numbers)) == len(numbers) == numbers.index(max(numbers)) + 1, "each picture is newer than the last"
+
+
+def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, speeds: list[float]) -> None:
+    with context.socket(zmq.REP) as socket:
+        socket.linger = 0
+        socket.bind(endpoint)
+        while not over.is_set():
+            if socket.poll(50):
+                frame = read(socket.recv_multipart())
+                speeds.append(frame.values["speed"])
+                action = {"frame": frame.id, "throttle": 1.0, "brake": 0.0, "steer": 0.0}
+                socket.send_multipart(Message("action", frame.id, action).frames())
+
+
+def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harness: Path) -> None:
+    """Another one takes its place on the same port: the car has braked, and drives on."""
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    client = start("dotnet", harness, "drive", f"endpoint={endpoint}", "every=0", "count=200", "patience=0.4")
+    speeds: list[list[float]] = [[], []]
+    with zmq.Context() as context:
+        for there in speeds:
+            over = threading.Event()
+            thread = threading.Thread(target=answer_at, args=(context, endpoint, over, there), daemon=True)
+            begin = len(client.lines)
+            thread.start()
+            if there is speeds[0]:
+                while len(there) < 50:
+                    assert client.process.poll() is None, client.output
+                    time.sleep(0.01)
+                over.set()
+                thread.join()
+                client.wait_for("^trouble: no reply from .* within 0.4 s; is the server running", start=begin)
+                client.wait_for("^trouble: no action for 0.5 s: braking$", start=begin)
+        client.wait_for("^an action again: driving on$", start=begin)
+        assert client.wait() == 0, client.output
+        over.set()
+        thread.join()
+    client.wait_for("^done: 200 actions")
+    assert len(speeds[0]) + len(speeds[1]) == 200
+    assert len(speeds[1]) > 0 and speeds[1][-1] > 5
+
+
+@pytest.mark.xdist_group("times")
+@pytest.mark.parametrize("cameras", ["center", "left,right"])
+def test_what_a_frame_costs(cameras: str, drive: Callable[..., Any], capsys: pytest.CaptureFixture[str]) -> None:
+    """The main thread's share but for rendering, which is the graphics card's; every picture is 320 x 240, raw."""
+    _, client = drive(lambda frame: {}, "frames=600", "count=100000", f"cameras={cameras}")
+    assert client.wait(120) == 0, client.output
+    cost = client.wait_for("^cost: .*")[0]
+    with capsys.disabled():
+        print(f"\n{cameras}: {cost}")
+    assert cost.endswith(", 0 bytes allocated"), cost

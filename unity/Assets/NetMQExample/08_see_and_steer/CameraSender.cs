@@ -1,0 +1,62 @@
+// Lesson 08 in Unity: every picture has a number, and every action names the picture that it answers.
+//
+// Use: start python/08_see_and_steer/server.py, open this lesson's scene, press Play. Arrow keys take over, Enter gives
+// back. For your own scene add this component to the car, and cameras as in CarCamera.cs.
+// The cameras render when this asks them to, so a picture and what is written beside it show the same moment. The
+// picture arrives a frame or two later, and is sent by a thread of its own: no frame waits for the network, nor, but in
+// lock-step, for the graphics card.
+using System.Threading;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Sends what the cameras see, and has the car do what Python says.</summary>
+    [RequireComponent(typeof(DrivenCar))]
+    public sealed class CameraSender : NetworkBehaviour
+    {
+        [SerializeField, Tooltip("The driver")] private string endpoint = "tcp://127.0.0.1:5558";
+        [SerializeField, Min(0), Tooltip("End after so many actions")] private int count = 500;
+        [SerializeField, Min(0), Tooltip("Log one action in so many; 0: none")] private int every = 50;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each action")] private float patience = 1;
+        [SerializeField, Min(1), Tooltip("Pictures in a row that may stay without an action")] private int tries = 20;
+        [SerializeField, Tooltip("center; left,right; or left,center,right")] private string cameras = "center";
+        [SerializeField, Tooltip("The world waits for each action")] private bool lockstep;
+        [SerializeField, Tooltip("Send JPEG instead of raw bytes")] private bool jpeg;
+
+        private DrivenCar car;
+        private ShotTaker shots;
+
+        private void Start()
+        {
+            car = GetComponent<DrivenCar>();
+            (car.Drive.Every, car.Drive.Lockstep) = (every, lockstep);
+        }
+
+        /// <inheritdoc/>
+        protected override void Talk(CancellationToken stop)
+        {
+            Log($"asking {endpoint}");
+            using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
+            // Those of a run before.
+            InUpdate(() => shots?.Dispose());
+            var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, right => CarCamera.On(transform, right)));
+            for (var answered = 0; answered < count;)
+            {
+                var action = driver.Ask(taker.Next(stop), stop);
+                if (action != null) answered++;
+                InUpdate(() => car.Follow(action));
+            }
+            Log($"done: {count} actions, {taker.Skipped} pictures skipped");
+        }
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            base.Update();
+            // After an end by trouble nobody needs pictures.
+            if (!Done) shots?.Look(car.Drive, lockstep);
+        }
+
+        private void OnDestroy() => shots?.Dispose();
+    }
+}

@@ -1,0 +1,30 @@
+// Lesson 08, the camera of the car: as DrawnCamera.cs, but a real one. It renders when it is asked to, and only then.
+//
+// At home your own cameras take its place. They need a target texture like this one, and must not be enabled.
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Cameras for CameraReadback.cs.</summary>
+    public static class CarCamera
+    {
+        /// <summary>Puts a camera on a car, 1.5 m above the ground and tilted down.</summary>
+        /// <param name="car">What carries it.</param>
+        /// <param name="right">Metres to the right of the middle.</param>
+        public static Camera On(Transform car, double right)
+        {
+            var camera = new GameObject("Camera").AddComponent<Camera>();
+            camera.transform.SetParent(car, false);
+            camera.transform.localPosition = new Vector3((float)right, 1.5f, 0);
+            camera.transform.localRotation = Quaternion.Euler(16.26f, 0, 0);
+            camera.enabled = false;
+            camera.fieldOfView = 60;
+            camera.clearFlags = CameraClearFlags.SolidColor;
+            camera.backgroundColor = new Color32(150, 190, 230, 255);
+            // The bytes in it are those of the screen, also where a project computes its light in linear space.
+            camera.targetTexture = new RenderTexture(DrawnCamera.Width, DrawnCamera.Height, 24,
+                RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
+            return camera;
+        }
+    }
+}

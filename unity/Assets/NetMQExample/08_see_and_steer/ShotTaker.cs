@@ -1,0 +1,144 @@
+// Lesson 08, the newest shot: the main thread takes one after the other, the network thread gets the newest.
+//
+// A shot is all cameras at one moment. Two are on their way from the graphics card, one lies ready, one is being sent:
+// four shots do for ever, and nobody waits for the other but the network thread for a first picture.
+// Take home: this file and CameraReadback.cs, with Shot.cs and Drive.cs.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using System.Threading;
+using UnityEngine;
+using UnityEngine.Experimental.Rendering;
+using Object = UnityEngine.Object;
+
+namespace NetMQExample
+{
+    /// <summary>Takes shots with some cameras.</summary>
+    public sealed class ShotTaker : IDisposable
+    {
+        private readonly Queue<Taking> begun = new Queue<Taking>(2);
+        private readonly Stack<Taking> free = new Stack<Taking>();
+        private readonly object gate = new object();
+        private readonly Camera[] cameras;
+        private readonly bool jpeg;
+        private Taking newest, sent;
+        private long last = -1, number = -1;
+        private bool trouble;
+
+        /// <summary>Makes room, and finds out which row of a picture comes first.</summary>
+        /// <param name="names">The cameras' names, as in <see cref="Shot"/>.</param>
+        /// <param name="jpeg">Whether they are sent as JPEG files.</param>
+        /// <param name="make">Makes a camera with a texture, so many metres to the right of the middle.</param>
+        /// <exception cref="ArgumentException">There are no such cameras, or there is no graphics card.</exception>
+        public ShotTaker(string names, bool jpeg, Func<double, Camera> make)
+        {
+            this.jpeg = jpeg;
+            cameras = new Shot(names, 1, 1, 4).Right.Select(make).ToArray();
+            for (var i = 0; i < 4; i++) free.Push(new Taking(names, cameras));
+            var turned = free.Peek().Readbacks[0].IsTurned();
+            if (turned) Debug.Log("pictures come with the highest row first here: they are turned over");
+            foreach (var readback in free.SelectMany(taking => taking.Readbacks)) readback.Turned = turned;
+        }
+
+        /// <summary>How many of the world's steps since the first shot have none that was sent.</summary>
+        public long Skipped { get; private set; }
+
+        /// <summary>Takes what has come, and a new shot if the world has moved. For Update.</summary>
+        /// <param name="drive">What is written beside the pictures.</param>
+        /// <param name="wait">Whether the pictures are wanted in this very frame.</param>
+        public void Look(Drive drive, bool wait)
+        {
+            Collect();
+            if (drive.Frame == last || begun.Count == 2) return;
+            Taking taking;
+            // It is only ever held for an instant.
+            lock (gate) taking = free.Pop();
+            // Both now: what is written beside the pictures belongs to the moment that they show.
+            drive.Note(taking.Shot);
+            foreach (var readback in taking.Readbacks) readback.Begin();
+            last = drive.Frame;
+            begun.Enqueue(taking);
+            if (!wait) return;
+            foreach (var readback in taking.Readbacks) readback.Wait();
+            Collect();
+        }
+
+        /// <summary>Waits for a shot that is newer than the last one, which must not be used any more. For the network
+        /// thread, which also makes the JPEG files.</summary>
+        public Message Next(CancellationToken stop)
+        {
+            lock (gate)
+            {
+                if (sent != null) free.Push(sent);
+                for (sent = null; newest == null; Monitor.Wait(gate, 50)) stop.ThrowIfCancellationRequested();
+                (sent, newest) = (newest, null);
+            }
+            var shot = sent.Shot;
+            if (number >= 0) Skipped += shot.Frame - number - 1;
+            number = shot.Frame;
+            return shot.ToMessage(!jpeg ? (Func<byte[], byte[]>)null : pixels => ImageConversion.EncodeArrayToJPG(
+                pixels, GraphicsFormat.R8G8B8A8_SRGB, (uint)shot.Width, (uint)shot.Height));
+        }
+
+        /// <summary>Takes the cameras away. For the main thread.</summary>
+        public void Dispose()
+        {
+            foreach (var camera in cameras)
+            {
+                if (camera == null) continue;
+                Object.Destroy(camera.gameObject);
+                Object.Destroy(camera.targetTexture);
+                camera.targetTexture = null;
+            }
+        }
+
+        private void Collect()
+        {
+            // In each frame, and each camera by itself: what is done is there for one frame only.
+            foreach (var taking in begun) taking.Look();
+            while (begun.Count > 0 && begun.Peek().Look())
+            {
+                var taking = begun.Dequeue();
+                if (taking.Failed != trouble)
+                    Debug.Log(taking.Failed ? "trouble: the graphics card gave no picture" : "pictures again");
+                trouble = taking.Failed;
+                // A world that waits for its picture gets another one.
+                if (trouble) last = -1;
+                lock (gate)
+                {
+                    if (taking.Failed) free.Push(taking);
+                    else
+                    {
+                        if (newest != null) free.Push(newest);
+                        newest = taking;
+                        Monitor.Pulse(gate);
+                    }
+                }
+            }
+        }
+
+        /// <summary>One shot, and where its pictures are.</summary>
+        private sealed class Taking
+        {
+            public readonly Shot Shot;
+            public readonly CameraReadback[] Readbacks;
+
+            public Taking(string names, Camera[] cameras)
+            {
+                var size = cameras[0].targetTexture;
+                Shot = new Shot(names, size.width, size.height, 4);
+                Readbacks = cameras.Zip(Shot.Pixels, (camera, pixels) => new CameraReadback(camera, pixels)).ToArray();
+            }
+
+            public bool Failed { get; private set; }
+
+            public bool Look()
+            {
+                var all = true;
+                Failed = false;
+                foreach (var readback in Readbacks) (all, Failed) = (all & readback.Look(), Failed | readback.Failed);
+                return all;
+            }
+        }
+    }
+}
