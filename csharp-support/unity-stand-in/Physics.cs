@@ -12,8 +12,6 @@ namespace UnityEngine
     {
         private static SimulationMode mode;
 
-        internal static int Simulated { get; private set; }
-
         public static SimulationMode simulationMode
         {
             get { MainThread.Only("get_simulationMode"); return mode; }
@@ -23,8 +21,8 @@ namespace UnityEngine
         public static void Simulate(float step)
         {
             MainThread.Only(nameof(Simulate));
-            if (mode == SimulationMode.Script) Simulated++;
-            else Debug.LogWarning("Physics.Simulate does nothing while the simulation mode is another than Script");
+            if (mode != SimulationMode.Script)
+                Debug.LogWarning("Physics.Simulate does nothing while the simulation mode is another than Script");
         }
     }
 }

@@ -5,20 +5,24 @@
     python python/09_environment/client.py --count 3      leave after so many episodes: the environment has lost it
 
 Bytes: messages of lesson 05, see environment_client.py and spaces.py. Take home: this file, environment_client.py,
-simulator.py, simulation.py and spaces.py, with messages.py of lesson 05; cart_pole.py stands for your simulation.
+simulator.py, simulation.py and spaces.py, with messages.py of lesson 05; cart_pole.py and road_car.py
+stand for your simulation.
 """
 
 import argparse
 import re
 import sys
+from collections.abc import Callable
 from socket import getaddrinfo
 
 from cart_pole import CartPole
 from environment_client import EnvironmentClient
+from road_car import RoadCar
+from simulation import Simulation
 from simulator import Simulator
 
 ENDPOINT = "tcp://127.0.0.1:5559"
-WORLDS = {"CartPole": CartPole}
+WORLDS: dict[str, Callable[[], Simulation]] = {"CartPole": CartPole, "Car": RoadCar}
 
 
 # From here on all clients of this kit are the same, but for their own options.

@@ -25,6 +25,7 @@ from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
 import environment  # noqa: E402, F401
+import messages  # noqa: E402
 
 # The state of seed 7, as float32; and what is seen 25 steps later, of right and left in turn.
 GOLDEN_START = ["-0x1.6901820000000p-7", "-0x1.8bd8d60000000p-5", "0x1.484d9c0000000p-5", "0x1.0fbef80000000p-7"]
@@ -120,6 +121,42 @@ def test_a_picture_shows_the_cart_where_it_is(kind, make, launch):
         pole = np.nonzero((picture == (200, 140, 80)).all(axis=2))
         assert pole[0].min() < 30, "the pole is up, and the first row is the highest"
         assert (pole[1].max() if place > 0 else 300 - pole[1].min()) > 255, "and it leans outwards"
+
+
+# The car of lesson 08
+
+
+def test_the_car_drives_the_same_in_both_languages(make, launch):
+    """To the last bit: it is made of plus, minus, times, divide and square root."""
+    ends = []
+    envs = [make("NetMQExample/Car-v0", launch=launch(kind, "--world", "Car")) for kind in ("python", "csharp")]
+    for episode in range(3):
+        actions = np.random.default_rng(episode)
+        seen = [env.reset(seed=episode)[0] for env in envs]
+        over, metres = False, 0.0
+        while not over:
+            assert np.array_equal(*seen)
+            action = np.array([actions.uniform(-0.4, 0.4), 0.8], np.float32)
+            (mine, *said), (other, *other_said) = (env.step(action) for env in envs)
+            assert said == other_said
+            seen, over, metres = [mine, other], said[1] or said[2], metres + said[0]
+        assert said[3]["metres"] == pytest.approx(metres)
+        ends.append((said[1], abs(mine[0]) > 1))
+    assert (True, True) in ends, "beside the road the episode ends"
+
+
+@pytest.mark.parametrize("picture", [[], ["--picture"]])
+def test_gymnasiums_checker_likes_the_car(picture, make, launch):
+    env = make("NetMQExample/Car-v0", launch=launch("csharp", "--world", "Car", *picture))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped)
+    seen, _ = env.reset(options={"state": [100]})
+    if picture:
+        assert seen.shape == (240, 320, 3)
+        assert tuple(seen[100, 0]) != tuple(seen[239, 160]), "the sky is above the road"
+    with pytest.raises(messages.MessageError, match="bad-state: the road has the points 0 to 1999"):
+        env.reset(options={"state": [-1]})
 
 
 # Who uses it
