@@ -17,6 +17,7 @@ from lab import machine, report
 from lab.contest import (
     BARE,
     BUSY,
+    FAST,
     GRPC,
     HELLO,
     HTTP,
@@ -105,7 +106,7 @@ def echoes(lab: Lab) -> list[dict[str, Any]]:
     found = []
     for title, size in SIZES.items():
         if size == 32:
-            taking_part = [TCP, HELLO, SPIN, POOL, BUSY, *everywhere[1:], *map(many, WINDOWS), *there]
+            taking_part = [TCP, HELLO, SPIN, POOL, BUSY, *everywhere[1:], *map(many, WINDOWS), FAST, *there]
         else:
             taking_part = [*everywhere, *(each for each in there if not each.only_small)]
         found.append(lab.work(f"echo of {title}", taking_part, f"echo {{name}} {{endpoint}} {size} {lab.moment}"))

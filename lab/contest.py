@@ -45,6 +45,7 @@ HTTP = Contender("HTTP, aiohttp", "dotnet", "http", "http", "aiohttp")
 WEBSOCKET = Contender("WebSocket, websockets", "dotnet", "websocket", "websocket", "websockets")
 GRPC = Contender("gRPC, Python both sides", "grpc", "grpc", "grpc", "grpcio")
 JSON = Contender("JSON lines, Base64", "dotnet", "json", "json")
+FAST = Contender("fast server, 64 in flight", "dotnet", "many@64", "many", only_small=True)
 SUBSCRIBER = Contender("NetMQ, PUB and SUB", "dotnet", "subscriber", "zmq")
 
 
@@ -57,7 +58,7 @@ def elsewhere(program: str, where: str) -> list[Contender]:
     """The same clients in another program: on the other engine, or on Mono."""
     return [
         Contender(f"{each.label}, {where}", program, each.name, each.server, only_small=each.only_small)
-        for each in (*([TCP] if program == "mono" else []), HELLO, many(64), BARE, POOLED)
+        for each in (*([TCP] if program == "mono" else []), HELLO, many(64), FAST, BARE, POOLED)
     ]
 
 

@@ -13,7 +13,7 @@ from kitlib.terminal import say
 
 ABOUT = "Runs every test that this machine can run, and says what it skipped and why. Other words are pytest's options."
 EXAMPLES = [
-    "test                    all of them: five to ten minutes",
+    "test                    all of them: some five minutes",
     "test 4                  what belongs to lesson 04: a minute or two",
     "test -k request_reply   those with this word in their name",
     "test --long             also those that take minutes each",
@@ -48,8 +48,8 @@ def of_a_lesson(words: list[str]) -> list[str]:
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:
-    """What makes pytest use the whole machine. Most tests wait for something: two for each core do well."""
+    """What makes pytest use the whole machine. Most tests wait for something: three for each core do well."""
     alone = any(re.match(r"-n|--dist|--co$|--collect-only|--pdb|-s$", word) for word in words)
     if alone or not python_setup.has(python, ["pytest-xdist"]):
         return []
-    return ["-n", str(2 * (os.cpu_count() or 1)), "--dist", "loadgroup"]
+    return ["-n", str(3 * (os.cpu_count() or 1)), "--dist", "loadgroup"]

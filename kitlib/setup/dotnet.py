@@ -86,7 +86,8 @@ class Engine:
         # Without NuGet its list of vulnerable packages cannot be had either, and asking for it takes long.
         audit = ["-p:NuGetAudit=false"] if self.offline or self.source else []
         source = [f"-p:RestoreSources={self.source}"] if self.source else []
-        return [f"-p:NetMQEngine={self.name}", f"-p:LibraryFramework={self.framework}", *audit, *source]
+        # One process: the few projects are worth less work than MSBuild's start in a second one.
+        return [f"-p:NetMQEngine={self.name}", f"-p:LibraryFramework={self.framework}", "-m:1", *audit, *source]
 
     @property
     def framework(self) -> str:

@@ -19,7 +19,7 @@ ENDPOINT = "tcp://127.0.0.1:5551"
 
 def request(socket: zmq.Socket[bytes], text: str, patience: float) -> str:
     """Send a request and wait for its reply, at most `patience` seconds: zmq.Again after that."""
-    # Where there is no connection to send on, as after a peer that is not ZeroMQ, this waits for socket.sndtimeo.
+    # Where there is no connection to send on, as after a peer that is not ZeroMQ, this raises zmq.Again as well.
     socket.send(text.encode(errors="replace"))
     return receive(socket, patience)
 
@@ -78,7 +78,8 @@ def main() -> None:
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
         # A peer that announces more than the largest message is disconnected before it is in memory.
-        socket.linger, socket.maxmsgsize, socket.sndtimeo = 0, 65_536, int(options.patience * 1000)
+        # Sending does not wait: libzmq would say of a request whose connection ends in that moment that it is sent.
+        socket.linger, socket.maxmsgsize, socket.sndtimeo = 0, 65_536, 0
         socket.connect(options.endpoint)
         try:
             if options.send_twice:

@@ -74,7 +74,8 @@ def main() -> None:
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
         # Above the limit of messages.py a reply is refused by name. Above this one libzmq takes no more and hangs up.
-        socket.linger, socket.maxmsgsize, socket.sndtimeo = 0, 4 * LIMIT, int(options.patience * 1000)
+        # Sending does not wait: libzmq would say of a request whose connection ends in that moment that it is sent.
+        socket.linger, socket.maxmsgsize, socket.sndtimeo = 0, 4 * LIMIT, 0
         socket.connect(options.endpoint)
         camera = Camera(options.fps)
         try:

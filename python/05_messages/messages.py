@@ -39,7 +39,7 @@ class MessageError(Exception):
         self.code, self.text, self.id = code, text, id
 
 
-@dataclass
+@dataclass(slots=True)
 class Array:
     """Numbers, and how they are to be read. `data` is any bytes: a memoryview, a zmq.Frame, a numpy array."""
 
@@ -61,7 +61,7 @@ class Array:
         return np.frombuffer(self.data, np.dtype(self.dtype).newbyteorder("<")).reshape(self.shape)
 
 
-@dataclass
+@dataclass(slots=True)
 class Message:
     kind: str
     id: int = 0
@@ -79,8 +79,8 @@ def read(frames: list[Any]) -> Message:
     if len(frames[0]) > HEADER_LIMIT or sum(map(len, frames[1:])) > LIMIT:
         raise MessageError("too-big", f"a header has at most {HEADER_LIMIT} bytes, all arrays together {LIMIT}")
     try:
-        header = DECODER.decode(bytes(frames[0]).decode())
-        if b"\\u" in bytes(frames[0]):
+        header = DECODER.decode(text := bytes(frames[0]).decode())
+        if "\\u" in text:
             # Half a character, such as \ud800 alone, is none that could be printed, and another one in C#.
             json.dumps(header, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as error:
@@ -110,9 +110,9 @@ def read_fields(header: Any, payloads: list[Any]) -> Message:
         raise MessageError("bad-frames", f"the header lists {len(arrays)} arrays, but {len(payloads)} frames follow it")
     for array, payload in zip(arrays, payloads, strict=True):
         dtype, shape = take(array, "dtype", str), take(array, "shape", list)
-        whole = all(type(length) is int and 0 <= length <= LIMIT for length in shape)
+        whole = {*map(type, shape)} <= {int} and min(shape, default=0) >= 0
         # Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
-        if len(shape) > 8 or not whole or math.prod(length or 1 for length in shape) > LIMIT:
+        if len(shape) > 8 or not whole or math.prod(filter(None, shape)) > LIMIT:
             raise MessageError("bad-shape", f"a shape is at most 8 whole numbers, of at most {LIMIT} items")
         message.arrays.append(Array(dtype, tuple(shape), payload))
     return message

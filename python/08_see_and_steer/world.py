@@ -21,6 +21,8 @@ SAMPLES, HALF_WIDTH = 200, 2.5
 CURVATURE, ACCELERATION, BRAKING, DRAG = 0.16, 4.0, 8.0, 0.2
 # A camera 1.5 m above the ground, tilted down by 16.26 degrees, 60 degrees from its upper edge to its lower one.
 ABOVE, SINE, COSINE, FAR = 1.5, 0.28, 0.96, 60.0
+# How far to the right of the car's middle each camera is: two as far apart as eyes, three as in Udacity's car.
+CAMERAS = {"center": [0.0], "left,right": [-0.075, 0.075], "left,center,right": [-0.8, 0.0, 0.8]}
 CELL, GRASS, TARMAC, PAINT, SKY = 0.1, (70, 120, 50), (90, 90, 95), (230, 230, 225), (150, 190, 230)
 
 
@@ -33,7 +35,8 @@ class Road:
             a, b, c, d = (np.array(CORNERS[(i + k - 1) % len(CORNERS)], np.float64) for k in range(4))
             for k in range(SAMPLES):
                 t = k / SAMPLES
-                points.append(((((d - a + (b - c) * 3) * t + (a * 2 - b * 5 + c * 4 - d)) * t + (c - a)) * t + b * 2) / 2)
+                bend = (d - a + (b - c) * 3) * t + (a * 2 - b * 5 + c * 4 - d)
+                points.append(((bend * t + (c - a)) * t + b * 2) / 2)
         self.points = np.array(points)
 
     def nearest(self, x: float, y: float) -> tuple[int, float]:

@@ -82,10 +82,12 @@ def test_what_a_header_says_to_take_home_runs_there(path, tmp_path):
     """A file with the others that the sentence names, and nothing else, in an empty folder: each of them starts."""
     text = path.read_text(encoding="utf-8")
     if "numpy" in text:
-        pytest.importorskip("numpy", reason="lesson 05 needs numpy: pip install numpy")
+        pytest.importorskip("numpy", reason="it needs numpy: pip install numpy")
     said = re.search(r"Take home: (.*?)\.(\s|$)", ast.get_docstring(ast.parse(text)), re.DOTALL)[1]
     for name in {path.name, *re.findall(r"\w+\.py", said)}:
-        shutil.copy(path.parent / name, tmp_path)
+        # An earlier lesson's, where this one has none of that name.
+        earlier = ROOT.glob(f"python/*/{name}")
+        shutil.copy(path.parent / name if (path.parent / name).exists() else next(earlier), tmp_path)
     for copied in list(tmp_path.glob("*.py")):
         done = subprocess.run([PYTHON, copied.name, "--help"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stderr

@@ -24,7 +24,7 @@ def built(name: str) -> Path:
     if not dotnet.sdk():
         pytest.skip(dotnet.DOWNLOAD)
     try:
-        engine = dotnet.ask_nuget(name)
+        engine = dotnet.choose_engine(name)
     except KitError as error:
         pytest.skip(str(error))
     return dotnet.build(PYTHON, engine, PROJECT)

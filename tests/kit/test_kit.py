@@ -314,9 +314,8 @@ def test_every_command_explains_itself_with_examples_that_it_takes(name, option,
 
 
 def test_what_comes_after_test_is_for_pytest(start):
-    program = start(
-        PYTHON, KIT, "test", "-k", "not_a_test or what_comes_after", "--collect-only", "-q", "--", "--no-header"
-    )
+    wanted = ["tests/kit/test_kit.py", "-k", "not_a_test or what_comes_after", "--collect-only", "-q"]
+    program = start(PYTHON, KIT, "test", *wanted, "--", "--no-header")
     assert program.wait(120) == 0
     assert any(line.endswith("::test_what_comes_after_test_is_for_pytest") for line in program.lines)
     theirs = start(PYTHON, KIT, "test", "--", "--help")
@@ -817,25 +816,26 @@ def test_the_dlls_can_come_from_a_folder(project, tmp_path, start):
     assert start(PYTHON, KIT, "unity", project, "--dlls", dlls, "--scripts-only").wait() == 2
 
 
-def test_a_run_leaves_its_files_in_a_folder_of_its_own(copy, start):
+def test_a_run_leaves_its_files_in_a_folder_of_its_own(prepared, start):
     for balance in ("0", "2"):
         words = ["run", "2", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", "--options=--count 2"]
-        program = start(PYTHON, copy / "kit.py", *words)
+        program = start(PYTHON, prepared / "kit.py", *words)
         assert program.wait(120) == 0, program.output
         assert f"server | journal lazy_pirate.sqlite3, balance {balance}" in program.lines
-    assert list(copy.rglob("*.sqlite3")) == [copy / ".build" / "run" / "02" / "lazy_pirate.sqlite3"]
+    assert list(prepared.rglob("*.sqlite3")) == [prepared / ".build" / "run" / "02" / "lazy_pirate.sqlite3"]
 
 
-def test_what_a_reader_has_left_is_not_touched_by_the_tests(copy, start, monkeypatch, tmp_path):
+def test_what_a_reader_has_left_is_not_touched_by_the_tests(prepared, start, monkeypatch, tmp_path):
     """The guide's runs and a server with --folder write elsewhere."""
-    monkeypatch.setattr(guide, "ROOT", copy)
+    monkeypatch.setattr(guide, "ROOT", prepared)
     guide.begin_anew()
     assert "client | done: 2 replies" in guide.printed("2 --client python --options='--count 2'")
     folder = tmp_path / "new" / "folder"
-    server = start(PYTHON, copy / "kit.py", "server", "2", "--folder", folder, "--endpoint", "tcp://127.0.0.1:0")
+    server = start(PYTHON, prepared / "kit.py", "server", "2", "--folder", folder, "--endpoint", "tcp://127.0.0.1:0")
     server.wait_for("^listening on ")
     assert (folder / "lazy_pirate.sqlite3").exists()
-    assert not list(copy.rglob("*.sqlite3*"))
+    server.stop()
+    assert not list(prepared.rglob("*.sqlite3*"))
 
 
 @pytest.mark.timeout(600)

@@ -48,7 +48,8 @@ def labels(results, title):
 def test_a_quick_run_measures_everything_that_can_run_here(quick):
     output, results, _ = quick
     skipped = " ".join(results["skipped"])
-    for label in ("raw TCP", "lesson 01", "busy-wait client", "lesson 05, pooled", "lesson 06, 256 in flight"):
+    kit = ("lesson 01", "lesson 05, pooled", "lesson 06, 256 in flight", contest.FAST.label)
+    for label in ("raw TCP", "busy-wait client", *kit):
         assert label in labels(results, "echo of 32 B"), output
     for contender in (contest.HTTP, contest.WEBSOCKET, contest.GRPC):
         assert (contender.label in labels(results, "echo of 230,400 B")) != (contender.label in skipped), output

@@ -17,6 +17,9 @@ import pytest
 from kitlib.setup import dotnet
 from tests.programs import ROOT
 
+# A group begins early: alone at the end, its builds would be waited for.
+pytestmark = pytest.mark.xdist_group("player")
+
 
 @pytest.fixture(scope="session")
 def harness(engine: dotnet.Engine) -> Path:

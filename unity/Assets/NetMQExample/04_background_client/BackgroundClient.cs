@@ -43,7 +43,8 @@ namespace NetMQExample
         private const int MaxBytes = 65536;
 
         private readonly ConcurrentQueue<(Action<string> callback, string text)> done = new();
-        private readonly Queue<(string text, Action<string> reply, Action<string> error)> waiting = new();
+        // With room for as many as may usually wait: to grow when the network is late would allocate memory in a frame.
+        private readonly Queue<(string text, Action<string> reply, Action<string> error)> waiting = new(64);
         // Guards `waiting`, whose head is the request that is being asked, and what is known.
         private readonly object gate = new object();
         // Not Monitor.Pulse: the woken thread would block on the gate, which Request still holds.

@@ -34,7 +34,7 @@ namespace NetMQExample
         /// <summary>One action in so many is logged; 0: none.</summary>
         public int Every { get; set; }
 
-        /// <summary>Whether the world waits for each action. Then it is braked for the one that does not come.</summary>
+        /// <summary>Whether the world waits for each action, and brakes for the one that does not come.</summary>
         public bool Lockstep { get; set; }
 
         /// <summary>Where it drives.</summary>

@@ -30,8 +30,7 @@ namespace NetMQExample
             Part(new Vector3(0, 0.9f, -1.5f), new Vector3(1.4f, 0.5f, 1.6f));
             Place();
             if (Math.Abs(Time.fixedDeltaTime - Car.StepSeconds) > 1e-6)
-                Debug.LogWarning("trouble: the car's time is not the clock's; "
-                    + "set Project Settings, Time, Fixed Timestep to 0.02");
+                Debug.LogWarning("trouble: time goes wrong: set Project Settings, Time, Fixed Timestep to 0.02");
         }
 
         private void FixedUpdate()

@@ -88,10 +88,13 @@ namespace NetMQExample
             }
         }
 
-        private static double Take(Message reply, string name) =>
-            reply.Kind == "action" && reply.Values.TryGetValue(name, out var value) && (value is double || value is long)
-                ? Convert.ToDouble(value, CultureInfo.InvariantCulture)
-                : throw new MessageException("no-action", $"the reply is no action, or without a number '{name}'");
+        private static double Take(Message reply, string name)
+        {
+            reply.Values.TryGetValue(name, out var value);
+            if (reply.Kind == "action" && (value is double || value is long))
+                return Convert.ToDouble(value, CultureInfo.InvariantCulture);
+            throw new MessageException("no-action", $"the reply is no action, or without a number '{name}'");
+        }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => requester.Dispose();

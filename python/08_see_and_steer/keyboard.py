@@ -1,0 +1,79 @@
+"""Lesson 08, the arrow keys of a terminal as a steering wheel: the twin of Keyboard.cs.
+
+A terminal tells when a key is pressed, and not when it is let go: what was set stays set.
+Take home: this file.
+"""
+
+import os
+import sys
+from typing import Protocol
+
+KEYS = {b"\x1b[A": "up", b"\x1b[B": "down", b"\x1b[C": "right", b"\x1b[D": "left", b" ": "space", b"\n": "enter"}
+KEYS |= {b"\xe0H": "up", b"\xe0P": "down", b"\xe0M": "right", b"\xe0K": "left", b"\r": "enter"}
+
+
+class Driven(Protocol):
+    def take_over(self, throttle: float, brake: float, steer: float) -> None: ...
+
+    def give_back(self) -> None: ...
+
+
+class Keyboard:
+    """An arrow key or the space bar takes over, Enter gives back. `with` gives the terminal back as it was."""
+
+    def __init__(self, wanted: bool) -> None:
+        self.wanted = wanted
+        self.throttle = self.brake = self.steer = 0.0
+        self.rest = b""
+
+    def look(self, driven: Driven) -> None:
+        """Take what was pressed since the last call."""
+        self.rest += pressed() if self.wanted else b""
+        while self.rest:
+            code = next((code for code in KEYS if self.rest.startswith(code)), None)
+            if code is None and any(known.startswith(self.rest) for known in KEYS):
+                return
+            self.rest = self.rest[len(code or b"?") :]
+            key = KEYS.get(code or b"")
+            if key in ("left", "right"):
+                self.steer = min(1.0, max(-1.0, self.steer + (0.1 if key == "right" else -0.1)))
+            elif key in ("up", "down"):
+                self.throttle = min(1.0, max(0.0, self.throttle + (0.2 if key == "up" else -0.2)))
+                self.brake = 0.0
+            elif key == "space":
+                self.throttle, self.brake = 0.0, 1.0
+            if key == "enter":
+                driven.give_back()
+            elif key:
+                driven.take_over(self.throttle, self.brake, self.steer)
+
+    def __enter__(self) -> "Keyboard":
+        if self.wanted and sys.platform != "win32":
+            import termios
+            import tty
+
+            self.before = termios.tcgetattr(sys.stdin)
+            # Each key at once and without an echo; Ctrl-C stays what it is.
+            tty.setcbreak(sys.stdin)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.wanted and sys.platform != "win32":
+            import termios
+
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self.before)
+
+
+def pressed() -> bytes:
+    """The bytes of all keys that wait to be read."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        found = b""
+        while msvcrt.kbhit():
+            found += msvcrt.getch()
+        # An arrow of the number block begins with 0.
+        return found.replace(b"\0", b"\xe0")
+    import select
+
+    return os.read(sys.stdin.fileno(), 1024) if select.select([sys.stdin], [], [], 0)[0] else b""

@@ -1,0 +1,72 @@
+"""Lesson 08, a bridge: any Unity camera becomes a camera of LeRobot, Hugging Face's kit for robots that learn.
+
+    python python/08_see_and_steer/lerobot_camera.py         in place of server.py, beside any client of this lesson
+
+In LeRobot: ZMQCameraConfig(server_address="127.0.0.1", port=5555, camera_name="center"). What its ZMQCamera reads is
+one JSON text, {"timestamps": {name: seconds}, "images": {name: JPEG file in base64}}, from a PUB socket; see
+src/lerobot/cameras/zmq in github.com/huggingface/lerobot.
+Take home: this file, driver.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+"""
+
+import argparse
+import base64
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import zmq
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from driver import follow_road
+from messages import Message, MessageError, read
+from pictures import encode, pictures
+
+UNITY, LEROBOT = "tcp://127.0.0.1:5558", "tcp://127.0.0.1:5555"
+
+
+def bridge(unity: zmq.Socket[bytes], lerobot: zmq.Socket[bytes]) -> None:
+    """Answer a picture so that the car drives on, and publish it."""
+    try:
+        frame = read(unity.recv_multipart())
+        seen = pictures(frame)
+        first, speed, time = next(iter(seen.values())), frame.values["speed"], frame.values["wall_time"]
+        throttle, brake, steer = follow_road(first, float(speed))
+        action: dict[str, Any] = {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer}
+        unity.send_multipart(Message("action", frame.id, action).frames())
+    except (MessageError, KeyError, ValueError) as error:
+        unity.send_multipart(Message("error", 0, {"code": "no-frame", "text": f"{error!s:.80}"}).frames())
+        return
+    images = {name: base64.b64encode(encode(picture)).decode() for name, picture in seen.items()}
+    lerobot.send_string(json.dumps({"timestamps": dict.fromkeys(seen, time), "images": images}))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Publishes what a Unity camera sees for LeRobot's ZMQCamera.")
+    parser.add_argument("--endpoint", default=UNITY, help="where Unity connects")
+    parser.add_argument("--publish", default=LEROBOT, help="where LeRobot connects")
+    options = parser.parse_args()
+    with zmq.Context() as context, context.socket(zmq.REP) as unity, context.socket(zmq.PUB) as lerobot:
+        # Old pictures are worth nothing, and a reply that nobody fetches even less.
+        unity.linger = lerobot.linger = 0
+        lerobot.sndhwm, unity.rcvtimeo = 2, 200
+        try:
+            for socket, at in zip((unity, lerobot), endpoints, strict=True):
+                socket.bind(at)
+                print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        except (zmq.ZMQError, ValueError) as error:
+            sys.exit(
+                f"cannot listen on {' and '.join(endpoints)}: {error}; give two endpoints, for Unity and for LeRobot"
+            )
+        while True:
+            # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+            if unity.poll(200):
+                bridge(unity, lerobot)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        pass

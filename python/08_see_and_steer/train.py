@@ -1,0 +1,109 @@
+"""Lesson 08, training: learns to steer from a recording, by copying who drove ("behavioural cloning").
+
+    python python/08_see_and_steer/train.py runs/run_0001        prints how far it is, and writes steering.npz
+    python python/08_see_and_steer/server.py --model steering.npz
+
+A picture becomes a few hundred numbers, the mean colours of its parts, and steering the sum of these with a weight for
+each: ridge regression (Hoerl and Kennard, 1970), which numpy solves in one line. Each picture is used twice, the second
+time as in a mirror, with the steering turned round: so left bends teach right ones.
+Take home: this file, driver.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+"""
+
+import argparse
+import csv
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from driver import keep_speed
+from messages import MessageError
+from pictures import decode
+
+# The upper part of a picture is sky. The rest is cut into so many parts, with three colours each.
+SKY, ROWS, COLUMNS = 0.3, 12, 32
+# How much large weights are held back: without it a few pixels that happened to fit would decide.
+RIDGE = 5.0
+
+
+def features(picture: Any) -> Any:
+    """The mean colours of a picture's parts, of any size that has enough pixels."""
+    below = picture[int(picture.shape[0] * SKY) :].astype(np.float32) / 255
+    rows = np.linspace(0, below.shape[0], ROWS, False).astype(int)
+    columns = np.linspace(0, below.shape[1], COLUMNS, False).astype(int)
+    sums = np.add.reduceat(np.add.reduceat(below, rows, 0), columns, 1)
+    counts = np.diff(rows, append=below.shape[0])[:, None, None] * np.diff(columns, append=below.shape[1])[:, None]
+    return sums / counts
+
+
+def learn(seen: Any, steer: Any) -> Any:
+    """The weights, and last what to steer when nothing is seen."""
+    both = np.concatenate([seen, seen[:, :, ::-1]]).reshape(2 * len(seen), -1)
+    both = np.column_stack([both, np.ones(len(both))])
+    wanted = np.concatenate([steer, -steer])
+    return np.linalg.solve(both.T @ both + RIDGE * np.eye(both.shape[1]), both.T @ wanted)
+
+
+def steering(weights: Any, seen: Any) -> float:
+    return float(np.append(seen.ravel(), 1) @ weights)
+
+
+def load(path: Path) -> Callable[[Any, float], tuple[float, float, float]]:
+    """What train.py has learned, as a driver."""
+    try:
+        weights = np.load(path)["weights"]
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"no model in {path}: {error}; train.py writes one")
+    return lambda picture, speed: keep_speed(speed, steering(weights, features(picture)))
+
+
+def examples(folder: Path) -> tuple[Any, Any]:
+    """What was seen and what was steered, of each picture of a recording that can be read."""
+    seen, steer, begin = [], [], time.monotonic()
+    rows = list(csv.DictReader((folder / "metadata.csv").open(newline="", encoding="utf-8")))
+    for number, row in enumerate(rows, 1):
+        try:
+            # A person's steering, or what was answered to this very picture.
+            wanted = float(row["steer"] if row["manual"] == "True" else row["answered_steer"])
+            file = row.get("file_name") or row.get("center_file_name") or row["left_file_name"]
+            seen.append(features(decode((folder / file).read_bytes())))
+            steer.append(wanted)
+        except (OSError, KeyError, TypeError, ValueError, MessageError) as error:
+            print(f"trouble: line {number + 1} of metadata.csv is left out: {error}")
+        if number % 1000 == 0 or number == len(rows):
+            print(f"read {number} of {len(rows)} pictures, {time.monotonic() - begin:.0f} s", flush=True)
+    return np.array(seen), np.array(steer)
+
+
+def main() -> None:
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("recording", type=Path, help="a folder of recorder.py, such as runs/run_0001")
+    parser.add_argument("--out", type=Path, default=Path("steering.npz"), help="where to write what was learned")
+    parser.add_argument("--seed", type=int, default=0, help="chooses the pictures that are kept for the check")
+    options = parser.parse_args()
+    try:
+        seen, steer = examples(options.recording)
+    except OSError as error:
+        sys.exit(f"no recording in {options.recording}: {error.strerror}; server.py --record runs makes one")
+    if len(seen) < 100:
+        sys.exit(f"{len(seen)} pictures are too few to learn from: record a lap or more")
+    # One in ten is not learned from: how far off it is there says what was learned, and not what was remembered.
+    check = np.random.default_rng(options.seed).random(len(seen)) < 0.1
+    weights = learn(seen[~check], steer[~check])
+    off = [abs(steering(weights, picture) - wanted) for picture, wanted in zip(seen[check], steer[check], strict=True)]
+    np.savez(options.out, weights=weights)
+    print(f"learned from {(~check).sum()} pictures; on {check.sum()} others its steering is off by {np.mean(off):.3f}")
+    print(f"wrote {options.out}")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit("stopped")
