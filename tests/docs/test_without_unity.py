@@ -37,7 +37,7 @@ def table():
 
 def test_the_readme_says_how_many_files_to_copy():
     """One server or client, or a class with all that it needs."""
-    words = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+    words = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven", 8: "eight"}
     counts = [len(files) for row in table() for files in row[1:]]
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     assert f"copy a lesson's files, {words[min(counts)]} to {words[max(counts)]} on each side" in readme
@@ -65,7 +65,9 @@ def test_the_files_to_take_need_no_others(row):
     folder = ROOT / "python" / key
     for names in (client, server):
         for name in names:
-            nodes = ast.walk(ast.parse((folder / name).read_text(encoding="utf-8")))
+            # An earlier lesson's, where this one has none of that name.
+            path = folder / name if (folder / name).exists() else next(ROOT.glob(f"python/*/{name}"))
+            nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
             used = {f"{node.module}.py" for node in nodes if isinstance(node, ast.ImportFrom)}
             assert not [other for other in used - set(names) if (folder / other).exists()], name
 

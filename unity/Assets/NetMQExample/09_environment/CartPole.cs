@@ -38,10 +38,10 @@ namespace NetMQExample
         public int StateSize => 4;
 
         /// <inheritdoc/>
-        public Space Observation { get; } = Space.Box(Array.ConvertAll(Most, most => -most), Most);
+        public GymSpace Observation { get; } = GymSpace.Box(Array.ConvertAll(Most, most => -most), Most);
 
         /// <inheritdoc/>
-        public Space Action { get; } = Space.Discrete(2);
+        public GymSpace Action { get; } = GymSpace.Discrete(2);
 
         /// <inheritdoc/>
         public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state)

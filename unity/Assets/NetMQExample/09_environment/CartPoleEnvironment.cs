@@ -20,10 +20,10 @@ namespace NetMQExample
         public override int StateSize => world.StateSize;
 
         /// <inheritdoc/>
-        public override Space Observation => world.Observation;
+        public override GymSpace Observation => world.Observation;
 
         /// <inheritdoc/>
-        public override Space Action => world.Action;
+        public override GymSpace Action => world.Action;
 
         /// <inheritdoc/>
         public override void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state) =>

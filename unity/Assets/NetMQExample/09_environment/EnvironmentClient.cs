@@ -2,7 +2,7 @@
 //
 // It says hello with the simulation's name, spaces and dt; then it answers reset, step and render, until close. Each
 // try to connect has a new socket.
-// Take home: this file, Simulator.cs, Simulation.cs and Space.cs, with Message.cs and MessageJson.cs (lesson 05),
+// Take home: this file, Simulator.cs, Simulation.cs and GymSpace.cs, with Message.cs and MessageJson.cs (lesson 05),
 // NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/09_environment/environment.py.
 // Trouble: stop the Python program while it steps, and start it again.
 using System;

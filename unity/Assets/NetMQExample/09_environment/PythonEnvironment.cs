@@ -35,10 +35,10 @@ namespace NetMQExample
         public abstract int StateSize { get; }
 
         /// <inheritdoc/>
-        public abstract Space Observation { get; }
+        public abstract GymSpace Observation { get; }
 
         /// <inheritdoc/>
-        public abstract Space Action { get; }
+        public abstract GymSpace Action { get; }
 
         /// <inheritdoc/>
         public abstract void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state);

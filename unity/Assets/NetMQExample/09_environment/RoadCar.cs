@@ -27,8 +27,8 @@ namespace NetMQExample
             (car, camera) = (new Car(road), new DrawnCamera(road));
             var most = new double[] { 2, 2, 2, 2, 2 };
             Observation = seesPictures
-                ? Space.Picture(DrawnCamera.Height, DrawnCamera.Width)
-                : Space.Box(Array.ConvertAll(most, each => -each), most);
+                ? GymSpace.Picture(DrawnCamera.Height, DrawnCamera.Width)
+                : GymSpace.Box(Array.ConvertAll(most, each => -each), most);
         }
 
         /// <inheritdoc/>
@@ -41,10 +41,10 @@ namespace NetMQExample
         public int StateSize => 1;
 
         /// <inheritdoc/>
-        public Space Observation { get; }
+        public GymSpace Observation { get; }
 
         /// <summary>Steer, from -1, left, to 1, right; and throttle above 0, brake below.</summary>
-        public Space Action { get; } = Space.Box(new double[] { -1, -1 }, new double[] { 1, 1 });
+        public GymSpace Action { get; } = GymSpace.Box(new double[] { -1, -1 }, new double[] { 1, 1 });
 
         /// <inheritdoc/>
         public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state)

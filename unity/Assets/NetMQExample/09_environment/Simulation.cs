@@ -1,6 +1,6 @@
 // Lesson 09, a simulation: what a world needs, so that an environment can be made of it. The twin of simulation.py.
 //
-// Take home: this file and Space.cs, with Message.cs and MessageJson.cs (lesson 05).
+// Take home: this file and GymSpace.cs, with Message.cs and MessageJson.cs (lesson 05).
 using System.Collections.Generic;
 
 namespace NetMQExample
@@ -18,10 +18,10 @@ namespace NetMQExample
         int StateSize { get; }
 
         /// <summary>What is seen.</summary>
-        Space Observation { get; }
+        GymSpace Observation { get; }
 
         /// <summary>What can be done.</summary>
-        Space Action { get; }
+        GymSpace Action { get; }
 
         /// <summary>Begins an episode.</summary>
         /// <param name="chance">Where all that is random comes from.</param>

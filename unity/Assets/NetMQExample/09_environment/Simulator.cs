@@ -1,6 +1,6 @@
 // Lesson 09, the simulator: does in a simulation what an environment asks for, and each request once.
 //
-// Take home: this file, Simulation.cs and Space.cs, with Message.cs and MessageJson.cs (lesson 05).
+// Take home: this file, Simulation.cs and GymSpace.cs, with Message.cs and MessageJson.cs (lesson 05).
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -89,7 +89,7 @@ namespace NetMQExample
         {
             if (!(request.Values.GetValueOrDefault("seed") is long seed))
                 throw new MessageException("missing-field", "reset needs a whole number 'seed'");
-            var state = request.Arrays.SelectMany(Space.Numbers).ToArray();
+            var state = request.Arrays.SelectMany(GymSpace.Numbers).ToArray();
             if (state.Length != 0 && state.Length != simulation.StateSize)
                 throw new MessageException("bad-state",
                     $"a state is {simulation.StateSize} numbers, not {state.Length}");

@@ -13,11 +13,11 @@ using System.Runtime.InteropServices;
 namespace NetMQExample
 {
     /// <summary>A set of arrays: all those between two of them, or one whole number.</summary>
-    public sealed class Space
+    public sealed class GymSpace
     {
         private readonly double[] low, high;
 
-        private Space(string kind, MessageArray form, params MessageArray[] arrays)
+        private GymSpace(string kind, MessageArray form, params MessageArray[] arrays)
         {
             (Kind, Form, Arrays) = (kind, form, arrays);
             low = kind == "box" ? Numbers(arrays[0]) : new[] { 0.0 };
@@ -33,18 +33,18 @@ namespace NetMQExample
         private MessageArray Form { get; }
 
         /// <summary>The whole numbers from 0 on, so many of them.</summary>
-        public static Space Discrete(long count) =>
-            new Space("discrete", ToArray("int64", new double[1]), ToArray("int64", new double[] { count }));
+        public static GymSpace Discrete(long count) =>
+            new GymSpace("discrete", ToArray("int64", new double[1]), ToArray("int64", new double[] { count }));
 
         /// <summary>As many float32 as there are limits, each between two of them.</summary>
-        public static Space Box(double[] low, double[] high) =>
+        public static GymSpace Box(double[] low, double[] high) =>
             Box(ToArray("float32", low, low.Length), ToArray("float32", high, high.Length));
 
         /// <summary>Arrays of the same dtype and shape as these two, and between them.</summary>
-        public static Space Box(MessageArray low, MessageArray high) => new Space("box", low, low, high);
+        public static GymSpace Box(MessageArray low, MessageArray high) => new GymSpace("box", low, low, high);
 
         /// <summary>Pictures: uint8 [height, width, 3], the highest row first.</summary>
-        public static Space Picture(int height, int width) => Box(
+        public static GymSpace Picture(int height, int width) => Box(
             new MessageArray("uint8", new byte[height * width * 3], height, width, 3),
             new MessageArray("uint8", Enumerable.Repeat((byte)255, height * width * 3).ToArray(), height, width, 3));
 
