@@ -5,8 +5,8 @@
     python python/09_environment/client.py --count 3      leave after so many episodes: the environment has lost it
 
 Bytes: messages of lesson 05, see environment_client.py and spaces.py. Take home: this file, environment_client.py,
-simulator.py, simulation.py and spaces.py, with messages.py of lesson 05; cart_pole.py and road_car.py
-stand for your simulation.
+simulator.py, simulation.py and spaces.py, with messages.py of lesson 05; cart_pole.py, and road_car.py with world.py of
+lesson 08, stand for your simulation.
 """
 
 import argparse

@@ -71,9 +71,11 @@ namespace NetMQExample
             ? FormattableString.Invariant($"Discrete({high[0] + 1})")
             : $"Box({Shown(low)}, {Shown(high)}, {Shown(Form.Shape)}, {Form.Dtype})";
 
-        private static string Shown<T>(IReadOnlyCollection<T> items) =>
-            $"[{string.Join(", ", items.Take(8).Select(item => Convert.ToString(item, CultureInfo.InvariantCulture)))}" +
-            (items.Count > 8 ? ", …]" : "]");
+        private static string Shown<T>(IReadOnlyCollection<T> items)
+        {
+            var few = items.Take(8).Select(item => Convert.ToString(item, CultureInfo.InvariantCulture));
+            return $"[{string.Join(", ", few)}{(items.Count > 8 ? ", …" : "")}]";
+        }
 
         /// <summary>The numbers of an array of any dtype.</summary>
         public static double[] Numbers(MessageArray array)
