@@ -289,9 +289,10 @@ def test_it_may_be_closed_twice_or_forgotten(make, launch):
 
 @finds_processes
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_a_trainer_that_ends_leaves_no_simulator(how, start, launch):
+@each_client
+def test_a_trainer_that_ends_leaves_no_simulator(kind, how, start, launch):
     mark = Mark()
-    words = ["--generations", "1000000", "--launch", *launch("csharp", "--patience", "1")]
+    words = ["--generations", "1000000", "--launch", *launch(kind, "--patience", "1")]
     trainer = start(PYTHON, LESSON / "train.py", *words, **mark.environment)
     trainer.wait_for("^generation 1")
     assert len(mark.processes()) == 2
