@@ -5,8 +5,8 @@
     python python/08_see_and_steer/client.py --drive         arrow keys take over, Enter gives back
     python python/08_see_and_steer/client.py --jpeg          JPEG files; needs Pillow
 
-Bytes: as in server.py. Take home: this file, drive.py, driver_client.py, keyboard.py, pictures.py and world.py, whose
-camera only stands for your own, with messages.py of lesson 05.
+Bytes: as in server.py. Take home: this file, action.py, drive.py, driver_client.py, keyboard.py, pictures.py and
+world.py, whose camera only stands for your own, with messages.py of lesson 05.
 """
 
 import argparse

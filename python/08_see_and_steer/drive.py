@@ -4,52 +4,27 @@
     drive.apply(client.receive(…))      driver_client.py; now the action's age is known
     drive.step()                        0.02 s later
 
-Take home: this file, pictures.py and world.py, whose car and road stand for your own, with messages.py of lesson 05.
+Take home: this file, action.py, pictures.py and world.py, whose car and road stand for your own, with
+messages.py of lesson 05.
 """
 
 import sys
 import time
 import uuid
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from action import Action
 from pictures import encode
 from world import STEP, Car, Road
 
 # messages.py is lesson 05's. At home it lies beside this file.
 sys.path.append(str(Path(__file__).parent / "../05_messages"))
-from messages import Array, Message, MessageError
+from messages import Array, Message
 
 # Steps without an action, after which the car brakes: half a second.
 PATIENCE = 25
-
-
-@dataclass
-class Action:
-    """What to do, about which picture, and how long it took to be told. What is out of range is put back into it."""
-
-    frame: int
-    throttle: float
-    brake: float
-    steer: float
-    milliseconds: float = 0.0
-
-    def __post_init__(self) -> None:
-        self.throttle, self.brake = min(1.0, max(0.0, self.throttle)), min(1.0, max(0.0, self.brake))
-        self.steer = min(1.0, max(-1.0, self.steer))
-
-
-def read_action(reply: Message, frame: int) -> Action:
-    """The action in a reply; MessageError says why it is none for this picture."""
-    for name in ("frame", "throttle", "brake", "steer"):
-        if reply.kind != "action" or type(reply.values.get(name)) not in (int, float):
-            raise MessageError("no-action", f"the reply is no action, or without a number '{name}'")
-    values = reply.values
-    if values["frame"] != frame:
-        raise MessageError("wrong-frame", f"an action for picture {values['frame']}, but {frame} was asked about")
-    return Action(frame, values["throttle"], values["brake"], values["steer"])
 
 
 class Drive:

@@ -5,7 +5,7 @@
 
 A picture without an action is not sent again: by then there is a newer one. Each failure costs the socket, because REQ
 can only receive after it has sent, and a new one finds a server that is back again.
-Take home: this file, drive.py, pictures.py and world.py, with messages.py of lesson 05.
+Take home: this file and action.py, with messages.py of lesson 05.
 """
 
 import math
@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import zmq
-from drive import Action, read_action
+from action import Action, read_action
 
 # messages.py is lesson 05's. At home it lies beside this file.
 sys.path.append(str(Path(__file__).parent / "../05_messages"))

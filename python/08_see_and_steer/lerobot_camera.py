@@ -35,10 +35,11 @@ def bridge(unity: zmq.Socket[bytes], lerobot: zmq.Socket[bytes]) -> None:
         throttle, brake, steer = follow_road(first, float(speed))
         action: dict[str, Any] = {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer}
         unity.send_multipart(Message("action", frame.id, action).frames())
-    except (MessageError, KeyError, ValueError) as error:
-        unity.send_multipart(Message("error", 0, {"code": "no-frame", "text": f"{error!s:.80}"}).frames())
+    except MessageError as error:
+        unity.send_multipart(Message("error", error.id, {"code": error.code, "text": error.text}).frames())
         return
-    images = {name: base64.b64encode(encode(picture)).decode() for name, picture in seen.items()}
+    # Red and blue change places: what OpenCV reads from the file, blue first, LeRobot takes for red first.
+    images = {name: base64.b64encode(encode(picture[:, :, ::-1])).decode() for name, picture in seen.items()}
     lerobot.send_string(json.dumps({"timestamps": dict.fromkeys(seen, time), "images": images}))
 
 
@@ -51,14 +52,13 @@ def main() -> None:
         # Old pictures are worth nothing, and a reply that nobody fetches even less.
         unity.linger = lerobot.linger = 0
         lerobot.sndhwm, unity.rcvtimeo = 2, 200
-        try:
-            for socket, at in zip((unity, lerobot), endpoints, strict=True):
+        for socket, at in (unity, options.endpoint), (lerobot, options.publish):
+            try:
                 socket.bind(at)
-                print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        except (zmq.ZMQError, ValueError) as error:
-            sys.exit(
-                f"cannot listen on {' and '.join(endpoints)}: {error}; give two endpoints, for Unity and for LeRobot"
-            )
+            except zmq.ZMQError as error:
+                cure = "try another port with --endpoint and --publish"
+                sys.exit(f"cannot listen on {at}: {zmq.strerror(error.errno or 0)}; {cure}")
+            print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         while True:
             # In slices: on Windows Ctrl-C does not interrupt a longer wait.
             if unity.poll(200):

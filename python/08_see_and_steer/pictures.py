@@ -21,6 +21,8 @@ except ImportError:
     sys.exit("this lesson needs numpy: pip install numpy, or let python3 kit.py run 8 do it")
 
 CAMERAS = ("center", "left,right", "left,center,right")
+VALUES: dict[str, tuple[type, ...]] = {"frame": (int,), "run": (str,), "manual": (bool,)}
+VALUES |= dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), (int, float))
 MOST_SCANS, MOST_PARTS = 50, 200
 # What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
 # of JPEG that no camera writes are left out: some are ten times as slow to decode.
@@ -29,6 +31,7 @@ PART = re.compile(rb"\xff[\xc0-\xc2\xc4\xdb-\xef\xfe](..)", re.DOTALL)
 
 def pictures(frame: Message) -> dict[str, Any]:
     """What each camera saw; MessageError says why there is nothing to see."""
+    check_values(frame)
     cameras, encoding = frame.values.get("cameras"), frame.values.get("encoding")
     if cameras not in CAMERAS:
         raise MessageError("bad-cameras", f"cameras must be {' or '.join(CAMERAS)}, not {cameras!a:.40}")
@@ -42,6 +45,17 @@ def pictures(frame: Message) -> dict[str, Any]:
     if len(sizes := {picture.shape for picture in found.values()}) > 1:
         raise MessageError("bad-shape", f"pictures of one moment have one size, not {sorted(sizes)}")
     return found
+
+
+def check_values(frame: Message) -> None:
+    """Refuse a frame without its number, drive or telemetry: a driver and the recorder take them as they are."""
+    if frame.kind != "frame":
+        raise MessageError("unknown-kind", f"kind {frame.kind!a:.40} is not frame")
+    for name, kinds in VALUES.items():
+        if type(frame.values.get(name)) not in kinds:
+            raise MessageError("wrong-type", f"a frame needs the value '{name}', of type {kinds[-1].__name__}")
+    if frame.values["frame"] != frame.id:
+        raise MessageError("wrong-frame", f"the id is {frame.id}, but the value 'frame' {frame.values['frame']}")
 
 
 def from_raw(array: Array, frame: Message) -> Any:

@@ -10,8 +10,8 @@ drive), `manual` (true while a person drives), `sim_time` and `wall_time` (secon
 `steer` (-1, left, to 1, right) as they were in force when the picture was taken, `speed` (m/s), `cameras`, `encoding`
 and `bottom_up`; pictures.py says what its arrays are. The reply is of kind `action`: `frame`, `throttle`, `brake`,
 `steer`.
-Trouble on command: `--delay 0.2` is a slow driver. Take home: this file, pictures.py, driver.py, recorder.py and
-train.py, with messages.py of lesson 05.
+Trouble on command: `--delay 0.2` is a slow driver. Take home: this file, pictures.py, driver.py, recorder.py,
+recording.py and train.py, with messages.py of lesson 05.
 """
 
 import argparse
@@ -73,11 +73,11 @@ def reply_to(frames: list[zmq.Frame], driver: Any) -> tuple[Message, Message]:
         reply.frames()
         return frame, reply
     except Exception as error:
-        if not isinstance(error, (MessageError, KeyError)):
+        if not isinstance(error, MessageError):
             # A mistake in a driver: its place is for whoever writes it.
             traceback.print_exc()
-        code, text = getattr(error, "code", "error-in-answer"), getattr(error, "text", repr(error))
-        return frame, Message("error", frame.id, {"code": code, "text": text})
+            error = MessageError("error-in-driver", repr(error))
+        return frame, Message("error", error.id or frame.id, {"code": error.code, "text": error.text})
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

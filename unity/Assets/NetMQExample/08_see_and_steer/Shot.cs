@@ -16,7 +16,7 @@ namespace NetMQExample
         /// <param name="cameras">Their names: <c>center</c>; <c>left,right</c>; or <c>left,center,right</c>.</param>
         /// <param name="width">In pixels.</param>
         /// <param name="height">In pixels.</param>
-        /// <param name="channels">Red, green, blue: 3; or 4, with the alpha of graphics cards, which Python drops.</param>
+        /// <param name="channels">3; or 4, with the alpha that graphics cards add, which Python drops.</param>
         /// <exception cref="ArgumentException">There are no such cameras.</exception>
         public Shot(string cameras, int width, int height, int channels)
         {

@@ -1,0 +1,108 @@
+"""Lesson 08, a replay: sends a recording as if it were Unity, so that one can work on a driver without one.
+
+    python python/08_see_and_steer/replay.py runs/run_0001                 as fast as the server answers
+    python python/08_see_and_steer/replay.py runs/run_0001 --fps 50        as fast as it was driven
+    python python/08_see_and_steer/replay.py runs/run_0001 --compare       says which actions are others than then
+
+What was recorded from JPEG files is the same to the byte, and the same driver then gives the same actions to the bit.
+What was recorded from raw pictures has become JPEG on the way, which changes an action's last digits.
+Take home: this file, action.py, driver_client.py and pictures.py, with messages.py of lesson 05.
+"""
+
+import argparse
+import csv
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import zmq
+from action import Action
+from driver_client import DriverClient, GaveUp
+from pictures import decode
+
+# messages.py is lesson 05's. At home it lies beside this file.
+sys.path.append(str(Path(__file__).parent / "../05_messages"))
+from messages import Array, Message, MessageError
+
+ENDPOINT = "tcp://127.0.0.1:5558"
+NUMBERS = ("sim_time", "wall_time", "throttle", "brake", "steer", "speed")
+
+
+def frames(folder: Path) -> Iterator[tuple[int, Message, Action]]:
+    """Each line's number, what was sent and what was answered; what cannot be read is said and left out."""
+    with (folder / "metadata.csv").open(newline="", encoding="utf-8") as file:
+        for number, row in enumerate(csv.DictReader(file), 2):
+            try:
+                yield number, *read_row(folder, row)
+            except (OSError, MessageError, KeyError, TypeError, ValueError) as error:
+                print(f"trouble: line {number} of metadata.csv is left out: {error}", flush=True)
+
+
+def read_row(folder: Path, row: dict[str, str]) -> tuple[Message, Action]:
+    sides = [column.removesuffix("_file_name") for column in row if column.endswith("_file_name")]
+    values: dict[str, Any] = {name: float(row[name]) for name in NUMBERS}
+    values |= {"frame": int(row["frame"]), "run": f"replay of {folder.name}", "manual": row["manual"] == "True"}
+    values |= {"cameras": ",".join(sides) or "center", "encoding": "jpeg", "bottom_up": False}
+    message = Message("frame", values["frame"], values)
+    for column in [f"{side}_file_name" for side in sides] or ["file_name"]:
+        file = (folder / row[column]).read_bytes()
+        # A file that was cut off is found here: the server would only say that it cannot read it.
+        decode(file)
+        message.arrays.append(Array("uint8", (len(file),), file))
+    answered = (float(row[f"answered_{name}"]) for name in ("throttle", "brake", "steer"))
+    return message, Action(message.id, *answered)
+
+
+def replay(client: DriverClient, options: argparse.Namespace) -> str:
+    """Sends all of it. Returns what is to be said at the end."""
+    begin, asked, answered, others, most = time.monotonic(), 0, 0, 0, 0.0
+    for line, message, then in frames(options.recording):
+        if options.fps:
+            time.sleep(max(0.0, begin + asked / options.fps - time.monotonic()))
+        asked += 1
+        client.send(message)
+        now = client.receive(0, patient=True)
+        if now is None:
+            continue
+        answered += 1
+        apart = max(abs(now.throttle - then.throttle), abs(now.brake - then.brake), abs(now.steer - then.steer))
+        others, most = others + (apart > 0), max(most, apart)
+        if options.compare and apart and others <= 10:
+            print(f"line {line}, frame {now.frame}: steer {now.steer!r}, then {then.steer!r}", flush=True)
+    if not options.compare:
+        return f"done: {answered} of {asked} pictures have an action"
+    return f"done: {answered} of {asked} pictures have an action, {others} another one than then, by at most {most:g}"
+
+
+def main() -> None:
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description="Sends a recording as if it were Unity.")
+    parser.add_argument("recording", type=Path, help="a folder of recorder.py, such as runs/run_0001")
+    parser.add_argument("--endpoint", default=ENDPOINT, help="the server")
+    parser.add_argument("--fps", type=float, default=0, help="pictures a second; 0: as fast as the server answers")
+    parser.add_argument("--patience", type=float, default=1, help="seconds to wait for each action")
+    parser.add_argument("--compare", action="store_true", help="compare the actions with the recorded ones")
+    options = parser.parse_args()
+    if not 0 <= options.fps < 100_000 or not 0 < options.patience < 86400:
+        parser.error("--fps takes a number from 0, --patience seconds, more than 0")
+    print(f"asking {options.endpoint}", flush=True)
+    with zmq.Context() as context:
+        client = DriverClient(context, options.endpoint, options.patience, 3, print)
+        try:
+            print(replay(client, options))
+        except GaveUp as error:
+            sys.exit(f"gave up: {error}")
+        except (OSError, zmq.ZMQError) as error:
+            sys.exit(f"no replay of {options.recording} to {options.endpoint}: {error}")
+        finally:
+            client.close()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit("stopped")
