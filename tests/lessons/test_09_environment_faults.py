@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import signal
 import socket as sockets
 import sys
@@ -267,6 +268,18 @@ def test_who_leaves_after_some_episodes_is_lost(make, launch):
     env = make(launch=launch("python", "--count", "2"))
     begun = [process(env).pid for _ in range(5) if env.reset()]
     assert len(set(begun)) == 3
+
+
+def test_by_hand_it_plays_without_python(start, client_command):
+    """Nobody presses a key: the pole falls, and the next episode begins."""
+    client = start(*client_command("unity", KEY, f"tcp://127.0.0.1:{free_port()}", "--byHand", "true"))
+    for _ in range(2):
+        steps = re.match(
+            r"by hand: (\d+) steps, return \1.0$", client.wait_for("^by hand: .*", start=len(client.lines))[0]
+        )
+        assert 7 < int(steps[1]) < 12
+    assert "asking" not in client.output
+    assert "Physics.Simulate" not in client.output, "it is the script that simulates"
 
 
 # Nothing is left

@@ -24,6 +24,8 @@ namespace NetMQExample
 
         private SimulationMode before;
         private long seed;
+        private int steps;
+        private double total;
 
         /// <inheritdoc/>
         public abstract string Name { get; }
@@ -113,9 +115,12 @@ namespace NetMQExample
         {
             if (!byHand) return;
             Apply(Heuristic());
-            var (_, terminated, truncated) = Judge(new Dictionary<string, object>());
-            if (terminated || truncated)
-                ResetWorld(new Chance(++seed), new Dictionary<string, object>(), new double[0]);
+            var (reward, terminated, truncated) = Judge(new Dictionary<string, object>());
+            (steps, total) = (steps + 1, total + reward);
+            if (!terminated && !truncated) return;
+            Debug.Log(FormattableString.Invariant($"by hand: {steps} steps, return {total:F1}"));
+            (steps, total) = (0, 0);
+            ResetWorld(new Chance(++seed), new Dictionary<string, object>(), new double[0]);
         }
     }
 }
