@@ -54,7 +54,7 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         super().reset(seed=seed)
         # The simulator gets a seed each time, so that an episode never depends on the one before.
-        values = {**(options or {}), "seed": int(self.np_random.integers(2**53)) if seed is None else seed}
+        values = {**(options or {}), "seed": int(self.np_random.integers(2**53) if seed is None else seed)}
         arrays = [to_array(values.pop("state"), np.float64)] if "state" in values else []
         try:
             state = self.connection.ask("reset", values, arrays)

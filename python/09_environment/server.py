@@ -14,6 +14,7 @@ import contextlib
 import re
 import signal
 import sys
+import time
 from typing import Any
 
 import environment  # noqa: F401, it registers the environments.
@@ -52,6 +53,8 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
                     print(play(env, options.world, number), flush=True)
         except (OSError, MessageError) as error:
             print(f"trouble: {str(error)!a:.200}", flush=True)
+            # One such line a second: many that come with a wrong hello must not fill a disk.
+            time.sleep(1)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -28,7 +28,7 @@ def bound(endpoint: str) -> zmq.Socket[bytes]:
 
 
 class Simulators:
-    """`launch` is a program with its first words; `--endpoint` follows them. Without it, one waits for Play.
+    """`launch` is a program, or a program with its first words; `--endpoint` follows. Without it one waits for Play.
 
     `wait` is how many seconds for a simulator, `patience` how many for each answer. A socket that is given is not
     closed.
@@ -37,12 +37,13 @@ class Simulators:
     def __init__(
         self,
         endpoint: str = "",
-        launch: Sequence[str] = (),
+        launch: str | Sequence[str] = (),
         wait: float = 60,
         patience: float = 10,
         socket: zmq.Socket[bytes] | None = None,
     ) -> None:
-        self.launch, self.limit, self.own = list(launch), wait, socket is None
+        self.launch = [launch] if isinstance(launch, str) else list(launch)
+        self.limit, self.own = wait, socket is None
         # Each one that launches has a port of its own: several environments at once are no trouble.
         self.connection = Connection(socket or bound(endpoint or (FREE if launch else ENDPOINT)), patience)
         self.process: subprocess.Popen[bytes] | None = None

@@ -218,6 +218,8 @@ def test_a_simulator_that_ends_before_its_hello_is_not_waited_for():
     begin = time.monotonic()
     with pytest.raises(TimeoutError, match="the simulator that was launched has ended, and never came to tcp"):
         gymnasium.make(ID, launch=[str(PYTHON), "-c", "pass"], wait=LIMIT)
+    with pytest.raises(FileNotFoundError, match=r"no game\.exe"):
+        gymnasium.make(ID, launch="Build/no game.exe")
     assert time.monotonic() - begin < LIMIT, "the limit is not waited for"
 
 
