@@ -1,8 +1,8 @@
 // Lesson 11 in a terminal: what a locator means.
 //
-//     dotnet run --project csharp-console -- 11 --locator car@.speed                       prints: 'car'@['speed'] = $
+//     dotnet run --project csharp-console -- 11 --locator car@.speed           prints: 'car'@['speed'] = $
 //     dotnet run --project csharp-console -- 11 --locator .speed --scope car@.body
-//     dotnet run --project csharp-console -- 11 --locator=--speed                          says at which column it is wrong
+//     dotnet run --project csharp-console -- 11 --locator=-speed               says at which column it is wrong
 namespace NetMQExample.Terminal
 {
     internal static class Lesson11
