@@ -34,6 +34,9 @@ namespace NetMQExample.Terminal
             return rest.Remove($"--{name}");
         }
 
+        /// <summary>Whether it was given, also with a value that is the standard one.</summary>
+        public bool Has(string name) => rest.Contains($"--{name}");
+
         public string Text(string name, string standard)
         {
             declared.Add($"--{name} {standard}");

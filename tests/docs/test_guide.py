@@ -34,6 +34,7 @@ BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
 BY_HAND = 25
 EXPECTED_PAGES = {
     *(f"{lesson.key}.md" for lesson in lessons()),
+    "11_locators.md",
     "start_here.md",
     "unity_project.md",
     "without_unity.md",
