@@ -1,5 +1,5 @@
-"""What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer; and
-environments, with the simulators that they launch.
+"""What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer; the C# side
+of lesson 05's messages without a client around it; and environments, with the simulators that they launch.
 """
 
 from __future__ import annotations
@@ -9,6 +9,11 @@ import sys
 import pytest
 import zmq
 
+<<<<<<< HEAD
+=======
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+>>>>>>> lesson05
 from tests.programs import ROOT
 
 
@@ -16,6 +21,12 @@ from tests.programs import ROOT
 def context():
     with zmq.Context() as context:
         yield context
+
+
+@pytest.fixture(scope="session")
+def messages_program(engine):
+    """The command of tests/lessons/messages."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "messages"))]
 
 
 def ask(context, endpoint, *frames, kind=zmq.REQ):
