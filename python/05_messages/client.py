@@ -10,6 +10,7 @@ messages.py.
 import argparse
 import re
 import sys
+import time
 from socket import getaddrinfo
 
 import zmq
@@ -29,11 +30,14 @@ def picture(number: int) -> Message:
 def request(socket: zmq.Socket[bytes], frames: list[bytes], patience: float) -> Message:
     """Send a message and wait for its reply, at most `patience` seconds: zmq.Again after that."""
     socket.send_multipart(frames, copy=False)
+    end = time.monotonic() + patience
     # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-    any(socket.poll(min(200, left)) for left in range(int(1000 * patience), 0, -200))
+    while not socket.poll(200) and time.monotonic() < end:
+        pass
     reply = read(socket.recv_multipart(zmq.NOBLOCK, copy=False))
     if reply.kind == "error":
-        raise MessageError(*(printable(str(reply.values.get(name, "not said"))) for name in ("code", "text")))
+        code, text = (str(reply.values.get(name, "not said")) for name in ("code", "text"))
+        raise MessageError(printable(code), printable(text))
     return reply
 
 

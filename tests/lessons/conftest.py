@@ -1,5 +1,5 @@
-"""What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer; the C# side
-of lesson 05's messages without a client around it; and environments, with the simulators that they launch.
+"""What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer; the C#
+side of lesson 05's messages without a client around it; and environments, with the simulators that they launch.
 """
 
 from __future__ import annotations
@@ -9,11 +9,8 @@ import sys
 import pytest
 import zmq
 
-<<<<<<< HEAD
-=======
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
->>>>>>> lesson05
 from tests.programs import ROOT
 
 
