@@ -33,7 +33,8 @@ def request(socket: zmq.Socket[bytes], frames: list[bytes], patience: float) -> 
     any(socket.poll(min(200, left)) for left in range(int(1000 * patience), 0, -200))
     reply = read(socket.recv_multipart(zmq.NOBLOCK, copy=False))
     if reply.kind == "error":
-        raise MessageError(*(printable(str(reply.values.get(name, "not said"))) for name in ("code", "text")))
+        code, text = (printable(str(reply.values.get(name, "not said"))) for name in ("code", "text"))
+        raise MessageError(code, text)
     return reply
 
 
