@@ -60,4 +60,5 @@ def follow_road(picture: Any, speed: float) -> tuple[float, float, float]:
 def keep_speed(speed: float, steer: float) -> tuple[float, float, float]:
     """Full throttle 1 m/s below the speed that is wanted, full brake 4 m/s above it."""
     throttle, brake = min(1.0, max(0.0, SPEED + 0.4 - speed)), min(1.0, max(0.0, (speed - SPEED - 1) / 3))
-    return throttle, brake, min(1.0, max(-1.0, steer))
+    # Not min and max: NaN, which is no number, would become a number by them.
+    return throttle, brake, float(np.clip(steer, -1, 1))

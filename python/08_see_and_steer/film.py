@@ -3,30 +3,35 @@
     python python/08_see_and_steer/film.py runs/run_0001 drive.gif                ten seconds, ten pictures in each
     python python/08_see_and_steer/film.py runs/run_0001 drive.gif --first 500    from line 500 on
 
-Take home: this file. It needs Pillow.
+Take home: this file, recorded.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
 """
 
 import argparse
-import csv
+import itertools
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
-from PIL import Image, ImageDraw
+from pictures import decode
+from recorded import recorded
+
+try:
+    from PIL import Image, ImageDraw
+except ImportError:
+    sys.exit("a film needs Pillow: pip install pillow, or let python3 kit.py run 8 do it")
 
 # Few colours make a small file: 100 pictures of 320 x 240 are under 1 MB.
 COLOURS, WHITE, BLACK = 32, (255, 255, 255), (0, 0, 0)
 
 
-def scene(folder: Path, row: dict[str, str]) -> Image.Image:
+def scene(values: dict[str, Any], files: dict[str, bytes]) -> Any:
     """A recorded picture with what is known about it."""
-    name = row.get("file_name") or row.get("center_file_name") or row["left_file_name"]
-    with Image.open(folder / name) as file:
-        picture = file.convert("RGB")
-    pen, steer = ImageDraw.Draw(picture), float(row["steer"])
+    picture = Image.fromarray(decode(files.get("center", next(iter(files.values())))))
+    pen, steer = ImageDraw.Draw(picture), values["steer"]
     width, height = picture.size
     pen.rectangle((0, height - 14, width, height), fill=BLACK)
-    text = f"frame {row['frame']}   speed {float(row['speed']):.1f} m/s   steer {steer:+.2f}"
+    text = f"frame {values['frame']}   speed {values['speed']:.1f} m/s   steer {steer:+.2f}"
     pen.text((6, height - 13), text, fill=WHITE)
     # Full lock turns the wheel by a quarter; it stands upright at 0.
     x, y, radius, angle = width / 2, height - 46, 24, steer * math.pi / 2
@@ -46,11 +51,10 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100, help="how many pictures to show")
     options = parser.parse_args()
     try:
-        with (options.recording / "metadata.csv").open(newline="", encoding="utf-8") as table:
-            # Every fifth of 50 a second: browsers show no GIF much faster.
-            rows = list(csv.DictReader(table))[max(0, options.first) :: 5][: max(0, options.count)]
-        scenes = [scene(options.recording, row) for row in rows]
-    except (OSError, KeyError, TypeError, ValueError) as error:
+        # Every fifth of 50 a second: browsers show no GIF much faster.
+        found = itertools.islice(recorded(options.recording), max(0, options.first), None, 5)
+        scenes = [scene(values, files) for _, values, files in itertools.islice(found, max(0, options.count))]
+    except OSError as error:
         sys.exit(f"no film of {options.recording}: {error}; server.py --record runs makes recordings")
     if not scenes:
         sys.exit(f"no film of {options.recording}: it has no picture there; try a smaller --first")

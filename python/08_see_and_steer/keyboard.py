@@ -5,6 +5,7 @@ Take home: this file.
 """
 
 import os
+import signal
 import sys
 from typing import Protocol
 
@@ -52,6 +53,8 @@ class Keyboard:
             import termios
             import tty
 
+            # So that SIGTERM too gives the terminal back as it was.
+            signal.signal(signal.SIGTERM, signal.default_int_handler)
             self.before = termios.tcgetattr(sys.stdin)
             # Each key at once and without an echo; Ctrl-C stays what it is.
             tty.setcbreak(sys.stdin)

@@ -11,6 +11,7 @@ Take home: this file, driver.py and pictures.py, with messages.py of lesson 05. 
 import argparse
 import base64
 import json
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -20,23 +21,26 @@ import zmq
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from driver import follow_road
-from messages import Message, MessageError, read
-from pictures import encode, pictures
+from messages import LIMIT, Message, MessageError, read
+from pictures import check_values, encode, pictures
 
 UNITY, LEROBOT = "tcp://127.0.0.1:5558", "tcp://127.0.0.1:5555"
 
 
 def bridge(unity: zmq.Socket[bytes], lerobot: zmq.Socket[bytes]) -> None:
     """Answer a picture so that the car drives on, and publish it."""
+    frame = Message("")
     try:
         frame = read(unity.recv_multipart())
+        check_values(frame)
         seen = pictures(frame)
         first, speed, time = next(iter(seen.values())), frame.values["speed"], frame.values["wall_time"]
         throttle, brake, steer = follow_road(first, float(speed))
         action: dict[str, Any] = {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer}
         unity.send_multipart(Message("action", frame.id, action).frames())
     except MessageError as error:
-        unity.send_multipart(Message("error", error.id, {"code": error.code, "text": error.text}).frames())
+        why = {"code": error.code, "text": error.text}
+        unity.send_multipart(Message("error", error.id or frame.id, why).frames())
         return
     # Red and blue change places: what OpenCV reads from the file, blue first, LeRobot takes for red first.
     images = {name: base64.b64encode(encode(picture[:, :, ::-1])).decode() for name, picture in seen.items()}
@@ -48,10 +52,12 @@ def main() -> None:
     parser.add_argument("--endpoint", default=UNITY, help="where Unity connects")
     parser.add_argument("--publish", default=LEROBOT, help="where LeRobot connects")
     options = parser.parse_args()
+    # SIGTERM, which kill and process managers send, ends it as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     with zmq.Context() as context, context.socket(zmq.REP) as unity, context.socket(zmq.PUB) as lerobot:
         # Old pictures are worth nothing, and a reply that nobody fetches even less.
         unity.linger = lerobot.linger = 0
-        lerobot.sndhwm, unity.rcvtimeo = 2, 200
+        lerobot.sndhwm, unity.maxmsgsize = 2, 4 * LIMIT
         try:
             lerobot.bind(options.publish)
             unity.bind(options.endpoint)

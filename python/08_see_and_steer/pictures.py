@@ -8,6 +8,7 @@ The C# side is Shot.cs. Take home: this file and messages.py of lesson 05. It ne
 import io
 import re
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,20 @@ try:
     import numpy as np
 except ImportError:
     sys.exit("this lesson needs numpy: pip install numpy, or let python3 kit.py run 8 do it")
+try:
+    from PIL import Image
+
+    # Its parts for the usual formats. At the first picture they would take long enough to make actions old.
+    Image.preinit()
+except ImportError:
+    Image = None  # type: ignore[assignment]
 
 CAMERAS = ("center", "left,right", "left,center,right")
 VALUES: dict[str, tuple[type, ...]] = {"frame": (int,), "run": (str,), "manual": (bool,)}
 VALUES |= dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), (int, float))
-MOST_SCANS, MOST_PARTS = 50, 200
+MOST_SCANS, MOST_PARTS, MOST_PIXELS = 50, 200, 65_500
+# What it thinks of a peer's file is nothing for this terminal.
+warnings.filterwarnings("ignore", module="PIL")
 # What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
 # of JPEG that no camera writes are left out: some are ten times as slow to decode.
 PART = re.compile(rb"\xff[\xc0-\xc2\xc4\xdb-\xef\xfe](..)", re.DOTALL)
@@ -40,8 +50,8 @@ def pictures(frame: Message) -> dict[str, Any]:
         raise MessageError("bad-cameras", f"{len(names)} cameras, {cameras}, but {len(frame.arrays)} pictures")
     if encoding not in ("raw", "jpeg"):
         raise MessageError("bad-encoding", f"encoding must be raw or jpeg, not {encoding!a:.40}")
-    read = from_jpeg if encoding == "jpeg" else from_raw
-    found = {name: read(array, frame) for name, array in zip(names, frame.arrays, strict=True)}
+    seen = (from_jpeg(array) if encoding == "jpeg" else from_raw(array, frame) for array in frame.arrays)
+    found = dict(zip(names, seen, strict=True))
     if len(sizes := {picture.shape for picture in found.values()}) > 1:
         raise MessageError("bad-shape", f"pictures of one moment have one size, not {sorted(sizes)}")
     return found
@@ -61,13 +71,13 @@ def check_values(frame: Message) -> None:
 def from_raw(array: Array, frame: Message) -> Any:
     """Without a copy: cutting off and turning over make views of the memory in which ZeroMQ received the bytes."""
     shape = array.shape
-    if array.dtype != "uint8" or len(shape) != 3 or shape[2] not in (3, 4) or 0 in shape:
+    if array.dtype != "uint8" or len(shape) != 3 or shape[2] not in (3, 4) or 0 in shape or max(shape) > MOST_PIXELS:
         raise MessageError("bad-shape", f"a picture is uint8 [height, width, 3 or 4], not {array.dtype} {[*shape]}")
     pixels = array.numpy()[:, :, :3]
     return pixels[::-1] if frame.values.get("bottom_up") is True else pixels
 
 
-def from_jpeg(array: Array, frame: Message) -> Any:
+def from_jpeg(array: Array) -> Any:
     if array.dtype != "uint8" or len(array.shape) != 1:
         raise MessageError("bad-shape", f"a JPEG file is uint8 [bytes], not {array.dtype} {[*array.shape]}")
     return decode(bytes(array.data))
@@ -75,9 +85,7 @@ def from_jpeg(array: Array, frame: Message) -> Any:
 
 def encode(picture: Any) -> bytes:
     """A JPEG file of a picture with its top row first."""
-    try:
-        from PIL import Image
-    except ImportError:
+    if Image is None:
         sys.exit("JPEG needs Pillow: pip install pillow, or let python3 kit.py run 8 do it")
     file = io.BytesIO()
     Image.fromarray(np.ascontiguousarray(picture)).save(file, "JPEG", quality=90)
@@ -86,10 +94,8 @@ def encode(picture: Any) -> bytes:
 
 def decode(file: bytes) -> Any:
     """The pixels of a JPEG file, top row first."""
-    try:
-        from PIL import Image
-    except ImportError:
-        raise MessageError("no-pillow", "JPEG needs Pillow: pip install pillow") from None
+    if Image is None:
+        raise MessageError("no-pillow", "JPEG needs Pillow: pip install pillow")
     check(file)
     try:
         with Image.open(io.BytesIO(file), formats=["JPEG"]) as image:

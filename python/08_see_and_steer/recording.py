@@ -13,6 +13,7 @@ import contextlib
 import errno
 import os
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,7 @@ class Recording:
     """One drive: pictures of the same cameras, in one size."""
 
     def __init__(self, folder: Path, cameras: str) -> None:
-        self.folder, self.count, self.last = new_folder(folder), 0, -1
+        self.folder, self.count, self.used = new_folder(folder), 0, time.monotonic()
         (self.folder / "IMG").mkdir()
         files = tuple(f"{name}_file_name" for name in cameras.split(",")) if "," in cameras else ("file_name",)
         self.tables = (
@@ -65,9 +66,13 @@ class Recording:
 
     def add(self, frame: Message, action: Message, seen: dict[str, Any]) -> None:
         """All of it or nothing, whatever happens in between."""
+        self.used = time.monotonic()
         values, (metadata, log) = frame.values, self.tables
         height, width, _ = next(iter(seen.values())).shape
         paths = {name: f"IMG/{name}_{frame.id:06}.jpg" for name in seen}
+        if any((self.folder / path).exists() for path in paths.values()):
+            # It was sent again.
+            return
         known = (*(values[name] for name in KNOWN), width, height, *(action.values[name] for name in ANSWERED))
         try:
             for array, (name, path) in zip(frame.arrays, paths.items(), strict=True):
@@ -83,14 +88,15 @@ class Recording:
             raise
         metadata.keep()
         log.keep()
-        self.count, self.last = self.count + 1, frame.id
+        self.count += 1
 
 
 def new_folder(parent: Path) -> Path:
     """The one after the last that is there; another program may take it first."""
+    parent.mkdir(parents=True, exist_ok=True)
     number = max((int(path.name[4:]) for path in parent.glob("run_*") if path.name[4:].isdecimal()), default=0)
     while True:
         number += 1
         with contextlib.suppress(FileExistsError):
-            (folder := parent / f"run_{number:04}").mkdir(parents=True)
+            (folder := parent / f"run_{number:04}").mkdir()
             return folder

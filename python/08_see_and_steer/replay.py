@@ -10,49 +10,33 @@ Take home: this file, driver_client.py, action.py and pictures.py, with messages
 """
 
 import argparse
-import csv
+import re
 import sys
 import time
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import zmq
 from action import Action
 from driver_client import DriverClient, GaveUp
-from pictures import decode
+from recorded import ANSWERED, recorded
 
 # messages.py is lesson 05's. At home it lies beside this file.
 sys.path.append(str(Path(__file__).parent / "../05_messages"))
-from messages import Array, Message, MessageError
+from messages import Array, Message
 
 ENDPOINT = "tcp://127.0.0.1:5558"
-NUMBERS = ("sim_time", "wall_time", "throttle", "brake", "steer", "speed")
 
 
 def frames(folder: Path) -> Iterator[tuple[int, Message, Action]]:
-    """Each line's number, what was sent and what was answered; what cannot be read is said and left out."""
-    with (folder / "metadata.csv").open(newline="", encoding="utf-8") as file:
-        for number, row in enumerate(csv.DictReader(file), 2):
-            try:
-                yield number, *read_row(folder, row)
-            except (OSError, MessageError, KeyError, TypeError, ValueError) as error:
-                print(f"trouble: line {number} of metadata.csv is left out: {error}", flush=True)
-
-
-def read_row(folder: Path, row: dict[str, str]) -> tuple[Message, Action]:
-    sides = [column.removesuffix("_file_name") for column in row if column.endswith("_file_name")]
-    values: dict[str, Any] = {name: float(row[name]) for name in NUMBERS}
-    values |= {"frame": int(row["frame"]), "run": f"replay of {folder.name}", "manual": row["manual"] == "True"}
-    values |= {"cameras": ",".join(sides) or "center", "encoding": "jpeg", "bottom_up": False}
-    message = Message("frame", values["frame"], values)
-    for column in [f"{side}_file_name" for side in sides] or ["file_name"]:
-        file = (folder / row[column]).read_bytes()
-        # A file that was cut off is found here: the server would only say that it cannot read it.
-        decode(file)
-        message.arrays.append(Array("uint8", (len(file),), file))
-    answered = (float(row[f"answered_{name}"]) for name in ("throttle", "brake", "steer"))
-    return message, Action(message.id, *answered)
+    """Each line's number, what was sent and what was answered."""
+    run = f"replay {uuid.uuid4().hex[:8]}"
+    for line, values, files in recorded(folder):
+        then = Action(values["frame"], *(values.pop(name) for name in ANSWERED))
+        values |= {"run": run, "cameras": ",".join(files), "encoding": "jpeg", "bottom_up": False}
+        arrays = [Array("uint8", (len(file),), file) for file in files.values()]
+        yield line, Message("frame", values["frame"], values, arrays), then
 
 
 def replay(client: DriverClient, options: argparse.Namespace) -> str:
@@ -88,6 +72,9 @@ def main() -> None:
     options = parser.parse_args()
     if not 0 <= options.fps < 100_000 or not 0 < options.patience < 86400:
         parser.error("--fps takes a number from 0, --patience seconds, more than 0")
+    port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", options.endpoint, re.ASCII)
+    if not port or not 0 < int(port[1]) < 65536:
+        parser.error(f"bad endpoint '{options.endpoint}': write it like {ENDPOINT}, port 1 to 65535")
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context:
         client = DriverClient(context, options.endpoint, options.patience, 3, print)

@@ -6,11 +6,10 @@
 A picture becomes a few hundred numbers, the mean colours of its parts, and steering the sum of these with a weight for
 each: ridge regression (Hoerl and Kennard, 1970), which numpy solves in one line. Each picture is used twice, the second
 time as in a mirror, with the steering turned round: so left bends teach right ones.
-Take home: this file, driver.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+Take home: this file, driver.py, pictures.py and recorded.py, with messages.py of lesson 05. It needs numpy and Pillow.
 """
 
 import argparse
-import csv
 import sys
 import time
 from collections.abc import Callable
@@ -24,6 +23,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from driver import keep_speed
 from messages import MessageError
 from pictures import decode
+from recorded import recorded
 
 # The upper part of a picture is sky. The rest is cut into so many parts, with three colours each.
 SKY, ROWS, COLUMNS = 0.3, 12, 32
@@ -34,6 +34,8 @@ RIDGE = 5.0
 def features(picture: Any) -> Any:
     """The mean colours of a picture's parts, of any size that has enough pixels."""
     below = picture[int(picture.shape[0] * SKY) :].astype(np.float32) / 255
+    if below.shape[0] < ROWS or below.shape[1] < COLUMNS:
+        raise MessageError("bad-shape", f"{picture.shape[1]} x {picture.shape[0]} pixels are too few to steer by")
     rows = np.linspace(0, below.shape[0], ROWS, False).astype(int)
     columns = np.linspace(0, below.shape[1], COLUMNS, False).astype(int)
     sums = np.add.reduceat(np.add.reduceat(below, rows, 0), columns, 1)
@@ -57,26 +59,23 @@ def load(path: Path) -> Callable[[Any, float], tuple[float, float, float]]:
     """What train.py has learned, as a driver."""
     try:
         weights = np.load(path)["weights"]
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"no model in {path}: {error}; train.py writes one")
+        if weights.shape != (ROWS * COLUMNS * 3 + 1,) or not np.isfinite(weights).all():
+            raise ValueError("these are no weights of this lesson")
+    # numpy raises whatever it meets in a file that is not its own.
+    except Exception as error:
+        sys.exit(f"no model in {path}: {error!s:.80}; train.py writes one")
     return lambda picture, speed: keep_speed(speed, steering(weights, features(picture)))
 
 
 def examples(folder: Path) -> tuple[Any, Any]:
-    """What was seen and what was steered, of each picture of a recording that can be read."""
+    """What was seen and what was steered: by a person, or in answer to this very picture."""
     seen, steer, begin = [], [], time.monotonic()
-    rows = list(csv.DictReader((folder / "metadata.csv").open(newline="", encoding="utf-8")))
-    for number, row in enumerate(rows, 1):
-        try:
-            # A person's steering, or what was answered to this very picture.
-            wanted = float(row["steer"] if row["manual"] == "True" else row["answered_steer"])
-            file = row.get("file_name") or row.get("center_file_name") or row["left_file_name"]
-            seen.append(features(decode((folder / file).read_bytes())))
-            steer.append(wanted)
-        except (OSError, KeyError, TypeError, ValueError, MessageError) as error:
-            print(f"trouble: line {number + 1} of metadata.csv is left out: {error}")
-        if number % 1000 == 0 or number == len(rows):
-            print(f"read {number} of {len(rows)} pictures, {time.monotonic() - begin:.0f} s", flush=True)
+    for _, values, files in recorded(folder):
+        seen.append(features(decode(files.get("center", next(iter(files.values()))))))
+        steer.append(values["steer" if values["manual"] else "answered_steer"])
+        if len(seen) % 1000 == 0:
+            print(f"read {len(seen)} pictures, {time.monotonic() - begin:.0f} s", flush=True)
+    print(f"read {len(seen)} pictures, {time.monotonic() - begin:.0f} s", flush=True)
     return np.array(seen), np.array(steer)
 
 
@@ -87,17 +86,23 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("steering.npz"), help="where to write what was learned")
     parser.add_argument("--seed", type=int, default=0, help="chooses the pictures that are kept for the check")
     options = parser.parse_args()
+    if options.seed < 0:
+        parser.error("--seed takes a whole number from 0")
     try:
         seen, steer = examples(options.recording)
-    except OSError as error:
-        sys.exit(f"no recording in {options.recording}: {error.strerror}; server.py --record runs makes one")
+    except (OSError, MessageError) as error:
+        sys.exit(f"no recording in {options.recording}: {error}; server.py --record runs makes one")
     if len(seen) < 100:
         sys.exit(f"{len(seen)} pictures are too few to learn from: record a lap or more")
     # One in ten is not learned from: how far off it is there says what was learned, and not what was remembered.
     check = np.random.default_rng(options.seed).random(len(seen)) < 0.1
     weights = learn(seen[~check], steer[~check])
     off = [abs(steering(weights, picture) - wanted) for picture, wanted in zip(seen[check], steer[check], strict=True)]
-    np.savez(options.out, weights=weights)
+    try:
+        with options.out.open("wb") as file:
+            np.savez(file, weights=weights)
+    except OSError as error:
+        sys.exit(f"cannot write {options.out}: {error.strerror}; give another file with --out")
     print(f"learned from {(~check).sum()} pictures; on {check.sum()} others its steering is off by {np.mean(off):.3f}")
     print(f"wrote {options.out}")
 

@@ -75,9 +75,10 @@ namespace NetMQExample
                 if (answered != frame.Id)
                     throw new MessageException("wrong-frame", FormattableString.Invariant(
                         $"an action for picture {answered}, but {frame.Id} was asked about"));
+                var action = new DriveAction(frame.Id, Take(reply, "throttle"), Take(reply, "brake"),
+                    Take(reply, "steer"), clock.Elapsed.TotalMilliseconds);
                 lost = 0;
-                return new DriveAction(frame.Id, Take(reply, "throttle"), Take(reply, "brake"), Take(reply, "steer"),
-                    clock.Elapsed.TotalMilliseconds);
+                return action;
             }
             catch (Exception e) when (e is TimeoutException || e is MessageException)
             {
