@@ -16,6 +16,7 @@ from kitlib.terminal import say
 from lab import machine, report
 from lab.contest import (
     BARE,
+    BARE_ACTION,
     BUSY,
     FAST,
     GRPC,
@@ -26,6 +27,7 @@ from lab.contest import (
     POOL,
     POOLED,
     SPIN,
+    STEER,
     SUBSCRIBER,
     TCP,
     WEBSOCKET,
@@ -46,7 +48,7 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     """Run everything, print the tables, keep the results and draw them."""
     if not dotnet.sdk():
         raise KitError(f"the lab's clients are C#, and there is {dotnet.DOWNLOAD}")
-    python = python_setup.interpreter("tests", optional=("05_messages", "bench"))
+    python = python_setup.interpreter("tests", optional=("05_messages", "08_see_and_steer", "bench"))
     started = time.monotonic()
     lab = Lab(python, engines(engine), *((2, 0.04) if quick else (9, 0.2)), free=free)
     busy = machine.busy()
@@ -119,6 +121,8 @@ def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     one_way = [TCP, BARE, WEBSOCKET, JSON, *offline]
     stream = f"stream {{name}} {{endpoint}} {PICTURE} {lab.moment}"
     found = [lab.work("one way, frames of 230,400 B", one_way, stream)]
+    picture = f"echo {{name}} {{endpoint}} {PICTURE} {lab.moment}"
+    found.append(lab.work("a picture of 230,400 B, an action back", [BARE_ACTION, STEER], picture))
     for count in (1, 10, 100):
         publish = f"publish {{name}}@{count} {{endpoint}} 32 {(500 if quick else 10000) // count} {count}"
         found.append(lab.work(f"publish 32 B to {count}", [TCP, SUBSCRIBER, WEBSOCKET], publish))

@@ -1,6 +1,7 @@
 """ZeroMQ and nothing else, for the performance lab: a ROUTER that echoes, and an XPUB that publishes.
 
-Bytes: one frame each way. Its first byte says what to do: 1 answers with the same bytes, 0 does nothing, 2 publishes.
+Bytes: one frame each way. Its first byte says what to do: 1 answers with the same bytes, 0 does nothing, 2 publishes, 3
+answers with the first 200 bytes.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ def main() -> None:
             first = message.buffer[0]
             if first == 1:
                 router.send_multipart([client, message], copy=False)
+            elif first == 3:
+                router.send_multipart([client, message.bytes[:200]])
             elif first == 2:
                 publish(publisher, message.bytes, subscribed)
 

@@ -1,7 +1,8 @@
 // What every contender of the lab can do: send its payload, and wait until the server's answer is there.
 //
 // The first byte of a payload tells the server of the lab what to do: 1 answers with the same bytes, 0 does nothing, and
-// 2 sends to as many clients as bytes 1 to 4 say, once they are there, as many of the same messages as bytes 5 to 8 say.
+// 2 sends to as many clients as bytes 1 to 4 say, once they are there, as many of the same messages as bytes 5 to 8 say,
+// and 3 answers with the first 200 bytes, which is about what an action of lesson 08 takes.
 // The servers of the lessons know nothing of this, and always answer.
 using System;
 using System.Collections.Generic;
@@ -12,7 +13,7 @@ namespace NetMQExample.Lab
 {
     internal abstract class Contender : IDisposable
     {
-        public const byte NoAnswer = 0, Answer = 1, Publish = 2;
+        public const byte NoAnswer = 0, Answer = 1, Publish = 2, Short = 3;
 
         protected static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
 
@@ -60,7 +61,8 @@ namespace NetMQExample.Lab
                 case "naive": return new Messages(endpoint, size, false);
                 case "pooled": return new Messages(endpoint, size, true);
                 case "many": return new Many(endpoint, size, number);
-                case "bare": return new Bare(endpoint, size);
+                case "bare": return new Bare(endpoint, size, number > 0 ? number : size);
+                case "steer": return new Steer(endpoint, size);
                 case "subscriber": return new Subscriber(endpoint, endpoints[1], size, number);
                 default: throw new ArgumentException($"no contender {name}");
             }

@@ -111,6 +111,26 @@ namespace NetMQExample.Lab
         public override void Dispose() => requester.Dispose();
     }
 
+    /// <summary>Lesson 08: a picture of 240 rows, and an action back.</summary>
+    internal sealed class Steer : Contender
+    {
+        private readonly DriverClient driver;
+        private readonly Shot shot;
+
+        public Steer(string endpoint, int size) : base(size)
+        {
+            driver = new DriverClient(endpoint, Patience, 1, why => throw new TimeoutException(why));
+            shot = new Shot("center", size / 720, 240, 3);
+        }
+
+        public override void Send() => Check(driver.Ask(shot.ToMessage()) != null);
+
+        // It was there before Send returned.
+        public override void Receive() { }
+
+        public override void Dispose() => driver.Dispose();
+    }
+
     /// <summary>Lesson 06 with a number of requests in flight.</summary>
     internal sealed class Many : Contender
     {
@@ -138,14 +158,17 @@ namespace NetMQExample.Lab
         public override void Dispose() => requester.Dispose();
     }
 
-    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with lesson 05's pool. ZeroMQ's own limit.</summary>
+    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with the kit's pool. ZeroMQ's own limit.</summary>
     internal sealed class Bare : Contender
     {
         private readonly DealerSocket socket = new DealerSocket();
+        private readonly int answer;
         private Msg incoming = new Msg();
 
-        public Bare(string endpoint, int size) : base(size)
+        public Bare(string endpoint, int size, int answer) : base(size)
         {
+            this.answer = answer;
+            if (answer < size) Payload[0] = Short;
             incoming.InitEmpty();
             socket.Options.Linger = TimeSpan.Zero;
             // In a stream of large frames, more of them would only fill the memory.
@@ -158,7 +181,7 @@ namespace NetMQExample.Lab
             PooledBuffers.Use();
             var msg = new Msg();
             // The answer proves that NetMQ is done with a lent array. In a stream nothing proves it.
-            if (Payload[0] == Answer) msg.InitGC(Payload, Payload.Length);
+            if (Payload[0] == Answer || Payload[0] == Short) msg.InitGC(Payload, Payload.Length);
             else
             {
                 msg.InitPool(Payload.Length);
@@ -171,7 +194,7 @@ namespace NetMQExample.Lab
         public override void Receive()
         {
             if (!socket.TryReceive(ref incoming, Patience)) throw new TimeoutException("no reply");
-            Check(incoming.Size == Payload.Length);
+            Check(incoming.Size == answer);
         }
 
         public override void Dispose() => socket.Dispose();

@@ -39,10 +39,6 @@ LONGER = {
     # What is recorded, and by whom it is driven, is chosen here.
     "python/08_see_and_steer/server.py": 77,
     "python/07_catch_up/server.py": 62,
-    # Ten options; and a server that also records, and drives by a file.
-    "python/08_see_and_steer/client.py": 75,
-    "python/08_see_and_steer/server.py": 77,
-    "python/08_see_and_steer/world.py": 82,
 }
 
 

@@ -56,6 +56,7 @@ def test_a_quick_run_measures_everything_that_can_run_here(quick):
     for title in (
         "echo of 2 MB",
         "one way, frames of 230,400 B",
+        "a picture of 230,400 B, an action back",
         "publish 32 B to 100",
         "100 clients, 32 B",
         "a server that takes 10 ms",

@@ -22,7 +22,8 @@ KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
 world = pytest.importorskip("world", reason="lesson 08 needs numpy: pip install numpy")
-from messages import Message, read  # noqa: E402
+from messages import Message as Message  # noqa: E402
+from messages import read as read  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_terminal = pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])
@@ -77,6 +78,17 @@ def driver(context):
         one.join()
 
 
+def after(seconds, number=0, longer=0.0):
+    """Answers after a time, and picture number so and so after another one."""
+    turn = itertools.count(1)
+
+    def answer(frame):
+        time.sleep(longer if next(turn) == number else seconds)
+        return {}
+
+    return answer
+
+
 class Teacher:
     """Drives a car of its own, in step with the client's, towards a point of the road some 6 m ahead."""
 
@@ -120,7 +132,8 @@ def test_a_thousand_steps_are_the_golden_ones(kind, driver, start, client_comman
 def test_an_action_names_its_picture(kind, driver, start, client_command):
     """One for a picture that was never sent, or one that is no action, is not followed; the next one is."""
     wrong = {2: {"frame": 99}, 4: {"steer": "left"}}
-    there = driver(lambda frame: wrong.get(len(there.frames), {"steer": 1e300, "throttle": -7}))
+    turn = itertools.count(1)
+    there = driver(lambda frame: wrong.get(next(turn), {"steer": 1e300, "throttle": -7}))
     client = start(*client_command(kind, KEY, there.endpoint, "--count", "10"))
     assert client.wait() == 0, client.output
     asked = there.frames[1].id
@@ -132,7 +145,7 @@ def test_an_action_names_its_picture(kind, driver, start, client_command):
 
 @each_client
 def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind, driver, start, client_command):
-    there = driver(lambda frame: time.sleep(0.2) or {})
+    there = driver(after(0.2))
     client = start(*client_command(kind, KEY, there.endpoint, "--count", "8", "--every", "1"))
     assert client.wait() == 0, client.output
     ages = [int(age) for age in re.findall(r"age (\d+)", client.output)]
@@ -144,25 +157,20 @@ def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind,
 
 @each_client
 def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, driver, start, client_command):
-    def answer(frame):
-        if len(there.frames) == 100:
-            time.sleep(0.9)
-        return {}
-
-    there = driver(answer)
+    there = driver(after(0.0, 100, 0.9))
     client = start(*client_command(kind, KEY, there.endpoint, "--count", "150", "--patience", "5"))
     client.wait_for("^trouble: no action for 0.5 s: braking$")
     begin = len(client.lines)
     assert client.wait() == 0, client.output
     client.wait_for("^an action again: driving on$", start=begin - 1)
-    before, after = there.frames[99], there.frames[100]
-    assert after.values["brake"] == 1 and after.values["speed"] < before.values["speed"]
+    before, behind = there.frames[99], there.frames[100]
+    assert behind.values["brake"] == 1 and behind.values["speed"] < before.values["speed"]
 
 
 @each_client
 def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_come(kind, driver, start, client_command):
     """A server that is away for a time: each picture is the step after the last one."""
-    there = driver(lambda frame: time.sleep(1.2 if len(there.frames) == 50 else 0.02) or {})
+    there = driver(after(0.02, 50, 1.2))
     words = ["--lockstep", "--count", "100", "--patience", "0.4"]
     client = start(*client_command(kind, KEY, there.endpoint, *words))
     assert client.wait() == 0, client.output

@@ -314,7 +314,7 @@ def test_a_server_drives_by_a_model(three_laps, tmp_path, serve, ask, plain):
 
 CHANGES = {
     "jpeg": lambda picture: np.asarray(Image.open(io.BytesIO(encode(picture)))),
-    "dark": lambda picture: (picture * 0.35).astype(np.uint8),
+    "dark": lambda picture: (picture * 0.15).astype(np.uint8),
     "bright": lambda picture: np.minimum(picture * 1.4, 255).astype(np.uint8),
     "warm": lambda picture: np.minimum(picture * np.array([1.15, 1, 0.8]) * 0.9, 255).astype(np.uint8),
     "cold": lambda picture: np.minimum(picture * np.array([0.85, 1, 1.15]) * 0.8, 255).astype(np.uint8),

@@ -66,13 +66,6 @@ def is_road(pixels: Any) -> Any:
     return pixels[..., 1] <= pixels[..., 0] + 10
 
 
-def along_the_road(frame: Any) -> dict[str, float]:
-    """Steers towards the middle of the road in a row of the picture that shows what is some 7 m ahead."""
-    columns = np.flatnonzero(is_road(picture(frame)[120]))
-    aside = (columns.mean() - 159.5) / 160 if len(columns) else 0.0
-    return {"steer": 3.0 * float(aside), "throttle": 1.0 if frame.values["speed"] < 8 else 0.0}
-
-
 @on_each_runtime
 def test_the_car_goes_where_pythons_goes(runtime: str, drive: Callable[..., Any]) -> None:
     """Each place is compared to the last bit with that of a car of the test's own, and the picture is Unity's."""
@@ -95,9 +88,15 @@ def test_the_car_goes_where_pythons_goes(runtime: str, drive: Callable[..., Any]
 
 
 @on_each_runtime
-def test_a_lap_by_what_the_camera_sees(runtime: str, drive: Callable[..., Any]) -> None:
-    """The road is some 300 m long, and nobody tells where it is."""
-    _, client = drive(along_the_road, "count=2200", "positions", runtime=runtime)
+def test_a_lap_by_what_the_camera_sees(
+    runtime: str, engine: dotnet.Engine, harness: Path, serve: Callable[..., Any], start: Callable[..., Program]
+) -> None:
+    """The road is some 300 m long, and nobody but the camera tells the lesson's own server where it is."""
+    if runtime == "mono":
+        needs_mono(engine)
+    endpoint = serve("08_see_and_steer")[1]
+    program = {"mono": "mono", ".net": "dotnet"}[runtime]
+    client = start(program, harness, "drive", f"endpoint={endpoint}", "every=0", "count=2200", "positions")
     assert client.wait(120) == 0, client.output[-2000:]
     road = world.Road()
     found = re.findall(r"^at \d+ (\S+) (\S+) ", client.output, re.MULTILINE)
