@@ -34,6 +34,9 @@ namespace NetMQExample.Terminal
             return rest.Remove($"--{name}");
         }
 
+        /// <summary>Whether it was given, also with a value that is the standard one.</summary>
+        public bool Has(string name) => rest.Contains($"--{name}");
+
         public string Text(string name, string standard)
         {
             declared.Add($"--{name} {standard}");
@@ -63,7 +66,7 @@ namespace NetMQExample.Terminal
                 : throw new UsageException($"--{name} takes seconds, such as 0.5, not '{text}'");
         }
 
-        /// <summary>What is left, as name and value: <c>--count 3</c>; a switch alone, such as <c>--jpeg</c>, is true.</summary>
+        /// <summary>What is left, as name and value: <c>--count 3</c>; a switch alone, such as <c>--drive</c>, is true.</summary>
         public IEnumerable<(string Name, string Value)> TakeTheRest()
         {
             while (rest.Count > 0 && rest[0].StartsWith("--", StringComparison.Ordinal) && !rest.Contains("--help"))

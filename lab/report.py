@@ -58,8 +58,10 @@ def goals(results: dict[str, Any]) -> list[str]:
         alone = [f"{middle(title, each):.2f}" for each in ("NetMQ alone", "NetMQ alone, libzmq engine")]
         rows.append((f"{label}, {title}, to raw TCP", aim, f"{middle(title, label):.2f}", *alone))
     seen = "a picture of 230,400 B, an action back"
-    ratio = middle(seen, "lesson 08", "rate") / middle(seen, "NetMQ alone", "rate")
-    rows.append((f"lesson 08, {seen}, to NetMQ alone", "0.95", f"{ratio:.2f}", "", ""))
+    # A kept run may be older than this work.
+    if seen in [work["title"] for work in results["works"]]:
+        ratio = middle(seen, "lesson 08", "rate") / middle(seen, "NetMQ alone", "rate")
+        rows.append((f"lesson 08, {seen}, to NetMQ alone", "0.95", f"{ratio:.2f}", "", ""))
     for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
         first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")
         if "flight" in other:

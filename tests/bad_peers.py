@@ -96,11 +96,12 @@ class ProtocolBreaker(Listener):
             stream.read(64)
             frames, more = [], True
             while more:
-                flags, size = stream.read(2)
-                body = stream.read(size)
-                if flags < 2:
+                flags = stream.read(1)[0]
+                body = stream.read(int.from_bytes(stream.read(8 if flags & 2 else 1), "big"))
+                # 4 is a command, 2 a frame of over 255 bytes, 1 one that is not the last.
+                if not flags & 4:
                     frames.append(body)
-                    more = flags == 1
+                    more = bool(flags & 1)
             # The way back: an empty frame, and before it the request's number if the client correlates.
             body = frames.index(b"") + 1
             *first, last = [*frames[:body], *self.answer(frames[body:])]

@@ -309,12 +309,12 @@ def next_steps(root: Path, lesson: str | None) -> list[str]:
     key = find(lesson or "1").key
     # The one that kit.py runs the lessons with; the terminal may be in any folder.
     python = python_setup.interpreter(key)
-    first = next((path.stem for path in behaviours(PACKAGE / key)), "of the lesson")
+    components = ", ".join(path.stem for path in behaviours(PACKAGE / key))
     scene = f"{TARGET}/{key}/{key}.unity"
-    there = f"open {scene}" if (root / scene).exists() else f"add the component {first} to any GameObject"
+    there = f"open {scene}" if (root / scene).exists() else f"add to one GameObject: {components}"
     return [
         f"next, in a terminal: {command(python, ROOT / 'python' / key / 'server.py')}",
-        f"then, in Unity: wait for the import, {there}, and press Play",
+        f"then, in Unity: wait for the import, {there}; and press Play",
     ]
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 from typing import Any
 
 LESSON = Path(__file__).resolve().parents[2] / "python" / "08_see_and_steer"
-sys.path.insert(0, str(LESSON))
-import server  # noqa: E402
 
 
 def idle(picture: Any, speed: float) -> tuple[float, float, float]:
@@ -16,7 +15,9 @@ def idle(picture: Any, speed: float) -> tuple[float, float, float]:
 
 
 if __name__ == "__main__":
-    server.drive = idle
+    sys.path.insert(0, str(LESSON))
+    server = importlib.import_module("server")
+    server.drive = idle  # type: ignore[attr-defined]
     sys.argv[1:] = ["--endpoint", "tcp://127.0.0.1:0"]
     try:
         server.main()

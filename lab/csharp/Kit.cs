@@ -83,7 +83,7 @@ namespace NetMQExample.Lab
         public override void Dispose() => socket.Dispose();
     }
 
-    /// <summary>Lesson 05 with new arrays for each message, or with buffers that are used again.</summary>
+    /// <summary>Lesson 05 with new arrays for each message, or with lesson 08's buffers that are used again.</summary>
     internal sealed class Messages : Contender
     {
         private readonly MessageRequester requester;
@@ -158,7 +158,7 @@ namespace NetMQExample.Lab
         public override void Dispose() => requester.Dispose();
     }
 
-    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with the kit's pool. ZeroMQ's own limit.</summary>
+    /// <summary>NetMQ and nothing else: one frame each way over a DEALER, with lesson 08's pool. ZeroMQ's own limit.</summary>
     internal sealed class Bare : Contender
     {
         private readonly DealerSocket socket = new DealerSocket();

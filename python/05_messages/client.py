@@ -1,12 +1,10 @@
 """Lesson 05, the client in Python: the twin of MessageRequester.cs, and it prints the same lines.
 
-    python python/05_messages/client.py                   ten pictures as raw bytes
+    python python/05_messages/client.py                   ten pictures, each an array of 230,400 bytes
     python python/05_messages/client.py --wrong-shape     a header that does not fit its bytes is refused
-    python python/05_messages/client.py --fps 60          a camera with 60 pictures a second: the newest wins
-    python python/05_messages/client.py --jpeg            JPEG files; needs Pillow
 
 Bytes: a JSON header and one frame for each array, as messages.py beside this file says. Take home: this file and
-messages.py; pictures.py only stands for your camera.
+messages.py.
 """
 
 import argparse
@@ -14,16 +12,22 @@ import re
 import sys
 import time
 from socket import getaddrinfo
-from typing import Any
 
 import zmq
-from messages import LIMIT, Message, MessageError, read
-from pictures import Camera, described, picture
+from messages import LIMIT, Array, Message, MessageError, read
 
 ENDPOINT = "tcp://127.0.0.1:5555"
 
 
-def request(socket: zmq.Socket[bytes], frames: list[Any], patience: float) -> Message:
+def picture(number: int) -> Message:
+    """240 rows of 320 grey pixels with a white square; the lowest row first, as Unity's textures have it."""
+    grey, x, y = bytes([10 * number % 200]), 16 * number % 320, 8 * number % 240
+    row = 3 * x * grey + 24 * b"\xff" + 3 * (312 - x) * grey
+    pixels = (232 - y) * 960 * grey + 8 * row + y * 960 * grey
+    return Message("frame", number, {"bottom_up": True}, [Array("uint8", (240, 320, 3), pixels)])
+
+
+def request(socket: zmq.Socket[bytes], frames: list[bytes], patience: float) -> Message:
     """Send a message and wait for its reply, at most `patience` seconds: zmq.Again after that."""
     socket.send_multipart(frames, copy=False)
     end = time.monotonic() + patience
@@ -64,12 +68,10 @@ def main() -> None:
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=10, help="how many pictures to send")
     parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait for each reply")
-    parser.add_argument("--fps", type=int, default=0, help="the camera's pictures a second; 0: one for each reply")
-    parser.add_argument("--jpeg", action="store_true", help="send JPEG files instead of raw bytes")
     parser.add_argument("--wrong-shape", action="store_true", help="claim a shape that does not fit the bytes")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400 or options.fps < 0:
-        parser.error("--count and --fps take whole numbers from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.patience < 86400:
+        parser.error("--count takes a whole number from 0, --patience seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
@@ -77,22 +79,19 @@ def main() -> None:
         # Sending does not wait: libzmq would say of a request whose connection ends in that moment that it is sent.
         socket.linger, socket.maxmsgsize, socket.sndtimeo = 0, 4 * LIMIT, 0
         socket.connect(options.endpoint)
-        camera = Camera(options.fps)
         try:
             for i in range(1, options.count + 1):
-                # The newest wins: what the camera saw meanwhile is skipped, and never queues up.
-                sent = picture(camera.newest(), options.jpeg)
-                header, data = sent.frames()
+                header, pixels = picture(i).frames()
                 if options.wrong_shape:
                     header = header.replace(b"[240,320,3]", b"[240,320,4]")
-                reply = request(socket, [header, data], options.patience)
-                what = f"{sent.kind} {sent.id}, {len(data)} bytes"
-                print(f"{i}: sent {what}; {printable(described(reply.values))}", flush=True)
+                reply = request(socket, [header, pixels], options.patience)
+                found = ", ".join(f"{name} {value}" for name, value in reply.values.items())
+                print(f"{i}: sent frame {i}, {len(pixels)} bytes; brightest at {printable(found)}", flush=True)
         except zmq.Again:
             sys.exit(f"gave up: no reply from {options.endpoint} within {options.patience:g} s; is the server running?")
         except MessageError as error:
             sys.exit(f"gave up: {error}")
-    print(f"done: {options.count} replies, {camera.number - options.count} pictures skipped")
+    print(f"done: {options.count} replies")
 
 
 if __name__ == "__main__":

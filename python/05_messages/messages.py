@@ -56,8 +56,10 @@ class Array:
 
     def numpy(self) -> Any:
         """The numbers for numpy, in the very memory that ZeroMQ received them in."""
-        import numpy as np
-
+        try:
+            import numpy as np
+        except ImportError:
+            raise MessageError("no-numpy", "arrays need numpy where they are read: pip install numpy") from None
         return np.frombuffer(self.data, np.dtype(self.dtype).newbyteorder("<")).reshape(self.shape)
 
 

@@ -57,7 +57,10 @@ def main() -> None:
     # One palette for all: each picture then keeps only what has changed.
     palette = scenes[0].quantize(COLOURS)
     small = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in scenes]
-    small[0].save(options.out, save_all=True, append_images=small[1:], duration=100, loop=0)
+    try:
+        small[0].save(options.out, save_all=True, append_images=small[1:], duration=100, loop=0)
+    except (OSError, ValueError) as error:
+        sys.exit(f"cannot write {options.out}: {error}; give it a name that ends in .gif")
     print(f"wrote {options.out}: {len(scenes)} pictures, {options.out.stat().st_size / 1e6:.1f} MB")
 
 

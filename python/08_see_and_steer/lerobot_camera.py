@@ -52,13 +52,13 @@ def main() -> None:
         # Old pictures are worth nothing, and a reply that nobody fetches even less.
         unity.linger = lerobot.linger = 0
         lerobot.sndhwm, unity.rcvtimeo = 2, 200
-        for socket, at, does in (lerobot, options.publish, "publishing"), (unity, options.endpoint, "listening"):
-            try:
-                socket.bind(at)
-            except zmq.ZMQError as error:
-                cure = "try another port with --endpoint and --publish"
-                sys.exit(f"cannot listen on {at}: {zmq.strerror(error.errno or 0)}; {cure}")
-            print(f"{does} on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        try:
+            lerobot.bind(options.publish)
+            unity.bind(options.endpoint)
+        except zmq.ZMQError as error:
+            sys.exit(f"cannot listen on {options.endpoint} and {options.publish}: {error}; try other ports")
+        print(f"publishing on {lerobot.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        print(f"listening on {unity.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         while True:
             # In slices: on Windows Ctrl-C does not interrupt a longer wait.
             if unity.poll(200):

@@ -129,5 +129,5 @@ def test_the_python_program_runs(tmp_path, serve):
     command = [PYTHON, tmp_path / "program.py", endpoint]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     page = " ".join(PAGE.read_text(encoding="utf-8").split())
-    said = re.search(r"answers where the bright pixel is: `([^`]*)`", page)[1]
+    said = re.search(r"answers where the bright pixels begin: `([^`]*)`", page)[1]
     assert done.stdout == f"{said}\n", done.stdout + done.stderr

@@ -1,15 +1,29 @@
-"""What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer."""
+"""What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer; the C#
+side of lesson 05's messages without a client around it; and environments, with the simulators that they launch.
+"""
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 import zmq
+
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.programs import ROOT
 
 
 @pytest.fixture
 def context():
     with zmq.Context() as context:
         yield context
+
+
+@pytest.fixture(scope="session")
+def messages_program(engine):
+    """The command of tests/lessons/messages."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "messages"))]
 
 
 def ask(context, endpoint, *frames, kind=zmq.REQ):
@@ -20,3 +34,33 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
         asker.send_multipart(frames)
         assert asker.poll(20_000), f"no reply to {frames!r:.80}"
         return asker.recv_multipart()
+
+
+@pytest.fixture
+def launch(client_command):
+    """launch("csharp", "--count", "3"): the words for an environment that starts its simulator by itself."""
+
+    def words(kind, *options):
+        command = client_command(kind, "09_environment", "nowhere", *options)
+        at = command.index("--endpoint")
+        return command[:at] + command[at + 2 :]
+
+    return words
+
+
+@pytest.fixture
+def make():
+    """gymnasium.make, and what it made is closed at the end of the test."""
+    gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
+    sys.path += [str(ROOT / "python" / folder) for folder in ("09_environment", "05_messages")]
+    import environment  # noqa: F401
+
+    made = []
+
+    def make_env(id="NetMQExample/CartPole-v0", **where):
+        made.append(gymnasium.make(id, **where))
+        return made[-1]
+
+    yield make_env
+    for env in made:
+        env.close()

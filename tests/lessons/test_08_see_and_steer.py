@@ -113,7 +113,7 @@ def check_recording(folder, lost=0):
 )
 def test_the_numbered_picture_is_the_recorded_one(kind, words, serve, start, client_command, tmp_path):
     server, endpoint = serve(KEY, "--record", "runs")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "100", *words))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "100", "--patience", "20", *words))
     assert client.wait() == 0, client.output
     server.wait_for(f"^recorded 100 pictures to {re.escape(str(Path('runs/run_0001')))}$")
     known = check_recording(tmp_path / "runs" / "run_0001")
@@ -201,7 +201,8 @@ def test_the_recorder_in_figures(tmp_path, plain, capsys):
 
 
 def replay(start, folder, endpoint, *words):
-    program = start(PYTHON, LESSON / "replay.py", folder, "--endpoint", endpoint, *words)
+    # Patient: what came too late is recorded as well, or would have no action.
+    program = start(PYTHON, LESSON / "replay.py", folder, "--endpoint", endpoint, "--patience", "20", *words)
     assert program.wait() == 0, program.output
     return program.lines
 
@@ -209,7 +210,7 @@ def replay(start, folder, endpoint, *words):
 def test_a_replay_gives_the_same_actions_to_the_bit(serve, start, client_command, tmp_path):
     server, endpoint = serve(KEY, "--record", "runs")
     for words in ["--jpeg"], []:
-        client = start(*client_command("python", KEY, endpoint, "--count", "100", *words))
+        client = start(*client_command("python", KEY, endpoint, "--count", "100", "--patience", "20", *words))
         assert client.wait() == 0, client.output
         server.wait_for(rf"^recorded 100 pictures to .*run_000{1 + (words == [])}$")
     lines = replay(start, tmp_path / "runs" / "run_0001", endpoint, "--compare")

@@ -1,11 +1,11 @@
-// What test_05_messages.py asks of the C# side:
+// What test_05_messages.py and test_08_pictures.py ask of the C# side:
 //
 //     read                  each line of the input is a message, its frames in hexadecimal digits with a space between
 //                           them, an empty one as -; its answer is "ok" and the message as it is written again, or
 //                           "error" and the code
 //     write                 what no message may hold is refused before it is sent
-//     refused ENDPOINT      each requester is refused, and asks again
-//     bytes ENDPOINT        how many bytes each requester allocates for the echo of a picture
+//     refused WHO ENDPOINT  a requester, plain or pooled, is refused, and asks again
+//     bytes WHO ENDPOINT    how many bytes it allocates for the echo of a picture
 using System;
 using System.Globalization;
 using System.Linq;
@@ -15,6 +15,7 @@ namespace NetMQExample.Tests
 {
     internal static class Program
     {
+        private const int Picture = 230_400;
         private static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
 
         private static void Main(string[] words)
@@ -27,7 +28,7 @@ namespace NetMQExample.Tests
             if (words[0] == "read")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line));
             else if (words[0] == "write") Write();
-            else foreach (var name in new[] { "plain", "pooled" }) Ask(words[0], name, words[1]);
+            else Ask(words[0], words[1], words[2]);
         }
 
         private static string Answer(string line)
@@ -69,7 +70,7 @@ namespace NetMQExample.Tests
         {
             using var requester = name == "pooled" ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
             var echo = new Message("echo", 1);
-            echo.Arrays.Add(new MessageArray("uint8", new byte[TestCamera.Size], TestCamera.Size));
+            echo.Arrays.Add(new MessageArray("uint8", new byte[Picture], Picture));
             if (what == "bytes")
             {
                 if (name == "pooled") PooledBuffers.Use();
@@ -77,7 +78,7 @@ namespace NetMQExample.Tests
                 for (var i = 0; i < 20; i++) requester.Request(echo, Patience);
                 var before = GC.GetTotalAllocatedBytes(true);
                 for (var i = 0; i < 100; i++) requester.Request(echo, Patience);
-                Console.WriteLine($"{name}: {(GC.GetTotalAllocatedBytes(true) - before) / 100}");
+                Console.WriteLine($"{(GC.GetTotalAllocatedBytes(true) - before) / 100}");
                 return;
             }
             try
@@ -86,11 +87,11 @@ namespace NetMQExample.Tests
             }
             catch (MessageException e)
             {
-                Console.WriteLine($"{name}: {e.Message}");
+                Console.WriteLine(e.Message);
             }
-            Console.WriteLine($"{name}: {requester.Request(echo, Patience).Arrays[0].Data.Length} bytes");
+            Console.WriteLine($"{requester.Request(echo, Patience).Arrays[0].Data.Length} bytes");
             // A message from before the pool was chosen gives back a buffer that is not the pool's: it must not throw.
-            new PooledBuffers().Return(new byte[TestCamera.Size]);
+            new PooledBuffers().Return(new byte[Picture]);
         }
     }
 }

@@ -1,7 +1,6 @@
 // Lesson 08, see and steer: asks Python what to do about a picture.
 //
-// Take home: this file and Shot.cs, with PooledRequester.cs (lesson 05). The Python side is
-// python/08_see_and_steer/server.py.
+// Take home: this file, PooledRequester.cs and Shot.cs. The Python side is python/08_see_and_steer/server.py.
 // Bytes: messages of lesson 05. A request of kind `frame` has the picture's number as its id and as the value `frame`,
 // and Shot.cs says what else; its reply is of kind `action`, with the values `frame`, `throttle`, `brake` and `steer`.
 using System;

@@ -92,11 +92,17 @@ namespace NetMQExample
         protected virtual void Update()
         {
             var end = Stopwatch.GetTimestamp() + Budget;
-            for (var left = Room; left > 0 && run.ForUpdate.TryTake(out var action); left--)
-            {
-                action();
-                if (Stopwatch.GetTimestamp() >= end) return;
-            }
+            for (var left = Room; left > 0 && DoNext(0) && Stopwatch.GetTimestamp() < end; left--) { }
+        }
+
+        /// <summary>Does what the network thread has next for Update.</summary>
+        /// <param name="patience">For how many milliseconds to wait for it; a frame takes that much longer.</param>
+        /// <returns>False if there is nothing.</returns>
+        protected bool DoNext(int patience)
+        {
+            if (!run.ForUpdate.TryTake(out var action, patience)) return false;
+            action();
+            return true;
         }
 
         /// <summary>Tells the thread to end, and does not wait for that: a destroyed object must cost no

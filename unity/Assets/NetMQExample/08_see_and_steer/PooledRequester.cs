@@ -1,8 +1,8 @@
-// Lesson 05 for pictures: the same requester, which reuses its large buffers.
+// Lesson 08, the requester for pictures: lesson 05's, which reuses its large buffers.
 //
 // Sending and receiving a NetMQMessage makes several new arrays of a picture's size. Arrays over 85,000 bytes are
-// collected only by the slowest of .NET's collections. Only a scene that sends pictures needs this file. It will move
-// to a lesson about cameras, which is to come.
+// collected only by the slowest of .NET's collections. Smaller messages need no more than a MessageRequester.
+// Take home: this file, with MessageRequester.cs (lesson 05).
 using System;
 using System.Buffers;
 using System.Collections.Generic;

@@ -1,0 +1,110 @@
+"""Lesson 09, the connection: one simulator at a time, and every request is done exactly once.
+
+Each request has an id that counts. One that stays without an answer is sent again with the same id, and the simulator
+answers a repeated id with what it has kept: so a retry never steps twice. A simulator that is gone is noticed within
+a second, because a ROUTER socket can say that it has no way to a peer.
+Take home: this file, with messages.py of lesson 05.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import zmq
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from messages import Array, Message, MessageError, read
+
+# Seconds after which a request is sent again.
+AGAIN = 1.0
+
+
+class Lost(ConnectionError):
+    """The simulator is gone, or has not answered for too long."""
+
+
+class Connection:
+    """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
+
+    def __init__(self, socket: zmq.Socket[bytes], patience: float) -> None:
+        self.socket, self.patience = socket, patience
+        self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
+        # To send to a peer that is gone is then an error, and not silence.
+        socket.router_mandatory = True
+        self.peer, self.id = b"", 0
+
+    def wait(self, limit: float, accept: Callable[[Message], None], hope: Callable[[], bool]) -> None:
+        """Wait for a simulator's hello, while there is hope. What `accept` raises, the simulator is told as well."""
+        self.peer, end = b"", time.monotonic() + limit
+        while not self.peer:
+            peer, hello = self.receive()
+            if hello and hello.kind == "hello":
+                try:
+                    accept(hello)
+                except MessageError as error:
+                    self.refuse(peer, error)
+                    raise
+                # One that has said hello and is gone already is none.
+                self.peer = peer if self.send(peer, "welcome", hello.id) else b""
+            elif hello:
+                # It was given up, and has not noticed.
+                self.refuse(peer, MessageError("unknown-peer", "say hello again"))
+            if not self.peer and not hope():
+                raise TimeoutError(f"the simulator that was launched has ended, and never came to {self.endpoint}")
+            if not self.peer and time.monotonic() > end:
+                raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; is it running?")
+
+    def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
+        """The answer to a request; MessageError is the simulator's refusal, or says what is wrong with its answer."""
+        self.id += 1
+        end, why = time.monotonic() + self.patience, f"no answer to {kind} within {self.patience:g} s"
+        while time.monotonic() < end:
+            if not self.peer or not self.send(self.peer, kind, self.id, values, arrays):
+                why = "the simulator is gone"
+                break
+            if answer := self.answer(min(end, time.monotonic() + AGAIN)):
+                if answer.kind == "error":
+                    code, text = (str(answer.values.get(name, "not said")) for name in ("code", "text"))
+                    raise MessageError(code[:40], text[:200])
+                return answer
+        self.peer = b""
+        raise Lost(why)
+
+    def answer(self, end: float) -> Message | None:
+        while time.monotonic() < end:
+            peer, message = self.receive()
+            # Another id is an answer that came twice, or too late: its request is over.
+            if message and peer == self.peer and message.id == self.id:
+                return message
+            if message and peer != self.peer:
+                self.refuse(peer, MessageError("busy", "this environment has its simulator: one at a time"))
+        return None
+
+    def receive(self) -> tuple[bytes, Message | None]:
+        """Who sent something, and the message: none if nothing came, or nothing that is a message."""
+        peer = b""
+        try:
+            peer, *frames = self.socket.recv_multipart()
+            return peer, read(frames)
+        except zmq.Again:
+            return peer, None
+        except MessageError as error:
+            self.refuse(peer, error)
+            if peer == self.peer:
+                raise
+            return peer, None
+
+    def refuse(self, peer: bytes, error: MessageError) -> None:
+        self.send(peer, "error", error.id, {"code": error.code, "text": error.text})
+
+    def send(self, peer: bytes, kind: str, id: int, values: Any = None, arrays: Any = None) -> bool:
+        """False if the peer is gone, or takes nothing any more."""
+        frames = Message(kind, id, values or {}, arrays or []).frames()
+        try:
+            self.socket.send_multipart([peer, *frames], zmq.NOBLOCK)
+        except zmq.ZMQError:
+            return False
+        return True

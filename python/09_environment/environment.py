@@ -1,0 +1,92 @@
+"""Lesson 09, the environment: Python decides when time passes in a simulation that somebody else owns.
+
+    import environment, gymnasium
+    env = gymnasium.make("NetMQExample/CartPole-v0")      prints: waiting for a simulator on tcp://…: press Play
+    env = gymnasium.make("NetMQExample/CartPole-v0", launch=["Build/CartPole.exe"])         starts it by itself
+
+The spaces come from the simulator's hello. A simulator that is lost ends the episode: `truncated` is true, and
+`info["lost"]` says why; the next reset waits for another one, or launches it. What `options` has goes to the
+simulator as it is, and `options["state"]`, an array, is where its world begins.
+Take home: this file, connection.py, simulators.py and spaces.py, with messages.py of lesson 05. They need gymnasium.
+"""
+
+import weakref
+from typing import Any
+
+import gymnasium
+import numpy as np
+from connection import Lost
+from messages import Message, MessageError, take
+from simulators import Simulators
+from spaces import from_array, space_of, to_array
+
+
+class ZmqEnv(gymnasium.Env[Any, Any]):
+    """The world of one simulator. `where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
+    spaces: list[Any] | None = None
+
+    def __init__(self, name: str, render_mode: str | None = None, **where: Any) -> None:
+        self.name, self.render_mode = name, render_mode
+        self.simulators = Simulators(**where)
+        self.connection = self.simulators.connection
+        # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
+        self.close_once = weakref.finalize(self, self.simulators.close)
+        try:
+            self.simulators.find(self.accept)
+        except BaseException:
+            self.close()
+            raise
+
+    def accept(self, hello: Message) -> None:
+        """Take the spaces from a simulator's hello; MessageError says why it is refused."""
+        if (name := take(hello.values, "name", str)) != self.name:
+            raise MessageError("wrong-name", f"this environment is {self.name}, the simulator's is {name!a:.40}")
+        arrays = list(hello.arrays)
+        spaces = [space_of(take(hello.values, which, str), arrays) for which in ("observation", "action")]
+        # Whoever learns has asked for them already.
+        if self.spaces and spaces != self.spaces:
+            raise MessageError("other-spaces", f"the simulator before this one had {self.spaces}, not {spaces}")
+        self.spaces, (self.observation_space, self.action_space) = spaces, spaces
+        self.metadata = {**self.metadata, "render_fps": round(1 / max(1e-3, take(hello.values, "dt", float)))}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        super().reset(seed=seed)
+        # The simulator gets a seed each time, so that an episode never depends on the one before.
+        values = {**(options or {}), "seed": int(self.np_random.integers(2**53) if seed is None else seed)}
+        arrays = [to_array(values.pop("state"), np.float64)] if "state" in values else []
+        try:
+            state = self.connection.ask("reset", values, arrays)
+        except Lost:
+            self.simulators.find(self.accept)
+            state = self.connection.ask("reset", values, arrays)
+        self.seen = from_array(self.observation_space, state.arrays)
+        return self.seen, state.values
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        if action not in self.action_space:
+            raise ValueError(f"action {action!r:.80} is not in {self.action_space}")
+        try:
+            state = self.connection.ask("step", {}, [to_array(action, self.action_space.dtype)])
+        except Lost as lost:
+            # Nobody knows what came after this observation.
+            return self.seen.copy(), 0.0, False, True, {"lost": str(lost)}
+        self.seen = from_array(self.observation_space, state.arrays)
+        reward = take(state.values, "reward", float)
+        terminated, truncated = (take(state.values, name, bool) for name in ("terminated", "truncated"))
+        rest = state.values.keys() - {"reward", "terminated", "truncated"}
+        return self.seen, reward, terminated, truncated, {name: state.values[name] for name in rest}
+
+    def render(self) -> Any:
+        if self.render_mode != "rgb_array":
+            return None
+        return self.connection.ask("render", {}, []).arrays[0].numpy().copy()
+
+    def close(self) -> None:
+        self.close_once()
+
+
+for name, steps in ("CartPole", 500), ("Car", 1000):
+    id = f"NetMQExample/{name}-v0"
+    gymnasium.register(id, f"{__name__}:ZmqEnv", max_episode_steps=steps, kwargs={"name": name})

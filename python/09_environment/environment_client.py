@@ -1,0 +1,84 @@
+"""Lesson 09, the client of an environment: connects, says hello, and answers requests. The twin of
+EnvironmentClient.cs.
+
+It says `hello` with the simulation's name, spaces and dt; then it answers `reset`, `step` and `render`, until `close`.
+Each try to connect has a new socket.
+Take home: this file, simulator.py, simulation.py and spaces.py, with messages.py of lesson 05.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import zmq
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from messages import LIMIT, Message, MessageError, read
+from simulator import Simulator
+
+# Seconds for a connection, and then for the answer to hello. Seconds without a request, until it says hello again.
+TRY, IDLE = 1.0, 3600.0
+
+
+class EnvironmentClient:
+    """Serves an environment, and after it the next one. What happens is told to `report`, line by line."""
+
+    def __init__(self, endpoint: str, patience: float, report: Callable[[str], None] = print) -> None:
+        self.endpoint, self.patience, self.report, self.heard = endpoint, patience, report, 0.0
+
+    def run(self, simulator: Simulator, count: int = 0) -> None:
+        """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
+
+        TimeoutError says that there was no environment for `patience` seconds.
+        """
+        self.heard, why = time.monotonic(), "no connection"
+        while time.monotonic() < self.heard + self.patience:
+            with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
+                # Nothing can be sent while there is no connection: so it is known whether there is one.
+                socket.linger, socket.maxmsgsize, socket.immediate = 0, 4 * LIMIT, True
+                socket.connect(self.endpoint)
+                try:
+                    return self.talk(socket, simulator, count)
+                except zmq.Again:
+                    pass
+                except (MessageError, TimeoutError) as error:
+                    why = str(error)
+                    # Whoever refuses at once is not asked again at once.
+                    time.sleep(min(TRY / 5, self.patience))
+        waited = f"no environment at {self.endpoint} within {self.patience:g} s"
+        raise TimeoutError(f"{waited}; is the server running? ({why})")
+
+    def talk(self, socket: zmq.Socket[bytes], simulator: Simulator, count: int) -> None:
+        limit = min(TRY, self.patience)
+        socket.sndtimeo = int(1000 * limit)
+        socket.send_multipart(simulator.hello().frames())
+        if self.receive(socket, limit).kind != "welcome":
+            raise MessageError("no-welcome", "hello had another answer")
+        self.report(f"simulating {simulator.simulation.name} for {self.endpoint}")
+        try:
+            while (request := self.receive(socket, IDLE)).kind != "close":
+                if request.kind == "reset" and 0 < count <= simulator.episodes:
+                    return
+                socket.send_multipart(simulator.answer(request))
+            # So many milliseconds for the last answer; without them it would be dropped.
+            socket.linger = 1000
+            socket.send_multipart(Message("closed", request.id).frames())
+        except (MessageError, TimeoutError) as error:
+            self.report(f"trouble: {error}")
+            raise
+        finally:
+            self.heard = time.monotonic()
+
+    def receive(self, socket: zmq.Socket[bytes], limit: float) -> Message:
+        end = time.monotonic() + limit
+        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+        while not socket.poll(min(200, int(1000 * limit))):
+            if time.monotonic() > end or not socket.poll(0, zmq.POLLOUT):
+                raise TimeoutError("the environment is gone, or silent")
+        message = read(socket.recv_multipart())
+        if message.kind == "error":
+            code, text = (str(message.values.get(name, "not said")) for name in ("code", "text"))
+            raise MessageError(code[:40], text[:200])
+        return message

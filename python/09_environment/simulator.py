@@ -1,0 +1,68 @@
+"""Lesson 09, the simulator: does in a simulation what an environment asks for, each request once. The twin of
+Simulator.cs.
+
+Take home: this file, simulation.py and spaces.py, with messages.py of lesson 05.
+"""
+
+import math
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from messages import Message, MessageError, take
+from simulation import Simulation, draws
+from spaces import described, from_array, to_array
+
+
+class Simulator:
+    """Answers reset, step and render. The last answer is kept, and a request that comes again gets it again."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.simulation, self.episodes, self.steps = simulation, 0, 0
+        self.id, self.kept = 0, list[Any]()
+
+    def hello(self) -> Message:
+        """What an environment has to know. Its requests are counted anew."""
+        self.id = 0
+        (seen, see), (done, do) = described(self.simulation.observation), described(self.simulation.action)
+        values = {"name": self.simulation.name, "dt": self.simulation.dt, "observation": seen, "action": done}
+        return Message("hello", 0, values, see + do)
+
+    def answer(self, request: Message) -> list[Any]:
+        """What this id got already, or the answer to a new one. What is wrong is told to the environment."""
+        if request.id != self.id:
+            try:
+                self.kept = self.do(request).frames()
+            except Exception as error:
+                if not isinstance(error, MessageError):
+                    # A mistake in the simulation: its place is for whoever writes it.
+                    traceback.print_exc()
+                    error = MessageError("error-in-simulation", repr(error)[:200])
+                self.kept = Message("error", request.id, {"code": error.code, "text": error.text}).frames()
+            self.id = request.id
+        return self.kept
+
+    def do(self, request: Message) -> Message:
+        simulation, values = self.simulation, dict[str, Any]()
+        if request.kind == "reset":
+            state = [float(item) for array in request.arrays for item in array.numpy().flat]
+            if len(state) not in (0, simulation.size):
+                raise MessageError("bad-state", f"a state is {simulation.size} numbers, not {len(state)}")
+            simulation.reset(draws(take(request.values, "seed", int)), request.values, state)
+            self.episodes += 1
+        elif request.kind == "step":
+            simulation.apply(from_array(simulation.action, request.arrays))
+            self.steps += 1
+            values = simulation.judge()
+            if not math.isfinite(values["reward"]):
+                raise MessageError("bad-reward", f"the reward is {values['reward']}")
+        elif request.kind == "render":
+            return Message("picture", request.id, {}, [to_array(simulation.render(), np.uint8)])
+        else:
+            raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
+        return Message("state", request.id, values, [to_array(simulation.observe(), simulation.observation.dtype)])

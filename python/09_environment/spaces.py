@@ -1,0 +1,52 @@
+"""Lesson 09, the spaces: what a simulator says of what it sees and takes, as Gymnasium's spaces.
+
+A hello names the kinds, `box` or `discrete`, as the values `observation` and `action`. Its arrays are the rest: of a
+box the lowest and the highest numbers, whose dtype and shape are those of the box; of a discrete one how many there
+are, an int64. An observation or an action is then one array. What is not in its space is
+refused.
+Take home: this file, with messages.py of lesson 05.
+"""
+
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete, Space
+from messages import Array, MessageError
+
+
+def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
+    """The space of this kind; what belongs to it is taken from the beginning of `arrays`."""
+    if kind not in ("box", "discrete"):
+        raise MessageError("unknown-space", f"space {kind!a:.40} is none of box, discrete")
+    try:
+        if kind == "discrete":
+            return Discrete(int(arrays.pop(0).numpy()))
+        low, high = arrays.pop(0).numpy(), arrays.pop(0).numpy()
+        return Box(low, high, dtype=low.dtype.type)
+    except (LookupError, ValueError, TypeError, AssertionError) as error:
+        raise MessageError("bad-space", f"its arrays make no {kind}: {error!s:.80}") from None
+
+
+def described(space: Space[Any]) -> tuple[str, list[Array]]:
+    """The other way round: a space's kind, and its arrays."""
+    if isinstance(space, Discrete) and space.start == 0:
+        return "discrete", [to_array(space.n, np.int64)]
+    if isinstance(space, Box):
+        return "box", [to_array(space.low, space.dtype), to_array(space.high, space.dtype)]
+    raise MessageError("unknown-space", f"{space!s:.40} is none of Box, Discrete from 0")
+
+
+def to_array(items: Any, dtype: Any) -> Array:
+    items = np.asarray(items, dtype)
+    return Array(str(items.dtype), items.shape, items.tobytes())
+
+
+def from_array(space: Space[Any], arrays: list[Array]) -> Any:
+    """The one array as something of this space, fresh and writable: what was received goes with its message."""
+    if len(arrays) != 1:
+        raise MessageError("not-in-space", f"{len(arrays)} arrays are not one of {space}")
+    # [()] makes a number of an array without dimensions, and changes no other.
+    items = arrays[0].numpy().copy()[()]
+    if (items.dtype, items.shape) != (space.dtype, space.shape) or items not in space:
+        raise MessageError("not-in-space", f"{items.dtype} {items.shape} {items!s:.80} is not in {space}")
+    return items

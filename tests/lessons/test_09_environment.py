@@ -1,0 +1,241 @@
+"""Lesson 09: what Gymnasium and its users expect of an environment, with each simulator. What can go wrong is in
+test_09_environment_faults.py.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+import sys
+import time
+import warnings
+from collections import deque
+
+import pytest
+
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import ROOT, Mark, finds_processes
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
+from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402
+
+LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
+sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
+import environment  # noqa: E402, F401
+import messages  # noqa: E402
+
+# The state of seed 7, as float32; and what is seen 25 steps later, of right and left in turn.
+GOLDEN_START = ["-0x1.6901820000000p-7", "-0x1.8bd8d60000000p-5", "0x1.484d9c0000000p-5", "0x1.0fbef80000000p-7"]
+GOLDEN_END = [0.009156497, 0.1373327, 0.02900436, -0.07556468]
+each_client = pytest.mark.parametrize("kind", CLIENTS)
+# What Gymnasium's checker says of any environment that has a wrapper.
+WRAPPED = ".*is different from the unwrapped version.*"
+
+
+# An environment like any other
+
+
+@each_client
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_gymnasiums_checker_finds_nothing(kind, wrapped, make, launch):
+    env = make(launch=launch(kind))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        if wrapped:
+            warnings.filterwarnings("ignore", WRAPPED)
+        check_env(env if wrapped else env.unwrapped)
+
+
+@each_client
+def test_its_trajectories_are_those_of_gymnasiums_own_cartpole(kind, make, launch):
+    """Sine and cosine differ in the last bit between systems, and a pole makes much of little: from each 50th state on,
+    both begin anew.
+    """
+    ours, theirs = make(launch=launch(kind)), gymnasium.make("CartPole-v1")
+    for episode in range(6):
+        seen, _ = theirs.reset(seed=episode)
+        for step in itertools.count():
+            if step % 50 == 0:
+                mine, _ = ours.reset(options={"state": theirs.unwrapped.state})
+            assert mine == pytest.approx(seen, abs=1e-6)
+            action = step % 2 if episode % 2 else int(seen[2] + seen[3] > 0)
+            (seen, *said, _), (mine, *ours_said, _) = theirs.step(action), ours.step(action)
+            if said[2]:
+                break
+            assert ours_said == said
+            if said[1]:
+                break
+
+
+@each_client
+def test_a_seed_gives_the_golden_trajectory(kind, make, launch):
+    env = make(launch=launch(kind))
+    seen, _ = env.reset(seed=7)
+    # From here on the numbers of a seed must never change. They come about by whole numbers and one multiplication.
+    assert [float(number).hex() for number in seen] == GOLDEN_START
+    for step in range(25):
+        seen, *_ = env.step((step + 1) % 2)
+    assert seen == pytest.approx(GOLDEN_END, abs=1e-6)
+    random = [env.reset()[0] for _ in range(3)]
+    assert not np.array_equal(random[0], random[1])
+    env.reset(seed=7)
+    assert np.array_equal([env.reset()[0] for _ in range(2)], random[:2]), "a seed decides what follows as well"
+
+
+def test_the_wrappers_work(make, launch):
+    env = RecordEpisodeStatistics(make(launch=launch("csharp"), max_episode_steps=5))
+    env.reset(seed=1)
+    *_, (_, _, terminated, truncated, info) = [env.step(step % 2) for step in range(5)]
+    assert (terminated, truncated) == (False, True)
+    assert (info["episode"]["r"], info["episode"]["l"]) == (5, 5)
+    assert env.spec.max_episode_steps == 5
+    assert env.metadata["render_fps"] == 50
+
+
+@pytest.mark.parametrize("mode", ["sync", "async"])
+@finds_processes
+def test_vectors_of_environments_are_as_many_simulators(mode, launch, monkeypatch):
+    mark = Mark()
+    monkeypatch.setenv("KIT_TEST_MARK", mark.environment["KIT_TEST_MARK"])
+    envs = gymnasium.make_vec(ID, 2, vectorization_mode=mode, launch=launch("python"))
+    seen, _ = envs.reset(seed=[3, 3])
+    assert np.array_equal(seen[0], seen[1])
+    seen, *_ = envs.step(np.array([0, 1]))
+    assert seen[0, 1] < 0 < seen[1, 1], "one is pushed left, one right"
+    envs.close()
+    assert [command for command in mark.processes().values() if "client.py" in command] == []
+
+
+@each_client
+def test_a_picture_shows_the_cart_where_it_is(kind, make, launch):
+    env = make(launch=launch(kind), render_mode="rgb_array")
+    for place in (-1.5, 1.5):
+        env.reset(options={"state": [place, 0, 0.1 * place, 0]})
+        picture = env.render()
+        assert (picture.shape, picture.dtype) == ((200, 300, 3), np.uint8)
+        columns = np.nonzero((picture == (40, 60, 90)).all(axis=2))[1]
+        assert columns.mean() == pytest.approx(150 + 60 * place, abs=2)
+        pole = np.nonzero((picture == (200, 140, 80)).all(axis=2))
+        assert pole[0].min() < 30, "the pole is up, and the first row is the highest"
+        assert (pole[1].max() if place > 0 else 300 - pole[1].min()) > 255, "and it leans outwards"
+
+
+# The car of lesson 08
+
+
+def test_the_car_drives_the_same_in_both_languages(make, launch):
+    """To the last bit: it is made of plus, minus, times, divide and square root."""
+    ends = []
+    envs = [make("NetMQExample/Car-v0", launch=launch(kind, "--world", "Car")) for kind in ("python", "csharp")]
+    for episode in range(3):
+        actions = np.random.default_rng(episode)
+        seen = [env.reset(seed=episode)[0] for env in envs]
+        over, metres = False, 0.0
+        while not over:
+            assert np.array_equal(*seen)
+            action = np.array([actions.uniform(-0.4, 0.4), 0.8], np.float32)
+            (mine, *said), (other, *other_said) = (env.step(action) for env in envs)
+            assert said == other_said
+            seen, over, metres = [mine, other], said[1] or said[2], metres + said[0]
+        assert said[3]["metres"] == pytest.approx(metres)
+        ends.append((said[1], abs(mine[0]) > 1))
+    assert (True, True) in ends, "beside the road the episode ends"
+
+
+@pytest.mark.parametrize("picture", [[], ["--picture"]])
+def test_gymnasiums_checker_likes_the_car(picture, make, launch):
+    env = make("NetMQExample/Car-v0", launch=launch("csharp", "--world", "Car", *picture))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped)
+    seen, _ = env.reset(options={"state": [100]})
+    if picture:
+        assert seen.shape == (240, 320, 3)
+        assert tuple(seen[100, 0]) != tuple(seen[239, 160]), "the sky is above the road"
+    with pytest.raises(messages.MessageError, match="bad-state: the road has the points 0 to 1999"):
+        env.reset(options={"state": [-1]})
+
+
+# Who uses it
+
+
+def test_stable_baselines3_finds_what_it_calls(make, launch):
+    """What its DummyVecEnv, Monitor and PPO do with an environment, in this order, without the package."""
+    env = make(launch=launch("csharp"), max_episode_steps=20)
+    assert isinstance(env, gymnasium.Env) and env.render_mode is None and env.metadata["render_modes"]
+    assert isinstance(env.observation_space, gymnasium.spaces.Box)
+    kept = np.zeros((1, *env.observation_space.shape), env.observation_space.dtype)
+    env.action_space.seed(3)
+    kept[0], _ = env.reset(seed=3)
+    ends = 0
+    for _ in range(60):
+        action = np.array([env.action_space.sample()])
+        seen, reward, terminated, truncated, info = env.step(action[0])
+        assert isinstance(reward, float)
+        if terminated or truncated:
+            info["terminal_observation"] = seen
+            info["TimeLimit.truncated"] = truncated and not terminated
+            ends += 1
+            seen, _ = env.reset()
+            assert not np.array_equal(info["terminal_observation"], seen)
+        kept[0] = seen
+    assert ends >= 3
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_cleanrl_finds_what_it_calls(mode, launch):
+    """What its ppo.py does, without torch: several environments, statistics, and an array of actions for all."""
+
+    def thunk():
+        return RecordEpisodeStatistics(gymnasium.make(ID, launch=launch("csharp"), max_episode_steps=15))
+
+    envs = SyncVectorEnv([thunk] * 2, autoreset_mode=mode)
+    try:
+        assert isinstance(envs.single_action_space, gymnasium.spaces.Discrete)
+        seen, _ = envs.reset(seed=1)
+        lengths = deque()
+        for _ in range(40):
+            assert seen.shape == (2, 4)
+            seen, rewards, terminations, truncations, infos = envs.step(np.array([0, 1]))
+            over = np.logical_or(terminations, truncations)
+            assert rewards.shape == (2,)
+            ended = infos.get("final_info", infos) if mode == AutoresetMode.SAME_STEP else infos
+            if "episode" in ended:
+                lengths += [int(length) for length in np.asarray(ended["episode"]["l"])[over]]
+        assert len(lengths) >= 4 and set(lengths) <= set(range(8, 12)), "a pole pushed one way falls soon"
+    finally:
+        envs.close()
+
+
+def train(start, launch, seed):
+    trainer = start(PYTHON, LESSON / "train.py", "--seed", str(seed), "--launch", *launch("csharp"))
+    assert trainer.wait(280) == 0, trainer.output
+    # Without how fast it was.
+    return [re.sub(", [0-9,]+ a second", "", line) for line in trainer.lines if re.match("generation|policy", line)]
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 5))])
+def test_training_reaches_its_goal(seed, start, launch):
+    lines = train(start, launch, seed)
+    assert float(re.search(r"mean (\S+) of 200", lines[-2])[1]) >= 195
+
+
+def test_the_same_seed_trains_the_same_policy(start, launch):
+    assert train(start, launch, 4) == train(start, launch, 4)
+
+
+def test_steps_a_second(make, launch):
+    env = make(launch=launch("csharp"), max_episode_steps=10**9)
+    seen, _ = env.reset(seed=1)
+    times = []
+    for _ in range(3000):
+        begin = time.perf_counter()
+        seen, _, over, *_ = env.step(int(seen[2] + seen[3] > 0))
+        times.append(time.perf_counter() - begin)
+        if over:
+            seen, _ = env.reset()
+    times.sort()
+    print(f"\n{len(times) / sum(times):,.0f} steps a second, p99 {1000 * times[-30]:.2f} ms")

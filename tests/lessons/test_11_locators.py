@@ -1,0 +1,279 @@
+"""Lesson 11, the locator language, in both languages: one golden table, 10,000 random texts, and the page's tables."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import json
+import random
+import re
+import subprocess
+import sys
+
+import pytest
+
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.programs import ROOT
+from tests.tables import rows
+
+KEY = "11_observations"
+FOLDER = ROOT / "python" / KEY
+PAGE = ROOT / "docs" / "guide" / "11_locators.md"
+sys.path.insert(0, str(FOLDER))
+
+locator = importlib.import_module("locator")
+LocatorError = locator.LocatorError
+
+
+def text_of(said):
+    """A text, or pieces and how often they are repeated."""
+    return said if isinstance(said, str) else "".join(piece * count for piece, count in said)
+
+
+GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "11_locators.json").read_text(encoding="utf-8"))
+CASES = [(text_of(one["text"]), one.get("default", ""), one.get("scope")) for one in GOLDEN]
+# The sentence of an error, by its column and how it begins.
+ERROR = re.compile(r"column (\d+): expected ([^\x00-\x1f\x7f]+)")
+
+
+def python_says(text, name="", scope=None):
+    try:
+        return "ok", locator.parse(text, name, None if scope is None else locator.parse(scope)).text
+    except LocatorError as error:
+        return "error", str(error)
+
+
+@pytest.fixture(scope="session")
+def csharp_says(engine):
+    """What Locator.cs says of each case, in one process, in a culture."""
+    program = dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "locators")
+
+    def digits(text):
+        return "-" if text is None else "=" + text.encode("utf-16-be", "surrogatepass").hex()
+
+    def says(cases, culture=""):
+        lines = "".join(" ".join(map(digits, case)) + "\n" for case in cases)
+        done = subprocess.run(
+            ["dotnet", str(program), culture], input=lines, capture_output=True, text=True, timeout=200
+        )
+        assert done.returncode == 0, done.stderr
+        here, *answers = done.stdout.splitlines()
+        words = (answer.split(" ") for answer in answers)
+        return here, [(word, bytes.fromhex(said).decode("utf-16-be", "surrogatepass")) for word, said in words]
+
+    return says
+
+
+def check(entry, answer):
+    word, said = answer
+    if "canonical" in entry:
+        assert (word, said) == ("ok", text_of(entry["canonical"])), entry["name"]
+    else:
+        assert word == "error", (entry["name"], said[:200])
+        column, expected = ERROR.fullmatch(said).groups()
+        assert int(column) == entry["column"], (entry["name"], said[:200])
+        assert expected.startswith(entry.get("expected", "")), entry["name"]
+        assert len(said) < 200, entry["name"]
+
+
+@pytest.mark.parametrize("entry", GOLDEN, ids=lambda entry: entry["name"])
+def test_python_agrees_with_the_golden_table(entry):
+    check(entry, python_says(*CASES[GOLDEN.index(entry)]))
+
+
+@pytest.mark.parametrize(
+    ("culture", "here"),
+    [("", "FILE 0.5 -1"), ("de-DE", "FILE 0,5 -1"), ("tr-TR", "FİLE 0,5 -1"), ("minus", "FILE 0.5 ~1")],
+    ids=["no culture", "German", "Turkish", "another minus"],
+)
+def test_csharp_agrees_with_the_golden_table(culture, here, csharp_says):
+    """A Turk's capital i has a dot, a German writes 0,5, and both sort letters in another order than a computer."""
+    found, answers = csharp_says(CASES, culture)
+    if found != f"here: {here}" and "-" in culture:
+        pytest.skip(f".NET knows no {culture} here: {found}")
+    assert found == f"here: {here}"
+    for entry, case, answer in zip(GOLDEN, CASES, answers, strict=True):
+        check(entry, answer)
+        assert answer == python_says(*case), entry["name"]
+
+
+def test_a_canonical_text_means_itself():
+    for entry, (word, said) in zip(GOLDEN, itertools.starmap(python_says, CASES), strict=True):
+        if word == "ok":
+            assert python_says(said) == ("ok", said), entry["name"]
+
+
+# Random ones
+
+
+BARE = ["a", "car", "_x9", "newaxis", "np", "B"]
+ODD = ["", "it's", 'a"b', "a\\b", "naïve", "\U0001f697", "= $", "\n", "a b", "\u202e", "İ", "\uff5e"]
+SIGNS = [
+    *"@.[](){}=$&,:'\"\\+-0129 \t\nß\0",
+    "@@",
+    "...",
+    "newaxis",
+    "\\u00e9",
+    "99999999999",
+    "\U0001f697",
+    "\udc80",
+    "x",
+]
+
+
+def a_name(at_random):
+    name = at_random.choice(BARE * 2 + ODD)
+    if name in BARE and at_random.random() < 0.7:
+        return name
+    quote = at_random.choice("'\"")
+    inside = re.sub(r"[\\'\"]", r"\\\g<0>", name).replace("\n", at_random.choice(["\n", "\\n", "\\u000a"]))
+    return f"{quote}{inside}{quote}"
+
+
+def a_range(at_random):
+    def number():
+        return at_random.choice(["", "0", "1", "-1", "+ 2", "12", "2147483647"])
+
+    parts = [number() for _ in range(at_random.choice([1, 1, 2, 3]))]
+    return ":".join(parts) if len(parts) > 1 else parts[0] or "3"
+
+
+def a_path(at_random, appends):
+    steps = []
+    for _ in range(at_random.choice([0, 1, 1, 2, 4])):
+        kinds = [f".{at_random.choice(BARE)}", f"[{a_name(at_random)}]", f"[{a_range(at_random)}]"]
+        steps.append(at_random.choice(kinds))
+    if appends and at_random.random() < 0.1:
+        return "".join([*steps, "[]"])
+    for _ in range(at_random.choice([0, 0, 1, 2])):
+        items = (at_random.choice([a_range(at_random), "...", "newaxis"]) for _ in range(at_random.randrange(4)))
+        steps.append(f"({','.join(items)})")
+    return at_random.choice(["", "", " "]).join(steps)
+
+
+def a_locator(at_random):
+    mappings = []
+    for _ in range(at_random.choice([1, 1, 2, 3])):
+        agents = "".join(f"{a_name(at_random)}@" for _ in range(at_random.choice([0, 1, 1, 2])))
+        who = at_random.choice(["", "@", "@@" + agents, agents, agents])
+        source = at_random.choice(["", " = $" + a_path(at_random, False)])
+        mappings.append(who + a_path(at_random, True) + source)
+    return at_random.choice([" & ", "&"]).join(mappings)
+
+
+def spoiled(at_random, text):
+    for _ in range(at_random.choice([1, 1, 2, 5])):
+        at, size = at_random.randrange(len(text) + 1), at_random.choice([0, 0, 1, 3])
+        text = text[:at] + at_random.choice([*SIGNS, ""]) + text[at + size :]
+    return text
+
+
+def test_both_languages_say_the_same_of_10_000_random_locators(csharp_says):
+    at_random = random.Random(11)
+    cases = []
+    for number in range(10_000):
+        text = a_locator(at_random)
+        text = spoiled(at_random, text) if number % 2 else text
+        # Half of the scopes fit nowhere: relative ones, and those with a source.
+        scope = at_random.choice(
+            [None, None, "car@", "car@.a", "@@bus@", "a@.b & c@", "a@(0)", "a@.s[]", a_locator(at_random)]
+        )
+        try:
+            locator.parse(scope or "")
+        except LocatorError:
+            scope = None
+        cases.append((text, at_random.choice(["", "", "f", "it's"]), scope))
+    said = [python_says(*case) for case in cases]
+    _, others = csharp_says(cases)
+    assert [(case, *both) for case, *both in zip(cases, said, others, strict=True) if both[0] != both[1]] == []
+    # Of each kind so many that the comparison means something.
+    fine = [text for word, text in said if word == "ok"]
+    assert 3_000 < len(fine) < 8_000
+    assert len({re.sub(r"\d+|found.*", "", text) for word, text in said if word == "error"}) >= 20
+    assert [text for text in fine if python_says(text) != ("ok", text)] == []
+
+
+# What is meant
+
+
+def test_equal_texts_are_equal_locators():
+    one, same, other = (locator.parse(text) for text in ("b@a@.x[0:2:1]", "a@b@['x'][:+2]", "a@.x[:2]"))
+    assert one == same != other
+    assert hash(one) == hash(same)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"), [("a@b@", "ab"), ("@@", "abc"), ("@@b@", "ac"), ("@", ""), (".x", ""), ("''@", "")]
+)
+def test_whose_observation_is_meant(text, named):
+    (mapping,) = locator.parse(text).mappings
+    assert "".join(filter(mapping.names, "abc")) == named
+    assert mapping.absolute == ("@" in text[1:])
+
+
+# The programs
+
+
+def programs(csharp_words, *words):
+    """The same locator for both: (exit code, standard output, error output)."""
+    python = [str(PYTHON), str(FOLDER / "locator.py"), *words]
+    done = [subprocess.run(each, capture_output=True, timeout=60, encoding="utf-8") for each in (python, csharp_words)]
+    return [(one.returncode, one.stdout, one.stderr) for one in done]
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "code", "said"),
+    [
+        (".b & .a", [], 0, "['a'] = $ & ['b'] = $"),
+        ("", ["--name", "it's"], 0, "['it\\'s'] = $"),
+        ("", [], 0, " = $"),
+        ("@.x", ["--scope", "car@.body"], 0, "'car'@['x'] = $"),
+        ("=$[0]", ["--scope", "car@.body", "--name", "f"], 0, "'car'@['body']['f'] = $[0]"),
+        ("['naïve \U0001f697']", [], 0, "['naïve \U0001f697'] = $"),
+        ("-x", [], 2, "column 1: expected '.', '[', '(', '=', '&' or the end, found '-'"),
+        ("--speed", [], 2, "column 1: expected '.', '[', '(', '=', '&' or the end, found '-'"),
+        ("-.a = $", [], 2, "column 1: expected '.', '[', '(', '=', '&' or the end, found '-'"),
+        (".a[", [], 2, "column 4: expected a key, a number, a slice or ']', found the end"),
+        (".a", ["--scope", "car@.b."], 2, "scope, column 8: expected a name, found the end"),
+        (".a", ["--scope", ".b"], 2, "column 1: expected agents, such as car@, because the scope names none"),
+        ("['\x1b[2J", [], 2, None),
+    ],
+)
+def test_the_programs_say_the_same(text, options, code, said, console):
+    python, csharp = programs([*console, "11", f"--locator={text}", *options], *options, text)
+    assert python == csharp
+    assert python[0] == code
+    lines = python[2 if code else 1].splitlines()
+    assert len(lines) == 1 and lines[0].isprintable()
+    assert python[1 if code else 2] == ""
+    assert said in (None, lines[0])
+
+
+@pytest.mark.parametrize("words", [[], ["a@", "b@"], ["--conut", "3", ".x"], [".x", "--scope"]])
+def test_wrong_usage_of_the_program(words):
+    done = subprocess.run([PYTHON, FOLDER / "locator.py", *words], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert done.stderr.splitlines()[-1].startswith("locator.py: error: ")
+
+
+# The page
+
+
+def examples():
+    """Of every table: the text, the default, the scope, and what is said of it."""
+    yield from ((text, "", None, said) for text, said, _ in rows(PAGE, "locator", "canonical text", "meaning"))
+    yield from ((text, "", None, said) for text, said in rows(PAGE, "locator", "what is printed"))
+    yield from ((text, "", None, said) for text, said, _ in rows(PAGE, "locator", "here", "in gymize"))
+    for scope, default, text, said in rows(PAGE, "scope", "default", "locator", "canonical text"):
+        yield text, default, scope, said
+
+
+def test_the_page_says_what_both_languages_say(csharp_says):
+    found = list(examples())
+    assert len(found) > 45
+    cases = [(text, name, scope) for text, name, scope, _ in found]
+    python, (_, csharp) = [python_says(*case) for case in cases], csharp_says(cases)
+    assert [said.strip() for _, said in python] == [said for *_, said in found]
+    assert csharp == python

@@ -1,0 +1,34 @@
+// What the clients of lesson 05 send, and what they say about the reply: both are only for the lesson.
+using System;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>A picture of 320 x 240 pixels, grey with a white square that moves.</summary>
+    public static class TestPicture
+    {
+        private const int Width = 320, Height = 240;
+
+        /// <summary>The picture as a request: RGB, the lowest row first, as Unity's textures have it.</summary>
+        public static Message Request(int number)
+        {
+            var pixels = new byte[Height * Width * 3];
+            Array.Fill(pixels, (byte)(number % 20 * 10));
+            int left = number % 20 * 16, top = number % 30 * 8;
+            for (var y = top; y < top + 8; y++)
+                Array.Fill(pixels, (byte)255, ((Height - 1 - y) * Width + left) * 3, 24);
+            var request = new Message("frame", number);
+            request.Values["bottom_up"] = true;
+            request.Arrays.Add(new MessageArray("uint8", pixels, Height, Width, 3));
+            return request;
+        }
+
+        /// <summary>The line to print about its reply.</summary>
+        public static string Line(int number, Message reply)
+        {
+            var found = reply.Values.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}"));
+            var printable = NetMQLifetime.Printable(string.Join(", ", found));
+            return $"{number}: sent frame {number}, {Width * Height * 3} bytes; brightest at {printable}";
+        }
+    }
+}

@@ -1,0 +1,101 @@
+// Lesson 09, the world: a pole on a cart, pushed left or right. The twin of cart_pole.py.
+//
+// The equations are those of Gymnasium's CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same
+// state, the same actions lead to the same states. Sine and cosine differ in their last bit from one system to the
+// next, so two systems agree to many digits and not to all. At home your own simulation takes its place.
+using System;
+using System.Collections.Generic;
+using System.Globalization;
+
+namespace NetMQExample
+{
+    /// <summary>Where cart and pole are, and how they move.</summary>
+    public sealed class CartPole : ISimulation
+    {
+        private const double Gravity = 9.8, Force = 10, Cart = 1, Pole = 0.1, HalfLength = 0.5;
+        // The episode is over when the cart leaves the track, in metres, or the pole falls: 12 degrees.
+        private const double Track = 2.4, Fall = 12 * 2 * Math.PI / 360;
+        private const int Width = 300, Height = 200, Scale = 60;
+        // Twice as far as an episode goes, so that its last observation is in the space as well. Any finite speed: of
+        // an infinite one Gymnasium's checker warns.
+        private static readonly double[] Most = { 2 * Track, float.MaxValue, 2 * Fall, float.MaxValue };
+
+        private double speed, turning;
+
+        /// <summary>The middle of the cart, in metres.</summary>
+        public double Place { get; private set; }
+
+        /// <summary>From upright, to the right, in radians.</summary>
+        public double Angle { get; private set; }
+
+        /// <inheritdoc/>
+        public string Name => "CartPole";
+
+        /// <inheritdoc/>
+        public double Dt => 0.02;
+
+        /// <inheritdoc/>
+        public int StateSize => 4;
+
+        /// <inheritdoc/>
+        public GymSpace Observation { get; } = GymSpace.Box(Array.ConvertAll(Most, most => -most), Most);
+
+        /// <inheritdoc/>
+        public GymSpace Action { get; } = GymSpace.Discrete(2);
+
+        /// <inheritdoc/>
+        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state)
+        {
+            double Option(string name, double standard) => options.TryGetValue(name, out var given)
+                ? Convert.ToDouble(given, CultureInfo.InvariantCulture)
+                : standard;
+            double low = Option("low", -0.05), high = Option("high", 0.05);
+            double Drawn() => low + (high - low) * chance.Next();
+            if (state.Length == 0) state = new[] { Drawn(), Drawn(), Drawn(), Drawn() };
+            (Place, speed, Angle, turning) = (state[0], state[1], state[2], state[3]);
+        }
+
+        /// <inheritdoc/>
+        public void Apply(double[] action)
+        {
+            double sine = Math.Sin(Angle), cosine = Math.Cos(Angle);
+            var push = (action[0] == 1 ? Force : -Force) + Pole * HalfLength * (turning * turning) * sine;
+            var forward = push / (Cart + Pole);
+            var around = (Gravity * sine - cosine * forward) /
+                (HalfLength * (4.0 / 3 - Pole * (cosine * cosine) / (Cart + Pole)));
+            forward -= Pole * HalfLength * around * cosine / (Cart + Pole);
+            Place += Dt * speed;
+            speed += Dt * forward;
+            Angle += Dt * turning;
+            turning += Dt * around;
+        }
+
+        /// <inheritdoc/>
+        public MessageArray Observe() => Observation.Of(Place, speed, Angle, turning);
+
+        /// <inheritdoc/>
+        public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>
+            (1, Math.Abs(Place) > Track || Math.Abs(Angle) > Fall, false);
+
+        /// <inheritdoc/>
+        public MessageArray Render()
+        {
+            var pixels = new byte[Height * Width * 3];
+            Array.Fill(pixels, (byte)255);
+            // A rectangle around a place in pixels, y upwards; what is outside is left out.
+            void Fill(double x, double y, int width, int height, byte red, byte green, byte blue)
+            {
+                int left = (int)x - width / 2, top = Height - (int)y - height / 2;
+                for (var row = Math.Max(0, top); row < Math.Min(Height, top + height); row++)
+                    for (var column = Math.Max(0, left); column < Math.Min(Width, left + width); column++)
+                        new[] { red, green, blue }.CopyTo(pixels, (row * Width + column) * 3);
+            }
+            var middle = Width / 2.0 + Scale * Place;
+            Fill(Width / 2.0, 50, Width, 2, 0, 0, 0);
+            Fill(middle, 50, 50, 30, 40, 60, 90);
+            for (var along = 0; along < 2 * Scale; along++)
+                Fill(middle + along * Math.Sin(Angle), 60 + along * Math.Cos(Angle), 6, 6, 200, 140, 80);
+            return new MessageArray("uint8", pixels, Height, Width, 3);
+        }
+    }
+}

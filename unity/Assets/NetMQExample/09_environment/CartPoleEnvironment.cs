@@ -1,0 +1,77 @@
+// Lesson 09 in Unity, the example: a pole on a cart, which Python balances. Tick By Hand, and the arrow keys do.
+//
+// Use: start python/09_environment/server.py, add this component to any GameObject, press Play.
+using System;
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>CartPole.cs in a scene, with a cart and a pole made of cubes.</summary>
+    public sealed class CartPoleEnvironment : PythonEnvironment
+    {
+        private readonly CartPole world = new CartPole();
+        private Transform cart, pole;
+
+        /// <inheritdoc/>
+        public override string Name => world.Name;
+
+        /// <inheritdoc/>
+        public override int StateSize => world.StateSize;
+
+        /// <inheritdoc/>
+        public override GymSpace Observation => world.Observation;
+
+        /// <inheritdoc/>
+        public override GymSpace Action => world.Action;
+
+        /// <inheritdoc/>
+        public override void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state) =>
+            world.ResetWorld(chance, options, state);
+
+        /// <inheritdoc/>
+        protected override void Act(double[] action) => world.Apply(action);
+
+        /// <inheritdoc/>
+        public override MessageArray Observe() => world.Observe();
+
+        /// <inheritdoc/>
+        public override (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>
+            world.Judge(info);
+
+        /// <inheritdoc/>
+        public override MessageArray Render() => world.Render();
+
+        /// <inheritdoc/>
+        protected override double[] Heuristic()
+        {
+#if ENABLE_LEGACY_INPUT_MANAGER
+            // There is no third way: whoever does not push to the right pushes to the left.
+            return new[] { Input.GetAxis("Horizontal") > 0 ? 1.0 : 0.0 };
+#else
+            return new[] { 0.0 };
+#endif
+        }
+
+        private void Awake()
+        {
+            (cart, pole) = (Cube(new Vector3(0.8f, 0.5f, 0.5f)), Cube(new Vector3(0.1f, 2, 0.1f)));
+            Cube(new Vector3(5, 0.05f, 0.1f));
+        }
+
+        private void LateUpdate()
+        {
+            cart.position = new Vector3((float)world.Place, 0, 0);
+            var along = new Vector3((float)Math.Sin(world.Angle), (float)Math.Cos(world.Angle), 0);
+            var turn = Quaternion.Euler(0, 0, (float)(-world.Angle * 180 / Math.PI));
+            pole.SetPositionAndRotation(cart.position + along, turn);
+        }
+
+        private static Transform Cube(Vector3 size)
+        {
+            var cube = GameObject.CreatePrimitive(PrimitiveType.Cube).transform;
+            cube.localScale = size;
+            return cube;
+        }
+    }
+}

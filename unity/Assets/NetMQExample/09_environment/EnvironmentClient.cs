@@ -1,0 +1,135 @@
+// Lesson 09, environment: connects a simulation with a Gymnasium environment in Python.
+//
+// It says hello with the simulation's name, spaces and dt; then it answers reset, step and render, until close. Each
+// try to connect has a new socket.
+// Take home: this file, Simulator.cs, Simulation.cs and GymSpace.cs, with Message.cs and MessageJson.cs (lesson 05),
+// NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/09_environment/environment.py.
+// Trouble: stop the Python program while it steps, and start it again.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Linq;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace NetMQExample
+{
+    /// <summary>Serves an environment, and after it the next one. Make it, use it and dispose it on one thread, and not
+    /// on Unity's main thread: it waits for requests.</summary>
+    public sealed class EnvironmentClient : IDisposable
+    {
+        // For a connection, and then for the answer to hello; and without a request, until it says hello again.
+        private static readonly TimeSpan Try = TimeSpan.FromSeconds(1), Idle = TimeSpan.FromHours(1);
+
+        private readonly Stopwatch silence = new Stopwatch();
+        private readonly NetMQConnection connection;
+        private readonly string endpoint;
+        private readonly TimeSpan patience;
+        private readonly Action<string> report;
+
+        /// <summary>Connects, which succeeds even while no environment is there.</summary>
+        /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
+        /// <param name="patience">How long to wait for one.</param>
+        /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public EnvironmentClient(string endpoint, TimeSpan patience, Action<string> report)
+        {
+            (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
+            connection = new NetMQConnection(endpoint, () =>
+            {
+                var socket = new DealerSocket();
+                // Nothing can be sent while there is no connection: so it is known whether there is one.
+                socket.Options.DelayAttachOnConnect = true;
+                return socket;
+            }, 4 * Message.Limit);
+        }
+
+        /// <summary>Serves until it is closed.</summary>
+        /// <param name="simulator">What answers.</param>
+        /// <param name="count">Or until it is asked for more episodes than this; 0 is no limit.</param>
+        /// <param name="perform">Calls what it is given, on the thread where the simulation is at home.</param>
+        /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
+        /// <exception cref="TimeoutException">There was no environment for too long.</exception>
+        public void Run(
+            Simulator simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop = default)
+        {
+            var why = "";
+            for (silence.Restart(); silence.Elapsed < patience; connection.Close())
+            {
+                try
+                {
+                    Talk(simulator, count, perform, stop);
+                    return;
+                }
+                catch (Exception e) when (e is TimeoutException || e is MessageException)
+                {
+                    why = e.Message;
+                    // Whoever refuses at once is not asked again at once.
+                    stop.WaitHandle.WaitOne(patience < Try ? patience : Try / 5);
+                }
+            }
+            throw new TimeoutException(FormattableString.Invariant(
+                $"no environment at {endpoint} within {patience.TotalSeconds} s; is the server running? ({why})"));
+        }
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose() => connection.Dispose();
+
+        private void Talk(
+            Simulator simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
+        {
+            var limit = patience < Try ? patience : Try;
+            Send(simulator.Hello(), limit, stop);
+            var request = Receive(limit, stop);
+            if (request.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
+            report($"simulating {simulator.Name} for {endpoint}");
+            try
+            {
+                while ((request = Receive(Idle, stop)).Kind != "close")
+                {
+                    if (request.Kind == "reset" && count > 0 && simulator.Episodes >= count) return;
+                    Send(perform(() => simulator.Answer(request)), Try, stop);
+                }
+                // For the last answer; else it would be dropped.
+                connection.Socket.Options.Linger = Try;
+                Send(new Message("closed", request.Id), Try, stop);
+            }
+            catch (Exception e) when (e is TimeoutException || e is MessageException)
+            {
+                report($"trouble: {e.Message}");
+                throw;
+            }
+            finally { silence.Restart(); }
+        }
+
+        private void Send(Message message, TimeSpan limit, CancellationToken stop)
+        {
+            var frames = new NetMQMessage();
+            frames.Append(message.Header());
+            foreach (var array in message.Arrays) frames.Append(array.Data.ToArray());
+            var (slices, socket) = (NetMQConnection.Slices(limit, stop), connection.Socket);
+            if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, frames)))
+                throw new TimeoutException("no connection");
+        }
+
+        private Message Receive(TimeSpan limit, CancellationToken stop)
+        {
+            var frames = new NetMQMessage();
+            foreach (var slice in NetMQConnection.Slices(limit, stop))
+            {
+                if (!connection.Socket.TryReceiveMultipartMessage(slice, ref frames))
+                {
+                    if (connection.Socket.HasOut) continue;
+                    break;
+                }
+                var message = Message.Read(
+                    frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
+                if (message.Kind != "error") return message;
+                var (code, text) = (message.Values.GetValueOrDefault("code"), message.Values.GetValueOrDefault("text"));
+                throw new MessageException(NetMQLifetime.Printable($"{code}"), NetMQLifetime.Printable($"{text}"));
+            }
+            throw new TimeoutException("the environment is gone, or silent");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+// Lesson 09, the second world: lesson 08's car on its road, to be driven step by step. The twin of road_car.py.
+//
+// What it sees is where it is relative to the road, or the drawn picture. Both sides give the same numbers to the last
+// bit, as Car.cs and Road.cs do. At home your own simulation takes its place.
+using System;
+using System.Collections.Generic;
+
+namespace NetMQExample
+{
+    /// <summary>The reward is how many metres it came along the road; beside the road the episode ends.</summary>
+    public sealed class RoadCar : ISimulation
+    {
+        // So many points of the road ahead, some 9 m, it sees where the road goes.
+        private const int Ahead = 60;
+
+        private readonly Road road = new Road();
+        private readonly DrawnCamera camera;
+        private readonly bool seesPictures;
+        private Car car;
+        private double metres;
+
+        /// <summary>On the road, at its first point.</summary>
+        /// <param name="seesPictures">What is seen is the drawn picture, and not five numbers.</param>
+        public RoadCar(bool seesPictures = false)
+        {
+            this.seesPictures = seesPictures;
+            (car, camera) = (new Car(road), new DrawnCamera(road));
+            var most = new double[] { 2, 2, 2, 2, 2 };
+            Observation = seesPictures
+                ? GymSpace.Picture(DrawnCamera.Height, DrawnCamera.Width)
+                : GymSpace.Box(Array.ConvertAll(most, each => -each), most);
+        }
+
+        /// <inheritdoc/>
+        public string Name => "Car";
+
+        /// <inheritdoc/>
+        public double Dt => Car.StepSeconds;
+
+        /// <summary>The number of a point of the road.</summary>
+        public int StateSize => 1;
+
+        /// <inheritdoc/>
+        public GymSpace Observation { get; }
+
+        /// <summary>Steer, from -1, left, to 1, right; and throttle above 0, brake below.</summary>
+        public GymSpace Action { get; } = GymSpace.Box(new double[] { -1, -1 }, new double[] { 1, 1 });
+
+        /// <inheritdoc/>
+        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state)
+        {
+            var at = state.Length > 0 ? state[0] : Math.Floor(chance.Next() * road.Points.Length);
+            if (!(at >= 0 && at < road.Points.Length))
+                throw new MessageException("bad-state", $"the road has the points 0 to {road.Points.Length - 1}");
+            (car, metres) = (new Car(road, (int)at), 0);
+        }
+
+        /// <inheritdoc/>
+        public void Apply(double[] action)
+        {
+            car.Step(Math.Max(0, action[1]), Math.Max(0, -action[1]), action[0]);
+            metres += Progress();
+        }
+
+        /// <inheritdoc/>
+        public MessageArray Observe()
+        {
+            if (seesPictures) return Render();
+            var (at, _) = road.Nearest(car.X, car.Y);
+            var ((x, y), (toX, toY), (farX, farY)) = (road.Points[at], Along(at), Along(at + Ahead));
+            // To the right of the road's direction is (toY, -toX).
+            var off = ((car.X - x) * toY - (car.Y - y) * toX) / Road.HalfWidth;
+            return Observation.Of(off, car.AheadX * toY - car.AheadY * toX, car.AheadX * toX + car.AheadY * toY,
+                car.Speed / 20, farX * toY - farY * toX);
+        }
+
+        /// <inheritdoc/>
+        public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info)
+        {
+            info["metres"] = metres;
+            return (Progress(), road.Nearest(car.X, car.Y).Distance > Road.HalfWidth, false);
+        }
+
+        /// <inheritdoc/>
+        public MessageArray Render()
+        {
+            var (drawn, picture) = (new byte[DrawnCamera.Size], new byte[DrawnCamera.Size]);
+            camera.Draw(drawn, car, 0);
+            // Lesson 08's pictures have the lowest row first, Gymnasium's the highest.
+            const int row = DrawnCamera.Width * 3;
+            for (var i = 0; i < DrawnCamera.Height; i++)
+                Array.Copy(drawn, i * row, picture, (DrawnCamera.Height - 1 - i) * row, row);
+            return new MessageArray("uint8", picture, DrawnCamera.Height, DrawnCamera.Width, 3);
+        }
+
+        private double Progress()
+        {
+            var (toX, toY) = Along(road.Nearest(car.X, car.Y).At);
+            return (car.AheadX * toX + car.AheadY * toY) * car.Speed * Dt;
+        }
+
+        private (double X, double Y) Along(int at)
+        {
+            // A car that stands on the road looks along it.
+            var there = new Car(road, at % road.Points.Length);
+            return (there.AheadX, there.AheadY);
+        }
+    }
+}

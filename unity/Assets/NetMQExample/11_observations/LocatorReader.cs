@@ -1,0 +1,146 @@
+// Lesson 11, reading: the text of a locator, sign by sign, and at which column it is wrong.
+//
+//     .key  [key]  ["key"]                    a name is ASCII letters, digits and _; any other is quoted, where a
+//                                             backslash stands before \ ' " n r t and uXXXX
+//     [0]  [-1]  [1:3]  [::2]                 numbers and slices, as Python has them
+//     []                                      to append
+//     (0, 1:3, ..., newaxis)                  an index of numpy's; np.newaxis is the same
+//
+// Blanks between two signs are free. Take home: Locator.cs with this file. The Python side is reader.py.
+using System;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Text;
+using System.Text.RegularExpressions;
+
+namespace NetMQExample
+{
+    /// <summary>Goes through a text from left to right. What it has read it spells as in the canonical text.</summary>
+    internal sealed class LocatorReader
+    {
+        private const string Escape = @"\\[""'\\nrt]|\\u(?![Dd][89A-Fa-f])[0-9A-Fa-f]{4}";
+
+        // Half a character (U+D800 to U+DFFF) is no text, neither as it stands nor as an escape.
+        private const string Character = @"[\ud800-\udbff][\udc00-\udfff]|[^\\\ud800-\udfff";
+
+        private static readonly Regex Name = new(@"\G[A-Za-z_][A-Za-z0-9_]*");
+        private static readonly Regex Digits = new(@"\G[+-]?[ \t\r\n]*[0-9]+");
+        private static readonly Regex NewAxis = new(@"\G(?:np[ \t\r\n]*\.[ \t\r\n]*)?newaxis(?![A-Za-z0-9_])");
+        private static readonly Regex InSingle = new($@"\G(?>{Character}']|{Escape})*");
+        private static readonly Regex InDouble = new($@"\G(?>{Character}""]|{Escape})*");
+
+        private readonly string text;
+        private int at;
+
+        public LocatorReader(string text) => this.text = text;
+
+        public int At => at;
+
+        public bool AtEnd => at == text.Length;
+
+        /// <summary>Goes past this sign, if it stands next, after blanks. With what is expected, it must.</summary>
+        public bool Sign(string sign, string expected = null)
+        {
+            while (at < text.Length && " \t\r\n".IndexOf(text[at]) >= 0) at++;
+            if (string.CompareOrdinal(text, at, sign, 0, sign.Length) != 0)
+                return expected == null ? false : throw Wrong(expected);
+            at += sign.Length;
+            return true;
+        }
+
+        public LocatorException Wrong(string expected)
+        {
+            var length = at + 1 < text.Length && char.IsSurrogatePair(text[at], text[at + 1]) ? 2 : 1;
+            var found = AtEnd ? "the end" : LocatorMapping.Quoted(text.Substring(at, length));
+            return Fault(at, $"expected {expected}, found {found}");
+        }
+
+        /// <summary>The column counts characters: one beyond U+FFFF is two in a string of C#, one in Python.</summary>
+        public LocatorException Fault(int place, string what)
+        {
+            var pairs = Regex.Matches(text.Substring(0, place), @"[\ud800-\udbff][\udc00-\udfff]").Count;
+            return new LocatorException(place - pairs + 1, what);
+        }
+
+        /// <summary>The name that stands next, bare or quoted; null if there is none.</summary>
+        public string TakeName()
+        {
+            var quote = Sign("'") ? "'" : Sign("\"") ? "\"" : null;
+            if (quote == null) return Take(Name);
+            var inside = Take(quote == "'" ? InSingle : InDouble);
+            Sign(quote, $@"{quote} after the name; escapes are \\ \' \"" \n \r \t \uXXXX");
+            return Regex.Unescape(inside);
+        }
+
+        /// <summary>As many steps as there are. Only to a place where a value is written, it can be appended.</summary>
+        public string Path(bool appends)
+        {
+            var path = new StringBuilder();
+            for (var dot = Sign("."); dot || Sign("["); dot = Sign("."))
+            {
+                if (appends && !dot && Sign("]")) return path.Append("[]").ToString();
+                Sign("");
+                var name = dot ? Take(Name) ?? throw Wrong("a name") : TakeName();
+                var step = name == null ? Range() : LocatorMapping.Quoted(name);
+                if (step == null) throw Wrong("a key, a number, a slice" + (appends ? " or ']'" : ""));
+                if (!dot) Sign("]", "']'");
+                path.Append('[').Append(step).Append(']');
+            }
+            while (Sign("(")) path.Append('(').Append(string.Join(",", Items())).Append(')');
+            return path.ToString();
+        }
+
+        private string Take(Regex pattern)
+        {
+            var found = pattern.Match(text, at);
+            at += found.Length;
+            return found.Success ? found.Value : null;
+        }
+
+        private int? Number(int? never = null)
+        {
+            Sign("");
+            var before = at;
+            var digits = Take(Digits);
+            if (digits == null) return null;
+            var number = Regex.Replace(digits, @"[ \t\r\n]", "");
+            var fits = int.TryParse(number, NumberStyles.AllowLeadingSign, CultureInfo.InvariantCulture, out var value);
+            if (fits && value != never) return value;
+            at = before;
+            throw Wrong(fits ? "a step other than 0" : "a number from -2147483648 to 2147483647");
+        }
+
+        // 1, 1:3 or 1:9:2; null if there is neither a number nor a colon.
+        private string Range()
+        {
+            var start = Number();
+            if (!Sign(":")) return Text(start);
+            var stop = Number();
+            var step = Sign(":") ? Number(0) : null;
+            // Backwards, a start of 0 is not where numpy would start by itself.
+            if (start == 0 && !(step < 0)) start = null;
+            return $"{Text(start)}:{Text(stop)}" + (step is null || step == 1 ? "" : $":{Text(step)}");
+        }
+
+        private static string Text(int? number) => number?.ToString(CultureInfo.InvariantCulture);
+
+        private string Item()
+        {
+            if (Sign("...")) return "...";
+            if (Take(NewAxis) != null) return "np.newaxis";
+            return Range() ?? throw Wrong("a number, a slice, ... or newaxis");
+        }
+
+        // The rest of ( … ).
+        private List<string> Items()
+        {
+            var items = new List<string>();
+            while (!Sign(")"))
+            {
+                if (items.Count > 0) Sign(",", "',' or ')'");
+                items.Add(Item());
+            }
+            return items;
+        }
+    }
+}
