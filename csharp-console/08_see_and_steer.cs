@@ -22,8 +22,9 @@ namespace NetMQExample.Terminal
             var (lockstep, keys) = (arguments.Flag("lockstep"), arguments.Flag("drive"));
             arguments.RefuseTheRest();
 
-            var drive = new Drive(new Road(), start, Console.WriteLine) { Every = every, Lockstep = lockstep };
-            var (camera, shot) = (new DrawnCamera(drive.Road), DrawnCamera.Shot(cameras));
+            var (road, shot) = (new Road(), DrawnCamera.Shot(cameras));
+            var (car, camera) = (new Car(road, start), new DrawnCamera(road));
+            var drive = new Drive(car, Console.WriteLine) { Every = every, Lockstep = lockstep };
             var keyboard = keys ? new Keyboard() : null;
             using var driver = new DriverClient(endpoint, patience, tries, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
@@ -32,7 +33,7 @@ namespace NetMQExample.Terminal
             {
                 // A picture is sent when the last one was answered. Of those in between, only the newest is wanted.
                 if (asked != null) skipped++;
-                else camera.Take(shot, drive);
+                else camera.Take(shot, drive, car);
                 asked ??= Task.Run(() => driver.Ask(shot.ToMessage()));
                 if (!lockstep) drive.Step();
                 keyboard?.Look(drive);

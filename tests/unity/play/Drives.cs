@@ -56,7 +56,7 @@ namespace NetMQExample.PlayTest
                 player.Frame();
                 cost.End((Player.Rendering - rendering).TotalMilliseconds);
                 var now = car.Drive.Frame;
-                if (positions && now != step) Console.WriteLine(FormattableString.Invariant($"at {now} {car.Drive.Car.X:R} {car.Drive.Car.Y:R} {Stands(car)}"));
+                if (positions && now != step) Console.WriteLine(FormattableString.Invariant($"at {now} {car.Car.X:R} {car.Car.Y:R} {Stands(car)}"));
                 if (step < fail && now >= fail) Player.ReadbacksToFail = 3;
                 if (step < press && now >= press) Player.Press(-0.5f, 1);
                 if (press >= 0 && step < press + 50 && now >= press + 50) Player.Press(0, 0);
@@ -74,8 +74,8 @@ namespace NetMQExample.PlayTest
         private static bool Stands(DrivenCar car)
         {
             var (place, ahead) = (car.transform.position, car.transform.rotation * Vector3.forward);
-            return place == new Vector3((float)car.Drive.Car.X, 0, (float)car.Drive.Car.Y)
-                && (ahead - new Vector3((float)car.Drive.Car.AheadX, 0, (float)car.Drive.Car.AheadY)).magnitude < 0.001f;
+            return place == new Vector3((float)car.Car.X, 0, (float)car.Car.Y)
+                && (ahead - new Vector3((float)car.Car.AheadX, 0, (float)car.Car.AheadY)).magnitude < 0.001f;
         }
 
         /// <summary>So a picture says when it was rendered.</summary>

@@ -1,7 +1,7 @@
 // Lesson 08 in Unity: every picture has a number, and every action names the picture that it answers.
 //
 // Use: start python/08_see_and_steer/server.py, open this lesson's scene, press Play. Arrow keys take over, Enter gives
-// back. For your own scene add this component to the car, and cameras as in CarCamera.cs.
+// back. For your own scene: DrivenBehaviour.cs says how a car of yours stands beside it.
 // The cameras render when this asks them to, so a picture and what is written beside it show the same moment. The
 // picture arrives a frame or two later, and is sent by a thread of its own: no frame waits for the network, nor, but in
 // lock-step, for the graphics card.
@@ -11,7 +11,6 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Sends what the cameras see, and has the car do what Python says.</summary>
-    [RequireComponent(typeof(DrivenCar))]
     public sealed class CameraSender : NetworkBehaviour
     {
         [SerializeField, Tooltip("The driver")] private string endpoint = "tcp://127.0.0.1:5558";
@@ -23,13 +22,15 @@ namespace NetMQExample
         [SerializeField, Tooltip("The world waits for each action")] private bool lockstep;
         [SerializeField, Tooltip("Send JPEG instead of raw bytes")] private bool jpeg;
 
-        private DrivenCar car;
+        private DrivenBehaviour car;
         private ShotTaker shots;
 
         private void Start()
         {
-            car = GetComponent<DrivenCar>();
-            (car.Drive.Every, car.Drive.Lockstep) = (every, lockstep);
+            car = GetComponent<DrivenBehaviour>();
+            enabled = car != null;
+            if (enabled) (car.Drive.Every, car.Drive.Lockstep) = (every, lockstep);
+            else Debug.LogError("gave up: no car beside CameraSender; add DrivenCar, or one of your own");
         }
 
         /// <inheritdoc/>

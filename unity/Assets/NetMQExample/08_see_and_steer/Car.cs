@@ -6,17 +6,18 @@ using System;
 namespace NetMQExample
 {
     /// <summary>Where the car is, where it looks and how fast it is.</summary>
-    public sealed class Car
+    public sealed class Car : ICar
     {
-        /// <summary>The seconds of one step: Unity's own Time.fixedDeltaTime.</summary>
-        public const double StepSeconds = 0.02;
-
         // 2.5 m from axle to axle, with wheels that turn by 22 degrees: tan(22 deg) / 2.5 m.
         private const double Curvature = 0.16, Acceleration = 4, Braking = 8, Drag = 0.2;
 
+        private readonly Road road;
+
         /// <summary>At a point of the road, looking along it.</summary>
-        public Car(Road road, int at = 0)
+        public Car(Road road, int start)
         {
+            this.road = road;
+            var at = start % road.Points.Length;
             (X, Y) = road.Points[at];
             var (toX, toY) = road.Points[(at + 1) % road.Points.Length];
             var length = Math.Sqrt((toX - X) * (toX - X) + (toY - Y) * (toY - Y));
@@ -35,23 +36,23 @@ namespace NetMQExample
         /// <summary>Where it looks: a direction of length 1.</summary>
         public double AheadY { get; private set; }
 
+        /// <inheritdoc/>
+        public string Where => FormattableString.Invariant($"{road.Nearest(X, Y).Distance:F1} m off the middle");
+
         /// <summary>In metres a second, never backwards.</summary>
         public double Speed { get; private set; }
 
-        /// <summary>Drives for <see cref="StepSeconds"/>.</summary>
-        /// <param name="throttle">0 to 1.</param>
-        /// <param name="brake">0 to 1.</param>
-        /// <param name="steer">-1, left, to 1, right.</param>
+        /// <inheritdoc/>
         public void Step(double throttle, double brake, double steer)
         {
-            var change = (throttle * Acceleration - brake * Braking - Speed * Drag) * StepSeconds;
+            var change = (throttle * Acceleration - brake * Braking - Speed * Drag) * Drive.StepSeconds;
             Speed = Math.Max(0, Speed + change);
             // Half the angle to turn by; these are the cosine and sine of an angle whose half has this tangent.
-            var half = Speed * StepSeconds * steer * Curvature / 2;
+            var half = Speed * Drive.StepSeconds * steer * Curvature / 2;
             double cosine = (1 - half * half) / (1 + half * half), sine = 2 * half / (1 + half * half);
             (AheadX, AheadY) = (AheadX * cosine + AheadY * sine, AheadY * cosine - AheadX * sine);
-            X += AheadX * Speed * StepSeconds;
-            Y += AheadY * Speed * StepSeconds;
+            X += AheadX * Speed * Drive.StepSeconds;
+            Y += AheadY * Speed * Drive.StepSeconds;
         }
     }
 }

@@ -34,11 +34,11 @@ namespace NetMQExample
         public static Shot Shot(string cameras) => new Shot(cameras, Width, Height, 3);
 
         /// <summary>Draws what each camera of a shot sees now.</summary>
-        public void Take(Shot shot, Drive drive)
+        public void Take(Shot shot, Drive drive, Car car)
         {
             drive.Note(shot);
             for (var i = 0; i < shot.Pixels.Length; i++)
-                Draw(shot.Pixels[i], drive.Car, (int)shot.Frame, shot.Right[i]);
+                Draw(shot.Pixels[i], car, (int)shot.Frame, shot.Right[i]);
         }
 
         /// <summary>Draws a picture.</summary>

@@ -4,32 +4,47 @@
 //     drive.Apply(driver.Ask(shot.ToMessage()));   DriverClient.cs; now the action's age is known
 //     drive.Step();                                0.02 s later
 //
-// Take home: this file and DriverClient.cs; Car.cs and Road.cs stand for your own car. The Python side is drive.py.
+// Take home: this file and DriverClient.cs. The car is yours: an ICar. The Python side is drive.py.
 using System;
 
 namespace NetMQExample
 {
+    /// <summary>What can be driven: Car.cs, or a car of your own.</summary>
+    public interface ICar
+    {
+        /// <summary>In metres a second.</summary>
+        double Speed { get; }
+
+        /// <summary>Where it is, to print, such as <c>0.4 m off the middle</c>.</summary>
+        string Where { get; }
+
+        /// <summary>Goes on for <see cref="Drive.StepSeconds"/>.</summary>
+        /// <param name="throttle">0 to 1.</param>
+        /// <param name="brake">0 to 1.</param>
+        /// <param name="steer">-1, left, to 1, right.</param>
+        void Step(double throttle, double brake, double steer);
+    }
+
     /// <summary>What the car is told, by whom, and what it does when nobody tells it anything.</summary>
     public sealed class Drive
     {
+        /// <summary>The seconds of one step: Unity's own Time.fixedDeltaTime.</summary>
+        public const double StepSeconds = 0.02;
+
         // Steps without an action, after which the car brakes: half a second.
         private const int Patience = 25;
 
         private readonly string run = Guid.NewGuid().ToString("N").Substring(0, 8);
+        private readonly ICar car;
         private readonly Action<string> log;
         private DriveAction action = new DriveAction(0, 0, 1, 0);
         private int waited;
         private bool braking;
 
-        /// <summary>Begins at a point of the road, with the brake on.</summary>
-        /// <param name="road">Where to drive.</param>
-        /// <param name="start">The number of the point.</param>
+        /// <summary>Begins with the brake on.</summary>
+        /// <param name="car">What is driven.</param>
         /// <param name="log">Gets the lines about the drive.</param>
-        public Drive(Road road, int start, Action<string> log)
-        {
-            (Road, this.log) = (road, log);
-            Car = new Car(road, start % road.Points.Length);
-        }
+        public Drive(ICar car, Action<string> log) => (this.car, this.log) = (car, log);
 
         /// <summary>One action in so many is logged; 0: none.</summary>
         public int Every { get; set; }
@@ -37,17 +52,11 @@ namespace NetMQExample
         /// <summary>Whether the world waits for each action, and brakes for the one that does not come.</summary>
         public bool Lockstep { get; set; }
 
-        /// <summary>Where it drives.</summary>
-        public Road Road { get; }
-
-        /// <summary>What is driven.</summary>
-        public Car Car { get; }
-
         /// <summary>The number of steps so far, and so of a picture that is taken now.</summary>
         public long Frame { get; private set; }
 
         /// <summary>The world's time since the drive began.</summary>
-        public TimeSpan Time => TimeSpan.FromSeconds(Frame * Car.StepSeconds);
+        public TimeSpan Time => TimeSpan.FromSeconds(Frame * StepSeconds);
 
         /// <summary>How many actions came.</summary>
         public int Actions { get; private set; }
@@ -81,7 +90,7 @@ namespace NetMQExample
         {
             (shot.Frame, shot.SimTime, shot.Run) = (Frame, Time.TotalSeconds, run);
             shot.WallTime = (DateTime.UtcNow - DateTime.UnixEpoch).TotalSeconds;
-            (shot.Action, shot.Speed, shot.Manual) = (InForce, Car.Speed, Manual);
+            (shot.Action, shot.Speed, shot.Manual) = (InForce, car.Speed, Manual);
         }
 
         /// <summary>Follows an action from the next step on.</summary>
@@ -99,23 +108,19 @@ namespace NetMQExample
             Actions++;
         }
 
-        /// <summary>Drives for <see cref="Car.StepSeconds"/>.</summary>
+        /// <summary>Drives for <see cref="StepSeconds"/>.</summary>
         public void Step()
         {
             var before = braking;
             braking = ++waited > Patience && !Manual;
-            Car.Step(InForce.Throttle, InForce.Brake, InForce.Steer);
+            car.Step(InForce.Throttle, InForce.Brake, InForce.Steer);
             Frame++;
             if (braking != before)
                 log(braking ? "trouble: no action for 0.5 s: braking" : "an action again: driving on");
         }
 
-        private string Describe(DriveAction newest)
-        {
-            var off = Road.Nearest(Car.X, Car.Y).Distance;
-            return FormattableString.Invariant($"frame {newest.Frame}: age {Age}, {newest.Milliseconds:F1} ms; ") +
-                FormattableString.Invariant(
-                    $"steer {newest.Steer:F2}, speed {Car.Speed:F1} m/s, {off:F1} m off the middle");
-        }
+        private string Describe(DriveAction newest) =>
+            FormattableString.Invariant($"frame {newest.Frame}: age {Age}, {newest.Milliseconds:F1} ms; ") +
+            FormattableString.Invariant($"steer {newest.Steer:F2}, speed {car.Speed:F1} m/s, {car.Where}");
     }
 }

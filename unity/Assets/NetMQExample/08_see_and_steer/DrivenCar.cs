@@ -1,54 +1,50 @@
-// Lesson 08 in Unity: the car, which Drive.cs moves in each FixedUpdate.
+// Lesson 08 in Unity: the lesson's car, a point on a road in the shape of two cubes.
 //
-// Use: it stands in the lesson's scene beside CameraSender. At home your own car takes its place: what CameraSender
-// needs of it are Drive and Follow.
+// Use: it stands in the lesson's scene beside CameraSender. At home a car of your own takes its place; see
+// DrivenBehaviour.cs.
 using System;
 using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>Stands where the drive's car is: its x and y are Unity's x and z.</summary>
-    public sealed class DrivenCar : MonoBehaviour
+    /// <summary>Stands where the world's car is: its x and y are Unity's x and z.</summary>
+    public sealed class DrivenCar : DrivenBehaviour
     {
         [SerializeField, Min(0), Tooltip("The point of the road to begin at")] private int start;
 
-        /// <summary>What is driven, by Python or by <see cref="Drive.TakeOver"/>.</summary>
-        public Drive Drive { get; private set; }
+        /// <summary>What is moved.</summary>
+        public Car Car { get; private set; }
 
-        /// <summary>Does what Python says; in lock-step for one step, in which the world waited for it.</summary>
-        /// <param name="action">Null if nothing came.</param>
-        public void Follow(DriveAction? action)
+        /// <inheritdoc/>
+        public override double Speed => Car.Speed;
+
+        /// <inheritdoc/>
+        public override string Where => Car.Where;
+
+        /// <inheritdoc/>
+        public override void Step(double throttle, double brake, double steer)
         {
-            Drive.Apply(action);
-            if (Drive.Lockstep) Step();
+            Car.Step(throttle, brake, steer);
+            Place();
         }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void Awake()
         {
-            Drive = new Drive(new Road(), start, Debug.Log);
+            base.Awake();
+            Car = new Car(new Road(), start);
             Part(new Vector3(0, 0.45f, -1), new Vector3(1.6f, 0.5f, 3));
             Part(new Vector3(0, 0.9f, -1.5f), new Vector3(1.4f, 0.5f, 1.6f));
             Place();
-            if (Math.Abs(Time.fixedDeltaTime - Car.StepSeconds) > 1e-6)
+            if (Math.Abs(Time.fixedDeltaTime - Drive.StepSeconds) > 1e-6)
                 Debug.LogWarning("trouble: time goes wrong: set Project Settings, Time, Fixed Timestep to 0.02");
-        }
-
-        private void FixedUpdate()
-        {
-            if (!Drive.Lockstep) Step();
-        }
-
-        private void Step()
-        {
-            Drive.Step();
-            Place();
         }
 
         private void Place()
         {
-            var ahead = new Vector3((float)Drive.Car.AheadX, 0, (float)Drive.Car.AheadY);
-            transform.SetPositionAndRotation(
-                new Vector3((float)Drive.Car.X, 0, (float)Drive.Car.Y), Quaternion.LookRotation(ahead));
+            var ahead = new Vector3((float)Car.AheadX, 0, (float)Car.AheadY);
+            var place = new Vector3((float)Car.X, 0, (float)Car.Y);
+            transform.SetPositionAndRotation(place, Quaternion.LookRotation(ahead));
         }
 
         // All behind the cameras and below: they do not see it.

@@ -1,6 +1,6 @@
 // Lesson 08 in Unity: the arrow keys take over, Enter gives back.
 //
-// Use: it stands in the lesson's scene beside DrivenCar. For a wheel, a gamepad or the Input System of your own call
+// Use: it stands in the lesson's scene beside the car. For a wheel, a gamepad or the Input System of your own call
 // Drive.TakeOver in each Update, and Drive.GiveBack.
 using System;
 using UnityEngine;
@@ -8,13 +8,12 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>A person at the keyboard: arrows or W, A, S, D, and the space bar to brake.</summary>
-    [RequireComponent(typeof(DrivenCar))]
     public sealed class KeyboardDriver : MonoBehaviour
     {
 #if ENABLE_LEGACY_INPUT_MANAGER
         private void Update()
         {
-            var drive = GetComponent<DrivenCar>().Drive;
+            var drive = GetComponent<DrivenBehaviour>().Drive;
             var (steer, pedal) = (Input.GetAxis("Horizontal"), Input.GetAxis("Vertical"));
             var brake = Input.GetKey(KeyCode.Space) ? 1 : Math.Max(0, -pedal);
             if (Input.GetKey(KeyCode.Return)) drive.GiveBack();

@@ -24,7 +24,7 @@ namespace NetMQExample
         public RoadCar(bool seesPictures = false)
         {
             this.seesPictures = seesPictures;
-            (car, camera) = (new Car(road), new DrawnCamera(road));
+            (car, camera) = (new Car(road, 0), new DrawnCamera(road));
             var most = new double[] { 2, 2, 2, 2, 2 };
             Observation = seesPictures
                 ? GymSpace.Picture(DrawnCamera.Height, DrawnCamera.Width)
@@ -35,7 +35,7 @@ namespace NetMQExample
         public string Name => "Car";
 
         /// <inheritdoc/>
-        public double Dt => Car.StepSeconds;
+        public double Dt => Drive.StepSeconds;
 
         /// <summary>The number of a point of the road.</summary>
         public int StateSize => 1;

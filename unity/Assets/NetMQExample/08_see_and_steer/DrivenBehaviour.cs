@@ -1,0 +1,45 @@
+// Lesson 08 in Unity: a car of your own.
+//
+// Derive from it, put it beside CameraSender, and give it cameras as in CarCamera.cs:
+//     public sealed class MyCar : DrivenBehaviour
+//     {
+//         public override double Speed => GetComponent<Rigidbody>().velocity.magnitude;
+//         public override void Step(double throttle, double brake, double steer) => … forces, wheels, …
+//     }
+// Take home: this file and Drive.cs, with CameraSender.cs.
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>What CameraSender tells Python about, and what it steers.</summary>
+    public abstract class DrivenBehaviour : MonoBehaviour, ICar
+    {
+        /// <summary>What is driven, by Python or by <see cref="Drive.TakeOver"/>.</summary>
+        public Drive Drive { get; private set; }
+
+        /// <inheritdoc/>
+        public abstract double Speed { get; }
+
+        /// <inheritdoc/>
+        public virtual string Where => $"at {transform.position}";
+
+        /// <inheritdoc/>
+        public abstract void Step(double throttle, double brake, double steer);
+
+        /// <summary>Does what Python says; in lock-step for one step, in which the world waited for it.</summary>
+        /// <param name="action">Null if nothing came.</param>
+        public void Follow(DriveAction? action)
+        {
+            Drive.Apply(action);
+            if (Drive.Lockstep) Drive.Step();
+        }
+
+        /// <summary>Begins with the brake on.</summary>
+        protected virtual void Awake() => Drive = new Drive(this, Debug.Log);
+
+        private void FixedUpdate()
+        {
+            if (!Drive.Lockstep) Drive.Step();
+        }
+    }
+}
