@@ -78,7 +78,9 @@ JPEGS = {
 @pytest.mark.timeout(60)
 def test_a_jpeg_of_every_sort(make, code):
     """What would take a minute or more ends at the test's limit."""
-    frame = Message("frame", 5, {"cameras": "center", "encoding": "jpeg"})
+    values = {"frame": 5, "run": "", "manual": False, "cameras": "center", "encoding": "jpeg"}
+    numbers = dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), 0.0)
+    frame = Message("frame", 5, values | numbers)
     data = make()
     frame.arrays.append(Array("uint8", (len(data),), data))
     if code is None:
