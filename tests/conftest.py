@@ -19,6 +19,9 @@ CLIENTS = ("python", "csharp", "unity")
 # A shell ignores Ctrl-C for what it starts in the background, and so would all that the tests start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+# And under nohup what a closed terminal says.
+if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 # By which kit.py passes Ctrl-C on to pytest on Windows.
 if sys.platform == "win32":
     signal.signal(signal.SIGBREAK, signal.default_int_handler)

@@ -50,11 +50,10 @@ def pictures(frame: Message) -> dict[str, Any]:
         raise MessageError("bad-cameras", f"{len(names)} cameras, {cameras}, but {len(frame.arrays)} pictures")
     if encoding not in ("raw", "jpeg"):
         raise MessageError("bad-encoding", f"encoding must be raw or jpeg, not {encoding!a:.40}")
-    seen = (from_jpeg(array) if encoding == "jpeg" else from_raw(array, frame) for array in frame.arrays)
-    found = dict(zip(names, seen, strict=True))
-    if len(sizes := {picture.shape for picture in found.values()}) > 1:
+    seen = [from_jpeg(array) if encoding == "jpeg" else from_raw(array, frame) for array in frame.arrays]
+    if len(sizes := {picture.shape for picture in seen}) > 1:
         raise MessageError("bad-shape", f"pictures of one moment have one size, not {sorted(sizes)}")
-    return found
+    return dict(zip(names, seen, strict=True))
 
 
 def check_values(frame: Message) -> None:

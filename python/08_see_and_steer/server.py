@@ -11,7 +11,7 @@ drive), `manual` (true while a person drives), `sim_time` and `wall_time` (secon
 and `bottom_up`; pictures.py says what its arrays are. The reply is of kind `action`: `frame`, `throttle`, `brake`,
 `steer`.
 Trouble on command: `--delay 0.2` is a slow driver. Take home: this file, pictures.py, driver.py, recorder.py,
-recording.py and train.py, with messages.py of lesson 05.
+recording.py, train.py and recorded.py, with messages.py of lesson 05.
 """
 
 import argparse

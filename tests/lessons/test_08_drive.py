@@ -144,6 +144,15 @@ def test_an_action_names_its_picture(kind, driver, start, client_command):
 
 
 @each_client
+def test_a_driver_that_never_answers_with_numbers_is_given_up(kind, driver, start, client_command):
+    there = driver(lambda frame: {"brake": True} if frame.id % 2 else {"throttle": "nan"})
+    client = start(*client_command(kind, KEY, there.endpoint, "--tries", "4"))
+    assert client.wait() == 1, client.output
+    assert sum("trouble: no-action" in line for line in client.lines) == 3
+    assert any("gave up: no-action" in line for line in client.lines)
+
+
+@each_client
 def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind, driver, start, client_command):
     there = driver(after(0.2))
     client = start(*client_command(kind, KEY, there.endpoint, "--count", "8", "--every", "1"))

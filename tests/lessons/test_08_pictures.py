@@ -104,7 +104,7 @@ def test_a_picture_is_a_jpeg_and_back_again():
 
 
 def test_without_pillow_it_says_so(monkeypatch):
-    monkeypatch.setitem(sys.modules, "PIL", None)
+    monkeypatch.setattr(pictures, "Image", None)
     with pytest.raises(MessageError, match="no-pillow: JPEG needs Pillow: pip install pillow"):
         pictures.decode(b"")
 

@@ -176,7 +176,7 @@ def test_other_sizes_and_two_cars_get_folders_of_their_own(serve, ask, tmp_path,
     assert ask(endpoint, frame(3, small, run="one car")).kind == "action"
     assert ask(endpoint, frame(2, plain, run="another")).kind == "action", "the same picture again"
     last = Path("runs/run_0003")
-    server.wait_for(f"^recording to {re.escape(str(last))}: center, 160 x 120$")
+    server.wait_for(f"^recording to .*{re.escape(str(last))}: center, 160 x 120$")
     assert ask(endpoint, frame(4, small, run="one car")).kind == "action"
     # It answers before it records; by its next answer that is done.
     ask(endpoint, Message("nothing"))
@@ -293,7 +293,7 @@ def learned(folder, out, seed):
     command = [PYTHON, LESSON / "train.py", folder, "--out", out, "--seed", str(seed)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
-    assert re.search(r"^read \d+ of (\d+) pictures, \d+ s\n", done.stdout)
+    assert re.search(r"^read \d+ pictures, \d+ s\n", done.stdout)
     assert float(re.search(r"its steering is off by (\S+)", done.stdout)[1]) < 0.05
     return train.load(out)
 
