@@ -6,7 +6,7 @@
 
 What was recorded from JPEG files is the same to the byte, and the same driver then gives the same actions to the bit.
 What was recorded from raw pictures has become JPEG on the way, which changes an action's last digits.
-Take home: this file, driver_client.py, action.py and pictures.py, with messages.py of lesson 05.
+Take home: this file, action.py, driver_client.py, pictures.py and recorded.py, with messages.py of lesson 05.
 """
 
 import argparse
