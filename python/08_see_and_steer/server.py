@@ -56,28 +56,30 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     while True:
         # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
         with contextlib.suppress(zmq.Again):
-            frame, reply = reply_to(socket.recv_multipart(copy=False), driver)
-            time.sleep(options.delay)
-            socket.send_multipart(reply.frames())
+            frame, reply, parts = reply_to(socket.recv_multipart(copy=False), driver)
+            # To sleep for no time takes as long as the whole reply.
+            if options.delay:
+                time.sleep(options.delay)
+            socket.send_multipart(parts)
             # Afterwards: a picture that is written makes no action older.
             recorder.add(frame, reply)
 
 
-def reply_to(frames: list[zmq.Frame], driver: Any) -> tuple[Message, Message]:
+def reply_to(frames: list[zmq.Frame], driver: Any) -> tuple[Message, Message, list[Any]]:
     """What is wrong is told to whoever asked, and the server serves on."""
     frame = Message("")
     try:
         frame = read(frames)
         reply = answer(frame, driver)
         # What cannot be written, such as NaN, is found out here.
-        reply.frames()
-        return frame, reply
+        return frame, reply, reply.frames()
     except Exception as error:
         if not isinstance(error, MessageError):
             # A mistake in a driver: its place is for whoever writes it.
             traceback.print_exc()
             error = MessageError("error-in-driver", repr(error))
-        return frame, Message("error", error.id or frame.id, {"code": error.code, "text": error.text})
+        reply = Message("error", error.id or frame.id, {"code": error.code, "text": error.text})
+        return frame, reply, reply.frames()
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -36,7 +36,7 @@ LONGER = {
     # Ten options, which the C# client has as well.
     "python/08_see_and_steer/client.py": 75,
     # What is recorded, and by whom it is driven, is chosen here.
-    "python/08_see_and_steer/server.py": 77,
+    "python/08_see_and_steer/server.py": 78,
     "python/07_catch_up/server.py": 62,
 }
 
