@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import random
 import re
@@ -505,9 +506,17 @@ def weather(storm, adds, context):
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_sum_stays_exact_while_the_server_is_killed(kind, start, journal, client_command, context):
-    storm = Storm(start, journal, lambda *words: client_command(kind, KEY, *words), clients=4, adds=100, mean=20)
-    weather(storm, 100, context)
-    assert storm.kills >= 5, storm.figures()
+    kills = 0
+    # A fast machine may be done with all additions before it was hit often.
+    for number in itertools.count():
+        own = journal.with_name(f"{number}.sqlite3")
+        storm = Storm(start, own, lambda *words: client_command(kind, KEY, *words), clients=4, adds=100, mean=20)
+        weather(storm, 100, context)
+        storm.kill()
+        kills += storm.kills - 1
+        if kills >= 5:
+            return
+        assert number < 10, storm.figures()
 
 
 @pytest.mark.long

@@ -23,6 +23,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("Play with Heuristic, without Python")] private bool byHand;
 
         private SimulationMode before;
+        private volatile bool launched;
         private long seed;
         private int steps;
         private double total;
@@ -88,19 +89,12 @@ namespace NetMQExample
             var words = Environment.GetCommandLineArgs();
             var told = Array.IndexOf(words, "--endpoint") + 1;
             var place = told > 0 && told < words.Length ? words[told] : endpoint;
+            launched = told > 0;
+            Log($"asking {place}");
             var simulator = new Simulator(this);
-            try
-            {
-                Log($"asking {place}");
-                using var client = new EnvironmentClient(place, Seconds(patience), Log);
-                client.Run(simulator, count, FromUpdate, stop);
-                Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
-            }
-            finally
-            {
-                // In the editor this does nothing.
-                if (told > 0) InUpdate(Application.Quit);
-            }
+            using var client = new EnvironmentClient(place, Seconds(patience), Log);
+            client.Run(simulator, count, FromUpdate, stop);
+            Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }
 
         /// <inheritdoc/>
@@ -109,6 +103,8 @@ namespace NetMQExample
             // While Python steps, its next request comes within a millisecond. When none does, the frame goes on.
             var clock = Stopwatch.StartNew();
             for (var wait = 0; !byHand && clock.ElapsedMilliseconds < 10 && DoNext(wait); wait = 1) { }
+            // In the editor this does nothing. Not before the last line was logged.
+            if (launched && Done) Application.Quit();
         }
 
         private void FixedUpdate()
