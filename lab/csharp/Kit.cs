@@ -221,7 +221,8 @@ namespace NetMQExample.Lab
         public override void Send()
         {
             using var dealer = new DealerSocket();
-            dealer.Options.Linger = TimeSpan.FromSeconds(1);
+            // What is not delivered by then is dropped, and the subscribers would wait in vain.
+            dealer.Options.Linger = Patience;
             dealer.Connect(control);
             dealer.SendFrame(Payload);
         }
