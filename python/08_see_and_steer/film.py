@@ -13,7 +13,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from pictures import decode
 from recorded import recorded
 
 try:
@@ -25,9 +24,9 @@ except ImportError:
 COLOURS, WHITE, BLACK = 32, (255, 255, 255), (0, 0, 0)
 
 
-def scene(values: dict[str, Any], files: dict[str, bytes]) -> Any:
+def scene(values: dict[str, Any], seen: dict[str, Any]) -> Any:
     """A recorded picture with what is known about it."""
-    picture = Image.fromarray(decode(files.get("center", next(iter(files.values())))))
+    picture = Image.fromarray(seen.get("center", next(iter(seen.values()))))
     pen, steer = ImageDraw.Draw(picture), values["steer"]
     width, height = picture.size
     pen.rectangle((0, height - 14, width, height), fill=BLACK)
@@ -53,7 +52,7 @@ def main() -> None:
     try:
         # Every fifth of 50 a second: browsers show no GIF much faster.
         found = itertools.islice(recorded(options.recording), max(0, options.first), None, 5)
-        scenes = [scene(values, files) for _, values, files in itertools.islice(found, max(0, options.count))]
+        scenes = [scene(values, seen) for _, values, _, seen in itertools.islice(found, max(0, options.count))]
     except OSError as error:
         sys.exit(f"no film of {options.recording}: {error}; server.py --record runs makes recordings")
     if not scenes:

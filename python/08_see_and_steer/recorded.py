@@ -19,8 +19,8 @@ NUMBERS = ("sim_time", "wall_time", "throttle", "brake", "steer", "speed")
 ANSWERED = ("answered_throttle", "answered_brake", "answered_steer")
 
 
-def recorded(folder: Path) -> Iterator[tuple[int, dict[str, Any], dict[str, bytes]]]:
-    """Each line's number, its values by their columns, and each camera's JPEG file; OSError if there is none."""
+def recorded(folder: Path) -> Iterator[tuple[int, dict[str, Any], dict[str, bytes], dict[str, Any]]]:
+    """Each line's number, its values, and each camera's JPEG file and its pixels; OSError if there is none."""
     found = False
     # A byte that is no text makes one cell bad, and not the whole file.
     with (folder / "metadata.csv").open(encoding="utf-8-sig", errors="replace") as table:
@@ -28,7 +28,9 @@ def recorded(folder: Path) -> Iterator[tuple[int, dict[str, Any], dict[str, byte
         for number, line in enumerate(table, 2):
             try:
                 cells = dict(zip(columns, line.rstrip("\n").split(","), strict=True))
-                yield number, values(cells), files(folder, cells)
+                kept = files(folder, cells)
+                # One that was cut off is found here.
+                yield number, values(cells), kept, {name: decode(file) for name, file in kept.items()}
                 found = True
             except (OSError, ValueError, KeyError, MessageError) as error:
                 print(f"trouble: line {number} of metadata.csv is left out: {error!s:.100}", flush=True)
@@ -52,7 +54,4 @@ def files(folder: Path, cells: dict[str, str]) -> dict[str, bytes]:
             if not path.is_file():
                 raise FileNotFoundError(f"there is no picture {name}")
             found[column.removesuffix("file_name").rstrip("_") or "center"] = path.read_bytes()
-    for file in found.values():
-        # One that was cut off is found here.
-        decode(file)
     return found

@@ -32,7 +32,7 @@ ENDPOINT = "tcp://127.0.0.1:5558"
 def frames(folder: Path) -> Iterator[tuple[int, Message, Action]]:
     """Each line's number, what was sent and what was answered."""
     run = f"replay {uuid.uuid4().hex[:8]}"
-    for line, values, files in recorded(folder):
+    for line, values, files, _ in recorded(folder):
         then = Action(values["frame"], *(values.pop(name) for name in ANSWERED))
         values |= {"run": run, "cameras": ",".join(files), "encoding": "jpeg", "bottom_up": False}
         arrays = [Array("uint8", (len(file),), file) for file in files.values()]

@@ -22,7 +22,6 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from driver import keep_speed
 from messages import MessageError
-from pictures import decode
 from recorded import recorded
 
 # The upper part of a picture is sky. The rest is cut into so many parts, with three colours each.
@@ -70,8 +69,8 @@ def load(path: Path) -> Callable[[Any, float], tuple[float, float, float]]:
 def examples(folder: Path) -> tuple[Any, Any]:
     """What was seen and what was steered: by a person, or in answer to this very picture."""
     seen, steer, begin = [], [], time.monotonic()
-    for _, values, files in recorded(folder):
-        seen.append(features(decode(files.get("center", next(iter(files.values()))))))
+    for _, values, _, pictures in recorded(folder):
+        seen.append(features(pictures.get("center", next(iter(pictures.values())))))
         steer.append(values["steer" if values["manual"] else "answered_steer"])
         if len(seen) % 1000 == 0:
             print(f"read {len(seen)} pictures, {time.monotonic() - begin:.0f} s", flush=True)

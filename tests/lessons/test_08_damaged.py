@@ -93,7 +93,7 @@ if sys.platform != "win32":
 @pytest.mark.parametrize("how", [*ALL, *ONE_LESS])
 def test_what_cannot_be_read_is_said_and_left_out(how, recording, capsys):
     damage(recording, how)
-    found = [values["frame"] for _, values, _ in recorded(recording)]
+    found = [values["frame"] for _, values, *_ in recorded(recording)]
     said = capsys.readouterr().out.splitlines()
     lost = 19 if how == "cut in the middle" else 5
     assert found == [number for number in range(20) if how in ALL or number != lost]
@@ -173,4 +173,4 @@ def test_numbers_that_go_back_are_recorded_and_none_twice(tmp_path):
     keeper = Recorder(tmp_path)
     for number in (5, 3, 5, 2**53 - 1, 4):
         keeper.add(frame(number), action(number))
-    assert [values["frame"] for _, values, _ in recorded(tmp_path / "run_0001")] == [5, 3, 2**53 - 1, 4]
+    assert [values["frame"] for _, values, *_ in recorded(tmp_path / "run_0001")] == [5, 3, 2**53 - 1, 4]
