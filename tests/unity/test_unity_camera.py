@@ -239,9 +239,15 @@ def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harnes
 
 @pytest.mark.xdist_group("times")
 @pytest.mark.parametrize("cameras", ["center", "left,right"])
-def test_what_a_frame_costs(cameras: str, drive: Callable[..., Any], capsys: pytest.CaptureFixture[str]) -> None:
-    """The main thread's share but for rendering, which is the graphics card's; every picture is 320 x 240, raw."""
-    _, client = drive(lambda frame: {}, "frames=600", "count=100000", f"cameras={cameras}")
+def test_what_a_frame_costs(
+    cameras: str, drive: Callable[..., Any], capsys: pytest.CaptureFixture[str], pytestconfig: pytest.Config
+) -> None:
+    """The main thread's share but for rendering, which is the graphics card's; every picture is 320 x 240, raw.
+
+    60 a second: five seconds of them, and with --long a minute.
+    """
+    frames = 3600 if pytestconfig.getoption("--long") else 300
+    _, client = drive(lambda frame: {}, f"frames={frames}", "count=100000", f"cameras={cameras}")
     assert client.wait(120) == 0, client.output
     cost = client.wait_for("^cost: .*")[0]
     with capsys.disabled():
