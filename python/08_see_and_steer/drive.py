@@ -19,8 +19,8 @@ from action import Action
 from pictures import encode
 from world import STEP, Car, Road
 
-# messages.py is lesson 05's. At home it lies beside this file.
-sys.path.append(str(Path(__file__).parent / "../05_messages"))
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Array, Message
 
 # Steps without an action, after which the car brakes: half a second.

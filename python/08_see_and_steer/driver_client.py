@@ -17,8 +17,8 @@ from pathlib import Path
 import zmq
 from action import Action, read_action
 
-# messages.py is lesson 05's. At home it lies beside this file.
-sys.path.append(str(Path(__file__).parent / "../05_messages"))
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import LIMIT, Message, MessageError, read
 
 

@@ -3,7 +3,7 @@
     python python/08_see_and_steer/film.py runs/run_0001 drive.gif                ten seconds, ten pictures in each
     python python/08_see_and_steer/film.py runs/run_0001 drive.gif --first 500    from line 500 on
 
-Take home: this file, recorded.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+Take home: this file, driver.py, recorded.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from driver import main_camera
 from recorded import recorded
 
 try:
@@ -26,7 +27,7 @@ COLOURS, WHITE, BLACK = 32, (255, 255, 255), (0, 0, 0)
 
 def scene(values: dict[str, Any], seen: dict[str, Any]) -> Any:
     """A recorded picture with what is known about it."""
-    picture = Image.fromarray(seen.get("center", next(iter(seen.values()))))
+    picture = Image.fromarray(main_camera(seen))
     pen, steer = ImageDraw.Draw(picture), values["steer"]
     width, height = picture.size
     pen.rectangle((0, height - 14, width, height), fill=BLACK)

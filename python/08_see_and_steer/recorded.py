@@ -11,8 +11,8 @@ from typing import Any
 
 from pictures import decode
 
-# messages.py is lesson 05's. At home it lies beside this file.
-sys.path.append(str(Path(__file__).parent / "../05_messages"))
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import MessageError
 
 NUMBERS = ("sim_time", "wall_time", "throttle", "brake", "steer", "speed")

@@ -12,8 +12,8 @@ from typing import Any
 from pictures import pictures
 from recording import Recording
 
-# messages.py is lesson 05's. At home it lies beside this file.
-sys.path.append(str(Path(__file__).parent / "../05_messages"))
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Message
 
 # Drives at a time, and seconds without a picture after which one is over.

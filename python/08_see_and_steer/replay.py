@@ -22,8 +22,8 @@ from action import Action
 from driver_client import DriverClient, GaveUp
 from recorded import ANSWERED, recorded
 
-# messages.py is lesson 05's. At home it lies beside this file.
-sys.path.append(str(Path(__file__).parent / "../05_messages"))
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Array, Message
 
 ENDPOINT = "tcp://127.0.0.1:5558"

@@ -28,7 +28,7 @@ import zmq
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from driver import follow_road
+from driver import follow_road, main_camera
 from messages import LIMIT, Message, MessageError, read
 from pictures import pictures
 from recorder import Recorder
@@ -45,18 +45,17 @@ def drive(picture: Any, speed: float) -> tuple[float, float, float]:
 def answer(frame: Message, driver: Any) -> Message:
     """What the middle camera sees, or the left one of two, decides. The action names its picture."""
     seen = pictures(frame)
-    decided = driver(seen.get("center", next(iter(seen.values()))), float(frame.values["speed"]))
+    decided = driver(main_camera(seen), float(frame.values["speed"]))
     action = dict(zip(("throttle", "brake", "steer"), map(float, decided), strict=True))
     return Message("action", frame.id, {"frame": frame.id, **action})
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
-    driver = load(options.model) if options.model else drive
     recorder = Recorder(options.record)
     while True:
         # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
         with contextlib.suppress(zmq.Again):
-            frame, reply, parts = reply_to(socket.recv_multipart(copy=False), driver)
+            frame, reply, parts = reply_to(socket.recv_multipart(copy=False), options.model)
             # To sleep for no time takes as long as the whole reply.
             if options.delay:
                 time.sleep(options.delay)
@@ -85,7 +84,7 @@ def reply_to(frames: list[zmq.Frame], driver: Any) -> tuple[Message, Message, li
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--delay", type=seconds, default=0, help="seconds to think about each picture")
     parser.add_argument("--record", type=Path, help="a folder, to which each drive is recorded")
-    parser.add_argument("--model", type=Path, help="drive by what train.py has learned: steering.npz")
+    parser.add_argument("--model", type=load, default=drive, help="drive by what train.py has learned: steering.npz")
 
 
 # From here on all servers of this kit are the same, as far as they need it.

@@ -20,7 +20,7 @@ import numpy as np
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from driver import keep_speed
+from driver import keep_speed, main_camera
 from messages import MessageError
 from recorded import recorded
 
@@ -54,7 +54,7 @@ def steering(weights: Any, seen: Any) -> float:
     return float(np.append(seen.ravel(), 1) @ weights)
 
 
-def load(path: Path) -> Callable[[Any, float], tuple[float, float, float]]:
+def load(path: str) -> Callable[[Any, float], tuple[float, float, float]]:
     """What train.py has learned, as a driver."""
     try:
         weights = np.load(path)["weights"]
@@ -70,7 +70,7 @@ def examples(folder: Path) -> tuple[Any, Any]:
     """What was seen and what was steered: by a person, or in answer to this very picture."""
     seen, steer, begin = [], [], time.monotonic()
     for _, values, _, pictures in recorded(folder):
-        seen.append(features(pictures.get("center", next(iter(pictures.values())))))
+        seen.append(features(main_camera(pictures)))
         steer.append(values["steer" if values["manual"] else "answered_steer"])
         if len(seen) % 1000 == 0:
             print(f"read {len(seen)} pictures, {time.monotonic() - begin:.0f} s", flush=True)
