@@ -120,7 +120,7 @@ def test_a_thousand_steps_are_the_golden_ones(kind, driver, start, client_comman
     """Each picture is compared to the byte with the one of a world of the test's own, and all with the kept sum."""
     teacher = Teacher()
     there = driver(teacher)
-    client = start(*client_command(kind, KEY, there.endpoint, "--count", "1000", "--lockstep"))
+    client = start(*client_command(kind, KEY, there.endpoint, "--count", "1000", "--lockstep", "--patience", "60"))
     assert client.wait() == 0, client.output
     assert client.lines[-1] == "done: 1000 actions, 0 pictures skipped"
     assert teacher.other == []

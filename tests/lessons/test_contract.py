@@ -18,7 +18,7 @@ import zmq
 
 from kitlib.lessons import lessons
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, free_port
+from tests.programs import LIMIT, ROOT, free_port
 
 KEYS = [lesson.key for lesson in lessons()]
 each_lesson = pytest.mark.parametrize("key", KEYS)
@@ -95,9 +95,9 @@ def others(server):
     return [word for name, place in places(server).items() if name != "listening" for word in (f"--{name}", place)]
 
 
-def ended(program, code):
+def ended(program, code, limit=LIMIT):
     """The last line of a program that has ended with this code, and not in a traceback."""
-    assert program.wait() == code, program.output
+    assert program.wait(limit) == code, program.output
     assert "Traceback" not in program.output
     assert "Unhandled" not in program.output
     return program.lines[-1]
@@ -229,7 +229,7 @@ def test_a_server_ends_at_once_and_leaves_its_ports(key, how, serve):
 def test_a_client_with_its_defaults_ends_by_itself(key, kind, serve, start, client_command):
     server, endpoint = serve(key)
     client = start(*client_command(kind, key, endpoint, *others(server)))
-    ended(client, 0)
+    ended(client, 0, limit=240)
 
 
 @each_lesson

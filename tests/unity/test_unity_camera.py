@@ -173,7 +173,8 @@ def test_an_error_of_the_graphics_card_is_said_once(mode: str, drive: Callable[.
 def test_without_a_graphics_card_it_says_so(drive: Callable[..., Any]) -> None:
     _, client = drive(lambda frame: {}, "nographics")
     assert client.wait() == 1
-    assert client.lines[1:] == ["gave up: a camera needs a graphics card: start Unity without -nographics"]
+    gave_up = [line for line in client.lines if line.startswith("gave up")]
+    assert gave_up == ["gave up: a camera needs a graphics card: start Unity without -nographics"]
 
 
 @on_each_runtime
