@@ -25,7 +25,7 @@ from kitlib import lessons
 from kitlib.setup import dotnet
 from tests.programs import ROOT, Program, steady_port, two_ports
 
-# All waits of a Stop share 200 ms, after which a busy machine may wake it late; a wait that they do not share is longer.
+# All waits of a Stop share 200 ms. A busy machine wakes it later than that; a wait that they do not share is longer.
 STOP_LIMIT = 400.0
 # It waits at most two seconds for what Stop did not. On a busy machine all takes longer; a hang has no end.
 UNLOAD_LIMIT = 10_000.0
