@@ -7,8 +7,8 @@ using System.Linq;
 
 namespace NetMQExample
 {
-    /// <summary>Answers requests. The last answer is kept, and a request that comes again gets it again: so a retry never
-    /// steps twice.</summary>
+    /// <summary>Answers requests. The last answer is kept, and a request that comes again gets it again: so a retry
+    /// never steps twice.</summary>
     public abstract class SimulatorBase
     {
         private Message kept;
