@@ -16,9 +16,9 @@ from typing import Any
 import gymnasium
 import numpy as np
 from connection import Lost
-from messages import Message, MessageError, take
+from messages import Message, take
 from simulators import Simulators
-from spaces import from_array, space_of, to_array
+from spaces import from_array, offered, to_array
 
 
 class ZmqEnv(gymnasium.Env[Any, Any]):
@@ -41,14 +41,9 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
 
     def accept(self, hello: Message) -> None:
         """Take the spaces from a simulator's hello; MessageError says why it is refused."""
-        if (name := take(hello.values, "name", str)) != self.name:
-            raise MessageError("wrong-name", f"this environment is {self.name}, the simulator's is {name!a:.40}")
-        arrays = list(hello.arrays)
-        spaces = [space_of(take(hello.values, which, str), arrays) for which in ("observation", "action")]
-        # Whoever learns has asked for them already.
-        if self.spaces and spaces != self.spaces:
-            raise MessageError("other-spaces", f"the simulator before this one had {self.spaces}, not {spaces}")
-        self.spaces, (self.observation_space, self.action_space) = spaces, spaces
+        # Whoever learns has asked for them already: another simulator must have the same ones.
+        self.spaces = offered(hello, self.name, self.spaces)
+        self.observation_space, self.action_space = self.spaces
         self.metadata = {**self.metadata, "render_fps": round(1 / max(1e-3, take(hello.values, "dt", float)))}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

@@ -16,7 +16,7 @@ import zmq
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import LIMIT, Message, MessageError, read
-from simulator import Simulator
+from simulator import SimulatorBase
 
 # Seconds for a connection, and then for the answer to hello. Seconds without a request, until it says hello again.
 TRY, IDLE = 1.0, 3600.0
@@ -28,7 +28,7 @@ class EnvironmentClient:
     def __init__(self, endpoint: str, patience: float, report: Callable[[str], None] = print) -> None:
         self.endpoint, self.patience, self.report, self.heard = endpoint, patience, report, 0.0
 
-    def run(self, simulator: Simulator, count: int = 0) -> None:
+    def run(self, simulator: SimulatorBase, count: int = 0) -> None:
         """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
 
         TimeoutError says that there was no environment for `patience` seconds.
@@ -50,13 +50,13 @@ class EnvironmentClient:
         waited = f"no environment at {self.endpoint} within {self.patience:g} s"
         raise TimeoutError(f"{waited}; is the server running? ({why})")
 
-    def talk(self, socket: zmq.Socket[bytes], simulator: Simulator, count: int) -> None:
+    def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:
         limit = min(TRY, self.patience)
         socket.sndtimeo = int(1000 * limit)
         socket.send_multipart(simulator.hello().frames())
         if self.receive(socket, limit).kind != "welcome":
             raise MessageError("no-welcome", "hello had another answer")
-        self.report(f"simulating {simulator.simulation.name} for {self.endpoint}")
+        self.report(f"simulating {simulator.name} for {self.endpoint}")
         try:
             while (request := self.receive(socket, IDLE)).kind != "close":
                 if request.kind == "reset" and 0 < count <= simulator.episodes:

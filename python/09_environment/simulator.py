@@ -7,6 +7,7 @@ Take home: this file, simulation.py and spaces.py, with messages.py of lesson 05
 import math
 import sys
 import traceback
+from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +20,17 @@ from simulation import Simulation, draws
 from spaces import described, from_array, to_array
 
 
-class Simulator:
-    """Answers reset, step and render. The last answer is kept, and a request that comes again gets it again."""
+class SimulatorBase(ABC):
+    """Answers requests. The last answer is kept, and a request that comes again gets it again."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        self.simulation, self.episodes, self.steps = simulation, 0, 0
+    def __init__(self, name: str) -> None:
+        self.name, self.episodes, self.steps = name, 0, 0
         self.id, self.kept = 0, list[Any]()
 
     def hello(self) -> Message:
         """What an environment has to know. Its requests are counted anew."""
         self.id = 0
-        (seen, see), (done, do) = described(self.simulation.observation), described(self.simulation.action)
-        values = {"name": self.simulation.name, "dt": self.simulation.dt, "observation": seen, "action": done}
-        return Message("hello", 0, values, see + do)
+        return self.describe()
 
     def answer(self, request: Message) -> list[Any]:
         """What this id got already, or the answer to a new one. What is wrong is told to the environment."""
@@ -46,6 +45,27 @@ class Simulator:
                 self.kept = Message("error", request.id, {"code": error.code, "text": error.text}).frames()
             self.id = request.id
         return self.kept
+
+    @abstractmethod
+    def describe(self) -> Message:
+        """A hello: name, dt and spaces."""
+
+    @abstractmethod
+    def do(self, request: Message) -> Message:
+        """Do what is asked for, and answer it."""
+
+
+class Simulator(SimulatorBase):
+    """Answers reset, step and render for one simulation."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        super().__init__(simulation.name)
+        self.simulation = simulation
+
+    def describe(self) -> Message:
+        (seen, see), (done, do) = described(self.simulation.observation), described(self.simulation.action)
+        values = {"name": self.name, "dt": self.simulation.dt, "observation": seen, "action": done}
+        return Message("hello", 0, values, see + do)
 
     def do(self, request: Message) -> Message:
         simulation, values = self.simulation, dict[str, Any]()

@@ -3,7 +3,11 @@
 Take home: this file and connection.py, with messages.py of lesson 05.
 """
 
+import glob
+import os
+import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
 
 import zmq
@@ -27,8 +31,23 @@ def bound(endpoint: str) -> zmq.Socket[bytes]:
     return socket
 
 
+def game(path: str) -> str:
+    """The program that is meant by a build's path: each system has an ending, or a folder, of its own for it."""
+    ending = {"win32": ".exe", "darwin": ".app/Contents/MacOS/*"}.get(sys.platform, ".x86_64")
+    for way in (glob.escape(path), glob.escape(path) + ending):
+        for found in filter(os.path.isfile, sorted(glob.glob(way))):
+            # What was unpacked from an archive may have forgotten that it is a program.
+            if not os.access(found, os.X_OK):
+                os.chmod(found, 0o755)
+            return os.path.abspath(found)
+    if program := shutil.which(path):
+        return program
+    raise FileNotFoundError(f"no game at {path}: there is neither this file nor {path}{ending}")
+
+
 class Simulators:
-    """`launch` is a program, or a program with its first words; `--endpoint` follows. Without it one waits for Play.
+    """`launch` is a path as `game` takes it, or a program with its first words; `--endpoint` follows. Without it one
+    waits for Play.
 
     `wait` is how many seconds for a simulator, `patience` how many for each answer. A socket that is given is not
     closed.
@@ -41,11 +60,12 @@ class Simulators:
         wait: float = 60,
         patience: float = 10,
         socket: zmq.Socket[bytes] | None = None,
+        default: str = ENDPOINT,
     ) -> None:
-        self.launch = [launch] if isinstance(launch, str) else list(launch)
+        self.launch = [game(launch)] if launch and isinstance(launch, str) else list(launch)
         self.limit, self.own = wait, socket is None
         # Each one that launches has a port of its own: several environments at once are no trouble.
-        self.connection = Connection(socket or bound(endpoint or (FREE if launch else ENDPOINT)), patience)
+        self.connection = Connection(socket or bound(endpoint or (FREE if launch else default)), patience)
         self.process: subprocess.Popen[bytes] | None = None
 
     def find(self, accept: Callable[[Message], None]) -> None:

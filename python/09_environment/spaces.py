@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete, Space
-from messages import Array, MessageError
+from messages import Array, Message, MessageError, take
 
 
 def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
@@ -25,6 +25,17 @@ def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
         return Box(low, high, dtype=low.dtype.type)
     except (LookupError, ValueError, TypeError, AssertionError) as error:
         raise MessageError("bad-space", f"its arrays make no {kind}: {error!s:.80}") from None
+
+
+def offered(hello: Message, name: str, before: list[Space[Any]] | None) -> list[Space[Any]]:
+    """What a simulator of this name sees and takes; MessageError says why its hello is refused."""
+    if (found := take(hello.values, "name", str)) != name:
+        raise MessageError("wrong-name", f"this environment is {name}, the simulator's is {found!a:.40}")
+    arrays = list(hello.arrays)
+    spaces = [space_of(take(hello.values, which, str), arrays) for which in ("observation", "action")]
+    if before and spaces != before:
+        raise MessageError("other-spaces", f"the simulator before this one had {before}, not {spaces}")
+    return spaces
 
 
 def described(space: Space[Any]) -> tuple[str, list[Array]]:

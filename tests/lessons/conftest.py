@@ -40,8 +40,8 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
 def launch(client_command):
     """launch("csharp", "--count", "3"): the words for an environment that starts its simulator by itself."""
 
-    def words(kind, *options):
-        command = client_command(kind, "09_environment", "nowhere", *options)
+    def words(kind, *options, key="09_environment"):
+        command = client_command(kind, key, "nowhere", *options)
         at = command.index("--endpoint")
         return command[:at] + command[at + 2 :]
 

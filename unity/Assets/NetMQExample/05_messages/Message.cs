@@ -141,7 +141,7 @@ namespace NetMQExample
             throw new MessageException("wrong-type", $"'{name}' must be {typeof(T).Name}");
         }
 
-        private static object Checked(string name, object value)
+        internal static object Checked(string name, object value)
         {
             if (value is string || value is bool) return value;
             if (!(value is int || value is long || value is float || value is double))

@@ -52,7 +52,7 @@ namespace NetMQExample
         /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
         /// <exception cref="TimeoutException">There was no environment for too long.</exception>
         public void Run(
-            Simulator simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop = default)
+            SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop = default)
         {
             var why = "";
             for (silence.Restart(); silence.Elapsed < patience; connection.Close())
@@ -77,7 +77,7 @@ namespace NetMQExample
         public void Dispose() => connection.Dispose();
 
         private void Talk(
-            Simulator simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
+            SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
         {
             var limit = patience < Try ? patience : Try;
             Send(simulator.Hello(), limit, stop);

@@ -7,38 +7,27 @@ using System.Linq;
 
 namespace NetMQExample
 {
-    /// <summary>Answers reset, step and render. The last answer is kept, and a request that comes again gets it again:
-    /// so a retry never steps twice.</summary>
-    public sealed class Simulator
+    /// <summary>Answers requests. The last answer is kept, and a request that comes again gets it again: so a retry
+    /// never steps twice.</summary>
+    public abstract class SimulatorBase
     {
-        private readonly ISimulation simulation;
         private Message kept;
 
-        /// <summary>For a simulation, which from then on nobody else steps.</summary>
-        public Simulator(ISimulation simulation) => this.simulation = simulation;
-
         /// <summary>How many episodes were begun.</summary>
-        public int Episodes { get; private set; }
+        public int Episodes { get; protected set; }
 
         /// <summary>How many steps were done.</summary>
-        public int Steps { get; private set; }
+        public int Steps { get; protected set; }
 
         /// <summary>What it simulates.</summary>
-        public string Name => simulation.Name;
+        public abstract string Name { get; }
 
         /// <summary>What an environment has to know. Its requests are counted anew.</summary>
-        public Message Hello()
-        {
-            var (hello, see, act) = (kept = new Message("hello"), simulation.Observation, simulation.Action);
-            (hello.Values["name"], hello.Values["dt"]) = (simulation.Name, simulation.Dt);
-            (hello.Values["observation"], hello.Values["action"]) = (see.Kind, act.Kind);
-            hello.Arrays.AddRange(see.Arrays.Concat(act.Arrays));
-            return hello;
-        }
+        public Message Hello() => kept = Describe();
 
         /// <summary>What this id got already, or the answer to a new one.</summary>
-        /// <param name="request">Of kind reset, step or render.</param>
-        /// <returns>Of kind state or picture; of kind error if the request cannot be answered.</returns>
+        /// <param name="request">Of any kind but close.</param>
+        /// <returns>Of kind error if the request cannot be answered.</returns>
         public Message Answer(Message request)
         {
             if (request.Id == kept.Id) return kept;
@@ -59,7 +48,36 @@ namespace NetMQExample
             return kept;
         }
 
-        private Message Do(Message request)
+        /// <summary>A hello: name, dt and spaces.</summary>
+        protected abstract Message Describe();
+
+        /// <summary>Does what is asked for, and answers it.</summary>
+        protected abstract Message Do(Message request);
+    }
+
+    /// <summary>Answers reset, step and render for one simulation.</summary>
+    public sealed class Simulator : SimulatorBase
+    {
+        private readonly ISimulation simulation;
+
+        /// <summary>For a simulation, which from then on nobody else steps.</summary>
+        public Simulator(ISimulation simulation) => this.simulation = simulation;
+
+        /// <inheritdoc/>
+        public override string Name => simulation.Name;
+
+        /// <inheritdoc/>
+        protected override Message Describe()
+        {
+            var (hello, see, act) = (new Message("hello"), simulation.Observation, simulation.Action);
+            (hello.Values["name"], hello.Values["dt"]) = (simulation.Name, simulation.Dt);
+            (hello.Values["observation"], hello.Values["action"]) = (see.Kind, act.Kind);
+            hello.Arrays.AddRange(see.Arrays.Concat(act.Arrays));
+            return hello;
+        }
+
+        /// <inheritdoc/>
+        protected override Message Do(Message request)
         {
             var state = new Message(request.Kind == "render" ? "picture" : "state", request.Id);
             switch (request.Kind)

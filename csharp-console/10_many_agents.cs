@@ -1,0 +1,35 @@
+// Lesson 10 in a terminal: the terminal client of PursuitGame.cs, with the same AgentSimulator.
+//
+//     dotnet run --project csharp-console -- 10                                hunters and rabbits, until it is closed
+//     dotnet run --project csharp-console -- 10 --world CartPole --areas 16    sixteen poles on sixteen carts
+//     dotnet run --project csharp-console -- 10 --count 3                      leave after so many games
+using System;
+using System.Linq;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson10
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5560");
+            var world = arguments.Text("world", "Pursuit");
+            var areas = arguments.Whole("areas", 16);
+            var count = arguments.Whole("count", 0);
+            var patience = arguments.Seconds("patience", 30);
+            arguments.RefuseTheRest();
+
+            if (areas < 1 || areas > 1024) throw new UsageException($"--areas takes 1 to 1024, not {areas}");
+            SimulatorBase simulator = world switch
+            {
+                "CartPole" => new AreaSimulator(Enumerable.Range(0, areas).Select(_ => new CartPole())),
+                "Pursuit" => new AgentSimulator(new Pursuit()),
+                _ => throw new UsageException($"--world takes CartPole or Pursuit, not '{world}'"),
+            };
+            using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            Console.WriteLine($"asking {endpoint}");
+            client.Run(simulator, count, answer => answer());
+            Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+"""Lesson 10, the infos: what is said of many, or to them, in one value of a message. The twin of Infos.cs.
+
+    [["hunter_0",{"energy":0.5}],["",{"weather":"rain"}]]        JSON; "" is the environment
+
+An info is flat: texts, numbers, true and false by name, as the values of a message are.
+Take home: this file, with spaces.py of lesson 09 and messages.py of 05.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+# In its own lesson's folder; at home they lie beside this file.
+sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
+from messages import DECODER, ENCODER, Array, MessageError
+from spaces import to_array
+
+# Characters. In a header each may take four bytes, and a header has at most 64 KB.
+LIMIT = 12_000
+
+
+def pack(infos: list[tuple[Any, dict[str, Any]]]) -> str:
+    """ValueError says what has no place in an info."""
+    for who, info in infos:
+        for name, value in info.items():
+            if type(name) is not str or type(value) not in (str, int, float, bool):
+                raise ValueError(f"info {name!a:.40} of {who!a:.40} must be text, a number, true or false")
+    return ENCODER.encode(infos)
+
+
+def unpack(text: Any) -> list[tuple[Any, dict[str, Any]]]:
+    """MessageError says what is wrong with what a peer sent."""
+    try:
+        infos = [(who, info) for who, info in DECODER.decode(text)]
+        pack([(who, dict(info)) for who, info in infos])
+    except (ValueError, TypeError, AttributeError, RecursionError) as error:
+        raise MessageError("bad-infos", f"these are no infos: {error!s:.80}") from None
+    return infos
+
+
+def verdicts(judged: list[dict[str, Any]]) -> list[Array]:
+    """The arrays rewards float64 [n], terminated and truncated uint8 [n]; what is left in them is info."""
+    rewards = [one.pop("reward") for one in judged]
+    if not np.isfinite(rewards).all():
+        raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
+    flags = [[one.pop(name) for one in judged] for name in ("terminated", "truncated")]
+    return [to_array(rewards, np.float64), *(to_array(flag, np.uint8) for flag in flags)]
+
+
+class InfoQueue:
+    """What is said between two messages: no more than fits into one, and what was left out is counted."""
+
+    def __init__(self) -> None:
+        self.infos, self.size, self.dropped = list[tuple[str, dict[str, Any]]](), 0, 0
+
+    def send(self, agent: str, info: dict[str, Any]) -> None:
+        size = len(pack([(agent, info)]))
+        if self.size + size > LIMIT:
+            self.dropped += 1
+            return
+        self.size += size
+        self.infos.append((agent, dict(info)))
+
+    def take(self) -> str:
+        """All of it, and from then on it is empty."""
+        lost = [("", {"dropped": self.dropped})] if self.dropped else []
+        text = pack(self.infos + lost)
+        self.infos, self.size, self.dropped = [], 0, 0
+        return text

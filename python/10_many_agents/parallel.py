@@ -1,0 +1,92 @@
+"""Lesson 10, the environment of several agents: a PettingZoo ParallelEnv, and each step of all is one message.
+
+    from parallel import ZmqParallelEnv
+    env = ZmqParallelEnv("Pursuit")                            waits for a simulator on tcp://127.0.0.1:5560
+    env = ZmqParallelEnv("Pursuit", launch="Build/Pursuit")                 starts the game by its path
+
+Who ends leaves `agents`. A simulator that is lost ends the episode of all: they are truncated, and each one's info has
+`lost`; the next reset waits for another one. What the game has said meanwhile is `told` in each one's info: lists of
+infos by agent, those of the environment as `env`. `send_info` is the other way, at any time.
+Take home: this file, remote_agents.py and infos.py, with connection.py, simulators.py and spaces.py of lesson 09, and
+messages.py of 05. They need pettingzoo.
+"""
+
+import weakref
+from typing import Any
+
+from connection import Lost
+from gymnasium.spaces import Space
+from gymnasium.utils import seeding
+from infos import LIMIT, pack
+from pettingzoo import ParallelEnv
+from remote_agents import RemoteAgents, told
+from spaces import to_array
+
+
+class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
+    """The game of one simulator. `where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+
+    def __init__(self, name: str = "Pursuit", render_mode: str | None = None, **where: Any) -> None:
+        self.agents, self.render_mode = list[str](), render_mode
+        self.random, _ = seeding.np_random()
+        self.remote = RemoteAgents(name, **where)
+        # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
+        self.close_once = weakref.finalize(self, self.remote.simulators.close)
+        try:
+            self.remote.simulators.find(self.remote.accept)
+        except BaseException:
+            self.close()
+            raise
+        self.possible_agents = list(self.remote.spaces)
+        fps = round(1 / max(1e-3, self.remote.dt))
+        self.metadata = {"name": f"NetMQExample/{name}-v0", "render_modes": ["rgb_array"], "render_fps": fps}
+
+    def observation_space(self, agent: str) -> Space[Any]:
+        return self.remote.spaces[agent][0]
+
+    def action_space(self, agent: str) -> Space[Any]:
+        return self.remote.spaces[agent][1]
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
+        if seed is not None:
+            self.random, _ = seeding.np_random(seed)
+        # The simulator gets a seed each time, so that an episode never depends on the one before.
+        seed = int(self.random.integers(2**53)) if seed is None else seed
+        state = self.remote.begin({**(options or {}), "seed": seed})
+        self.agents = self.possible_agents[:]
+        self.seen, *_, infos = self.remote.read(state, self.agents)
+        return self.seen, infos
+
+    def step(self, actions: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any]:
+        if not self.agents or actions.keys() != set(self.agents):
+            raise ValueError(f"actions for {list(actions)!s:.200}, but those that live are {self.agents}")
+        for agent, action in actions.items():
+            if action not in self.action_space(agent):
+                raise ValueError(f"action {action!r:.80} of {agent} is not in {self.action_space(agent)}")
+        try:
+            arrays = [to_array(actions[agent], self.action_space(agent).dtype) for agent in self.agents]
+            state = self.remote.read(self.remote.ask("step", {}, arrays), self.agents)
+        except Lost as lost:
+            # Nobody knows what came after what was seen last.
+            seen = {agent: self.seen[agent].copy() for agent in self.agents}
+            rewards, terminated, truncated = (dict.fromkeys(self.agents, value) for value in (0.0, False, True))
+            state = seen, rewards, terminated, truncated, {agent: {"lost": str(lost)} for agent in self.agents}
+        self.seen, rewards, terminated, truncated, infos = state
+        self.agents = [agent for agent in self.agents if not terminated[agent] and not truncated[agent]]
+        return self.seen, rewards, terminated, truncated, infos
+
+    def send_info(self, info: dict[str, Any], agent: str = "") -> dict[str, list[Any]]:
+        """Say something to an agent, or to the environment; what the game had to say comes back."""
+        if agent not in ("", *self.possible_agents):
+            raise ValueError(f"agent {agent!r:.40} is none of {self.possible_agents}, nor the environment, ''")
+        if len(text := pack([(agent, info)])) > LIMIT:
+            raise ValueError(f"an info has at most {LIMIT} characters, not {len(text)}")
+        return told(self.remote.ask("info", {"infos": text}, []))
+
+    def render(self) -> Any:
+        if self.render_mode != "rgb_array":
+            return None
+        return self.remote.ask("render", {}, []).arrays[0].numpy().copy()
+
+    def close(self) -> None:
+        self.close_once()

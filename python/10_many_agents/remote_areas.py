@@ -1,0 +1,95 @@
+"""Lesson 10, the areas as Python sees them: begin some anew, step all, and one message each time.
+
+Each area has a random generator for its seeds and a time limit of its own, as if it were an environment by itself.
+Take home: this file and infos.py, with connection.py, simulators.py and spaces.py of lesson 09, and messages.py of 05.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.utils import seeding
+from gymnasium.vector.utils import batch_space
+
+# In its own lesson's folder; at home they lie beside this file.
+sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
+from connection import Lost
+from infos import unpack
+from messages import Array, Message, MessageError, take
+from simulators import Simulators
+from spaces import from_array, offered, to_array
+
+ENDPOINT = "tcp://127.0.0.1:5560"
+
+
+class RemoteAreas:
+    """`where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+
+    def __init__(self, count: int, name: str, limit: float, **where: Any) -> None:
+        self.count, self.name, self.limit = count, name, limit
+        self.random = [seeding.np_random()[0] for _ in range(count)]
+        self.steps, self.spaces, self.dt = np.zeros(count, int), list[Any](), 0.0
+        most = np.finfo(np.float64).max
+        self.rewards, self.flags = Box(-most, most, (count,), np.float64), Box(0, 1, (count,), np.uint8)
+        self.simulators = Simulators(default=ENDPOINT, **where)
+        self.ask = self.simulators.connection.ask
+
+    def accept(self, hello: Message) -> None:
+        if (areas := hello.values.get("areas", 1)) != self.count:
+            cure = f"start it with --areas {self.count}"
+            raise MessageError("wrong-areas", f"num_envs is {self.count}, the simulator has {areas!a:.20}: {cure}")
+        # Whoever learns has asked for them already: another simulator must have the same ones.
+        self.spaces = offered(hello, self.name, self.spaces)
+        self.dt, self.seen_space = take(hello.values, "dt", float), batch_space(self.spaces[0], self.count)
+
+    def begin(self, mask: Any, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, list[Any]]:
+        """What is seen, and the infos. In another simulator all areas begin anew: those not asked to were lost."""
+        values, why, left = dict(options or {}), "", np.zeros(self.count, bool)
+        state = [to_array(values.pop("state"), np.float64)] if "state" in values else []
+        try:
+            answer = self.ask("reset", values, self.lots(mask, seed) + state)
+        except Lost as lost:
+            self.simulators.find(self.accept)
+            why, left, mask = str(lost), ~mask, mask | True
+            answer = self.ask("reset", values, self.lots(mask, seed) + state)
+        self.steps[mask] = 0
+        seen, *_, infos = self.read(answer)
+        for area in np.flatnonzero(left):
+            infos[area]["lost"] = why
+        return seen, infos
+
+    def step(self, actions: Any, again: Any) -> tuple[Any, Any, Any, Any, list[dict[str, Any]]]:
+        """One step of all areas, and those of `again` are reset in place of it."""
+        lots = self.lots(again) if again.any() else []
+        try:
+            answer = self.ask("step", {}, [to_array(actions, np.asarray(actions).dtype), *lots])
+        except Lost as lost:
+            # Nobody knows what came after what was seen last.
+            infos = [{"lost": str(lost)} for _ in range(self.count)]
+            return self.seen.copy(), np.zeros(self.count), np.zeros(self.count, bool), np.ones(self.count, bool), infos
+        self.steps = np.where(again, 0, self.steps + 1)
+        seen, rewards, terminated, truncated, infos = self.read(answer)
+        return seen, rewards, terminated, truncated | (self.steps >= self.limit), infos
+
+    def lots(self, mask: Any, seed: Any = None) -> list[Array]:
+        """Which areas begin anew, and by which chance: the seed that is given, or what its generator draws."""
+        seeds = [seed + i for i in range(self.count)] if isinstance(seed, int) else list(seed or [None] * self.count)
+        if len(seeds) != self.count:
+            raise ValueError(f"{len(seeds)} seeds are not one for each of {self.count} areas")
+        for i in np.flatnonzero(mask):
+            if seeds[i] is None:
+                seeds[i] = int(self.random[i].integers(2**53))
+            else:
+                self.random[i] = seeding.np_random(seeds[i])[0]
+        return [to_array(mask, np.uint8), to_array([seed or 0 for seed in seeds], np.int64)]
+
+    def read(self, state: Message) -> tuple[Any, Any, Any, Any, list[dict[str, Any]]]:
+        seen, reward, *flags = ([array] for array in state.arrays) if len(state.arrays) == 4 else ([], [], [], [])
+        self.seen, rewards = from_array(self.seen_space, seen), from_array(self.rewards, reward)
+        terminated, truncated = (from_array(self.flags, flag).astype(bool) for flag in flags)
+        infos = [dict[str, Any]() for _ in range(self.count)]
+        for area, info in unpack(state.values.get("infos", "[]")):
+            infos[area].update(info)
+        return self.seen, rewards, terminated, truncated, infos

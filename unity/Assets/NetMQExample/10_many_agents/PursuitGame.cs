@@ -1,0 +1,78 @@
+// Lesson 10 in Unity, the example: hunters and rabbits as cubes. Tick By Hand, and the arrow keys drive hunter_0.
+//
+// Use: start python/10_many_agents/server.py, add this component to any GameObject, press Play.
+using System.Collections.Generic;
+using System.Linq;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Pursuit.cs in a scene.</summary>
+    public sealed class PursuitGame : PythonAgents
+    {
+        private readonly Pursuit world = new Pursuit();
+        private readonly Dictionary<string, Transform> cubes = new Dictionary<string, Transform>();
+
+        /// <inheritdoc/>
+        public override string Name => world.Name;
+
+        /// <inheritdoc/>
+        public override double Dt => world.Dt;
+
+        /// <inheritdoc/>
+        public override IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents => world.Agents;
+
+        /// <inheritdoc/>
+        public override InfoQueue Infos => world.Infos;
+
+        /// <inheritdoc/>
+        public override void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options) =>
+            world.ResetWorld(chance, options);
+
+        /// <inheritdoc/>
+        protected override void Act(IReadOnlyDictionary<string, double[]> actions) => world.Apply(actions);
+
+        /// <inheritdoc/>
+        public override MessageArray Observe(string agent) => world.Observe(agent);
+
+        /// <inheritdoc/>
+        public override (double Reward, bool Terminated, bool Truncated) Judge(
+            string agent, IDictionary<string, object> info) => world.Judge(agent, info);
+
+        /// <inheritdoc/>
+        public override MessageArray Render() => world.Render();
+
+        /// <inheritdoc/>
+        protected override double[] Heuristic(string agent)
+        {
+            // The others rest: alone one wins slowly.
+            var way = 0.0;
+#if ENABLE_LEGACY_INPUT_MANAGER
+            var (x, y) = (Input.GetAxis("Horizontal"), Input.GetAxis("Vertical"));
+            if (agent == "hunter_0" && x != 0) way = x < 0 ? 1 : 2;
+            else if (agent == "hunter_0" && y != 0) way = y < 0 ? 3 : 4;
+#endif
+            return new[] { way };
+        }
+
+        private void Awake()
+        {
+            foreach (var name in world.Agents.Select(agent => agent.Name))
+            {
+                cubes[name] = GameObject.CreatePrimitive(PrimitiveType.Cube).transform;
+                // Hunters are the taller ones.
+                cubes[name].localScale = new Vector3(0.3f, name[0] == 'h' ? 0.6f : 0.3f, 0.3f);
+            }
+        }
+
+        private void LateUpdate()
+        {
+            foreach (var cube in cubes)
+            {
+                var (x, y, lives) = world.Place(cube.Key);
+                // Whoever is out lies behind the fence. The world is 8 m wide.
+                cube.Value.position = new Vector3((float)(4 * x), lives ? 0 : -3, (float)(4 * y));
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+// Lesson 10 in Unity: derive from this, and Python decides when time passes for all agents of your scene.
+//
+// Use: start a Python program that makes the environment, add your component to any GameObject, press Play. To play by
+// hand, without Python, tick By Hand. How it goes with physics and frames, see SimulatorBehaviour.cs.
+using System.Collections.Generic;
+using System.Linq;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>A scene as a PettingZoo environment: say who there is, what each can see and do, and reset, apply,
+    /// observe, judge.</summary>
+    public abstract class PythonAgents : SimulatorBehaviour, IAgentSimulation
+    {
+        [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";
+
+        private readonly List<string> living = new List<string>();
+
+        /// <inheritdoc/>
+        protected override string Endpoint => endpoint;
+
+        /// <inheritdoc/>
+        protected override SimulatorBase MakeSimulator() => new AgentSimulator(this);
+
+        /// <inheritdoc/>
+        public abstract string Name { get; }
+
+        /// <inheritdoc/>
+        public abstract IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents { get; }
+
+        /// <inheritdoc/>
+        public virtual InfoQueue Infos { get; } = new InfoQueue();
+
+        /// <inheritdoc/>
+        public abstract void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options);
+
+        /// <summary>Does what the agents want. Physics is simulated after it.</summary>
+        protected abstract void Act(IReadOnlyDictionary<string, double[]> actions);
+
+        /// <inheritdoc/>
+        public abstract MessageArray Observe(string agent);
+
+        /// <inheritdoc/>
+        public abstract (double Reward, bool Terminated, bool Truncated) Judge(
+            string agent, IDictionary<string, object> info);
+
+        /// <inheritdoc/>
+        public virtual void OnInfo(string agent, IReadOnlyDictionary<string, object> info) { }
+
+        /// <summary>Says something to Python, which gets it with the next answer.</summary>
+        /// <param name="agent">Whose it is; empty: the environment's.</param>
+        /// <param name="info">Texts, numbers, true and false by name.</param>
+        protected void SendInfo(string agent, IReadOnlyDictionary<string, object> info) => Infos.Send(agent, info);
+
+        /// <inheritdoc/>
+        public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
+
+        /// <summary>What a person does for an agent, from Input, when it is played by hand.</summary>
+        protected abstract double[] Heuristic(string agent);
+
+        /// <inheritdoc/>
+        public void Apply(IReadOnlyDictionary<string, double[]> actions)
+        {
+            Act(actions);
+            Physics.Simulate((float)Dt);
+        }
+
+        /// <inheritdoc/>
+        protected override void ResetByHand(Chance chance)
+        {
+            ResetWorld(chance, new Dictionary<string, object>());
+            living.Clear();
+            living.AddRange(Agents.Select(agent => agent.Name));
+        }
+
+        /// <inheritdoc/>
+        protected override (double Reward, bool Over) StepByHand()
+        {
+            Apply(living.ToDictionary(agent => agent, Heuristic));
+            // Nobody reads them.
+            Infos.Take();
+            var total = 0.0;
+            foreach (var agent in living.ToArray())
+            {
+                var (reward, terminated, truncated) = Judge(agent, new Dictionary<string, object>());
+                total += reward;
+                if (terminated || truncated) living.Remove(agent);
+            }
+            return (total, living.Count == 0);
+        }
+    }
+}
