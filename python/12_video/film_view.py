@@ -3,13 +3,12 @@
     picture = view.due()            the game, in each of its frames: is a picture to be taken now?
     view.take(picture, pixels)      uint8 [height, width, 3], the lowest row first
 
-Two pictures are on the way at most: taken, sent, and not yet with Python. What would be the third one is skipped and
-counted, so nothing piles up, and the game waits for nobody.
+Two pictures are on the way to Python at most, and two more are with a camera or wait. What would be the fifth one is
+skipped and counted, so nothing piles up, and the game waits for nobody.
 Take home: this file, with messages.py of lesson 05.
 """
 
 import sys
-import threading
 import time
 from collections import deque
 from collections.abc import Iterator
@@ -21,7 +20,8 @@ from typing import Any
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Array, Message, MessageError, take
 
-CREDIT = 2
+# Pictures that were sent and are not yet with Python, and pictures at all.
+CREDIT, ROOM = 2, 4
 
 
 @dataclass
@@ -37,7 +37,7 @@ class Film:
     number: int = 0
     skipped: int = 0
     sent: int = 0
-    away: int = 0
+    took: int = 0
     ready: deque[Message] = field(default_factory=deque)
     ending: Message | None = None
     seconds: float = 0.0
@@ -60,7 +60,6 @@ class FilmView:
     def __init__(self, name: str, width: int, height: int) -> None:
         self.name, self.width, self.height = name, width, height
         self.film: Film | None = None
-        self.lock = threading.Lock()
 
     # The game's half.
 
@@ -70,13 +69,11 @@ class FilmView:
             return None
         # As often as it was asked for, whenever the game has its frames; more than one is not made up for.
         film.next = max(film.next + film.interval, now - film.interval)
-        with self.lock:
-            film.number += 1
-            if film.away == CREDIT:
-                film.skipped += 1
-                return None
-            film.away += 1
-            return Picture(film, {"view": self.name, "number": film.number, "time": now, "bottom_up": True})
+        film.number += 1
+        if film.number - film.skipped - film.took > ROOM:
+            film.skipped += 1
+            return None
+        return Picture(film, {"view": self.name, "number": film.number, "time": now, "bottom_up": True})
 
     def take(self, picture: Picture, pixels: Any) -> None:
         film, pictures = picture.film, [Array("uint8", pixels.shape, pixels)]
@@ -102,14 +99,13 @@ class FilmView:
         film.seconds, film.ending = film.now(), request
 
     def took(self, request: Message) -> None:
-        with self.lock:
-            if self.film and self.film.id == request.id:
-                self.film.away -= 1
+        if self.film and self.film.id == request.id:
+            self.film.took += 1
 
     def outgoing(self) -> Iterator[Message]:
         """The pictures that are there, and the answer to `end` after the last one."""
         film = self.film
-        while film and film.ready:
+        while film and film.ready and film.sent - film.took < CREDIT:
             film.sent += 1
             yield film.ready.popleft()
         # What a camera still has is waited for, but not for ever.

@@ -27,12 +27,17 @@ class Filming:
         self.asked = dict[int, tuple[Future[None], ViewFilm | None]]()
         self.over = threading.Event()
         self.thread = threading.Thread(target=self.run, daemon=True)
-        self.thread.start()
+
+    def start(self) -> None:
+        """Not before it is needed: by then there is somebody who will call close."""
+        if not self.thread.is_alive():
+            self.thread.start()
 
     def ask(self, kind: str, values: dict[str, Any], film: ViewFilm | None = None) -> None:
         """For any thread: ask the game for something, and wait until it is done. MessageError is its refusal."""
         request, done = Message(kind, next(self.ids), values), Future[None]()
         self.asked[request.id] = done, film
+        self.start()
         self.requests.put(request)
         try:
             done.result(self.patience)
@@ -47,9 +52,8 @@ class Filming:
                 request = self.requests.get()
                 if not (self.game.peer and self.game.send(request.kind, request.id, request.values)):
                     self.answer(request.id, Lost("there is no game, or it is gone"))
-            message = self.game.receive()
             try:
-                if message:
+                if message := self.game.receive():
                     self.hear(message)
             except MessageError as error:
                 self.game.refuse(self.game.peer, error)

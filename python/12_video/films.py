@@ -43,6 +43,7 @@ class Films(Filming):
 
     def wait(self, seconds: float = 60) -> dict[str, tuple[int, int]]:
         """The next game's views, with their largest width and height. TimeoutError says that none came."""
+        self.start()
         end = time.monotonic() + seconds
         while self.game.count == self.seen or not self.game.views:
             if time.monotonic() > end:
@@ -96,7 +97,8 @@ class Films(Filming):
                 with contextlib.suppress(OSError, MessageError):
                     self.end_render(view)
         self.over.set()
-        self.thread.join()
+        if self.thread.is_alive():
+            self.thread.join()
         self.lose()
         if self.own:
             self.game.socket.context.destroy()

@@ -23,7 +23,7 @@ namespace NetMQExample
             // All behind the camera on the car: it does not see it.
             var body = GameObject.CreatePrimitive(PrimitiveType.Cube);
             body.transform.SetParent(transform, false);
-            body.transform.localPosition = new Vector3(0, 0.6f, -1);
+            body.transform.localPosition = new Vector3(0, 0.6f, -2);
             body.transform.localScale = new Vector3(3, 0.8f, 3);
             body.GetComponent<Renderer>().material.color = new Color32(200, 30, 30, 255);
             Camera front = CarCamera.On(transform, 0), map = CarCamera.On(transform, 0);

@@ -29,7 +29,8 @@ namespace NetMQExample
     /// for the network's.</summary>
     public sealed class RunningFilm
     {
-        private const int Credit = 2;
+        // Pictures that were sent and are not yet with Python, and pictures at all: a camera needs a frame or two.
+        private const int Credit = 2, Room = 4;
         private readonly ConcurrentQueue<Picture> free = new ConcurrentQueue<Picture>();
         private readonly ConcurrentQueue<Picture> ready = new ConcurrentQueue<Picture>();
         private readonly Dictionary<int, Picture> sent = new Dictionary<int, Picture>();
@@ -44,7 +45,7 @@ namespace NetMQExample
         internal RunningFilm(long id, string view, int width, int height, int channels, double fps)
         {
             (Id, this.view, Width, Height, interval) = (id, view, width, height, 1 / fps);
-            for (var i = 0; i < Credit; i++) free.Enqueue(new Picture(this, channels));
+            for (var i = 0; i < Room; i++) free.Enqueue(new Picture(this, channels));
         }
 
         /// <summary>In pixels.</summary>
@@ -86,7 +87,7 @@ namespace NetMQExample
         /// <summary>The next picture that is there, and after the last one the answer to end; or null.</summary>
         internal Message Next()
         {
-            if (ready.TryDequeue(out var picture))
+            if (sent.Count < Credit && ready.TryDequeue(out var picture))
             {
                 frames++;
                 sent[picture.Number] = picture;
