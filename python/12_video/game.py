@@ -49,6 +49,7 @@ class Game:
         self.socket, self.lost = socket, lost
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True
+        self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
         self.peer, self.heard = b"", 0.0
         # How many came so far, and the views of the one that is there with their largest width and height.
         self.count, self.views = 0, dict[str, tuple[int, int]]()

@@ -59,7 +59,7 @@ class Mp4Film:
 
     def start(self, height: int, width: int) -> subprocess.Popen[bytes]:
         raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
-        whole = ["-vf", EVEN, "-g", str(max(1, round(self.fps))), "-movflags", "frag_keyframe+empty_moov"]
+        whole = ["-vf", EVEN, "-bf", "0", "-g", str(max(1, round(self.fps))), "-movflags", "frag_keyframe+empty_moov"]
         command = ["ffmpeg", "-nostdin", "-loglevel", "error", "-y", *raw, *whole, "-f", "mp4", str(self.path)]
         # In a session of its own: Ctrl-C is for this program, which then ends the film.
         return subprocess.Popen(command, stdin=subprocess.PIPE, stderr=self.said, start_new_session=True)

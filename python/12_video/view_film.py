@@ -53,11 +53,13 @@ class ViewFilm:
         # Without the alpha of graphics cards, and with the highest row first.
         pixels = frame.arrays[0].numpy()[:, :, :3]
         self.newest = pixels[::-1] if frame.values.get("bottom_up") is True else pixels
-        self.began = self.began if self.frames else time
-        self.frames, self.skipped, self.seconds = self.frames + 1, self.number - self.frames - 1, time - self.began
         self.first.set()
+        if self.trouble:
+            return
         if self.file:
             self.file.add(self.newest, time)
+        self.began = self.began if self.frames else time
+        self.frames, self.skipped, self.seconds = self.frames + 1, self.number - self.frames - 1, time - self.began
 
     def stop(self, why: str) -> None:
         """Nothing more is written."""
@@ -80,7 +82,10 @@ class ViewFilm:
         """Without a time it ends with its last picture: nobody knows how long that was seen."""
         if self.over:
             return
-        self.over, self.skipped = True, self.skipped if skipped is None else skipped
+        self.over = True
+        if self.trouble:
+            return
+        self.skipped = self.skipped if skipped is None else skipped
         if self.frames and time is not None:
             self.seconds = time - self.began
         if self.file:
