@@ -4,7 +4,7 @@
     python python/12_video/client.py                      or: dotnet run --project csharp-console -- 12
     python python/12_video/server.py --film drive.gif --view front --seconds 5        or .png, .webp, .mp4
 
-Films each game that comes, every view, and prints for each: film front_1.gif: 125 frames, 5.0 s, 0 skipped
+Films each game that comes, every view, and prints for each: film front_1.gif: 100 frames, 4.0 s, 0 skipped
 Bytes: messages of lesson 05. The game says `hello` with its `views`, and their largest sizes as int32 [n, 2]; the reply
 is `welcome`. A `begin` has `view`, `width`, `height` and `fps`, and is answered by `begun`. From then on each `frame`
 has the id of that begin, `view`, `number`, `time`, in seconds since it began, and one array, uint8 [height, width, 3 or
@@ -72,7 +72,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--film", type=new_film, help="the file of one view, such as drive.gif")
     parser.add_argument("--view", default="", help="which view; all of them, or with --film the first")
-    parser.add_argument("--seconds", type=seconds, default=5, help="how long to film")
+    parser.add_argument("--seconds", type=seconds, default=4, help="how long to film")
     parser.add_argument("--fps", type=seconds, default=25, help="pictures a second")
     parser.add_argument("--slow", type=seconds, default=0, help="seconds to take over each picture")
 
