@@ -4,7 +4,7 @@
     python python/12_video/client.py --count 3000    for a minute
 
 Bytes: as in server.py. Take home: this file, view_sender.py and film_view.py, with messages.py of lesson 05;
-self_driving.py stands for your game.
+self_driving.py, with world.py of lesson 08, stands for your game.
 """
 
 import argparse

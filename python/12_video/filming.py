@@ -1,6 +1,7 @@
 """Lesson 12, filming: the thread that hears a game, keeps what its views show, and says that it was taken.
 
-Take home: this file, with films.py.
+Take home: this file, game.py, view_film.py, film_writer.py, film_formats.py and mp4_film.py, with messages.py of
+lesson 05.
 """
 
 import itertools

@@ -161,12 +161,18 @@ class Game:
             thread.join()
 
 
+class Heard(Films):
+    """And what they say."""
+
+    def __init__(self):
+        self.lines = []
+        super().__init__("tcp://127.0.0.1:*", report=self.lines.append)
+
+
 @pytest.fixture
 def films(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    lines = []
-    with Films("tcp://127.0.0.1:*", report=lines.append) as films:
-        films.lines = lines
+    with Heard() as films:
         yield films
 
 
