@@ -1,0 +1,106 @@
+"""Lesson 12, the game as Python sees it: one at a time, at the other end of a ROUTER socket.
+
+A game says `hello` with its views. One that is gone is noticed within a second, because a ROUTER socket can say that it
+has no way to a peer.
+Take home: this file, with messages.py of lesson 05.
+"""
+
+import re
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import zmq
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from messages import LIMIT, Message, MessageError, read, take
+
+# Seconds of silence after which it is asked whether it is there.
+SILENCE = 1.0
+# A view's name becomes the name of a file.
+NAME = re.compile(r"[A-Za-z0-9_ -]{1,40}")
+
+
+class Lost(ConnectionError):
+    """There is no game, or it is gone."""
+
+
+def bound(endpoint: str) -> zmq.Socket[bytes]:
+    context = zmq.Context()
+    socket = context.socket(zmq.ROUTER)
+    # Who announces more than the largest message is disconnected before it is in memory.
+    socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 4 * LIMIT, 200
+    try:
+        socket.bind(endpoint)
+    except zmq.ZMQError as error:
+        context.destroy()
+        cure = "if another program films there, end it, or take another port here and in the game"
+        raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
+    return socket
+
+
+class Game:
+    """Make it anywhere; after that it belongs to one thread. `lost` is called when the game is gone."""
+
+    def __init__(self, socket: zmq.Socket[bytes], lost: Callable[[], None]) -> None:
+        self.socket, self.lost = socket, lost
+        # To send to a peer that is gone is then an error, and not silence.
+        socket.router_mandatory = True
+        self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
+        self.peer, self.heard = b"", 0.0
+        # How many came so far, and the views of the one that is there with their largest width and height.
+        self.count, self.views = 0, dict[str, tuple[int, int]]()
+
+    def receive(self) -> Message | None:
+        """The next message of the game; None if nothing came for a moment, or nothing that matters."""
+        if not self.socket.poll(20):
+            if self.peer and time.monotonic() > self.heard + SILENCE:
+                self.heard = time.monotonic()
+                self.is_there()
+            return None
+        frames: list[Any] = self.socket.recv_multipart(copy=False)
+        peer = bytes(frames.pop(0))
+        try:
+            message = read(frames)
+            if message.kind == "hello":
+                self.greet(peer, message)
+            elif peer == self.peer:
+                self.heard = time.monotonic()
+                return message
+            else:
+                raise MessageError("unknown-peer", "say hello again", message.id)
+        except MessageError as error:
+            self.refuse(peer, error)
+        return None
+
+    def greet(self, peer: bytes, hello: Message) -> None:
+        if self.peer and self.is_there():
+            raise MessageError("busy", "there is a game already: one at a time")
+        names = take(hello.values, "views", str).split(",")
+        sizes = hello.arrays[0].numpy() if hello.arrays else None
+        if sizes is None or sizes.shape != (len(names), 2) or not all(map(NAME.fullmatch, names)):
+            raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
+        if self.send("welcome", hello.id, peer=peer):
+            self.views = {name: (int(width), int(height)) for name, (width, height) in zip(names, sizes, strict=True)}
+            self.peer, self.heard, self.count = peer, time.monotonic(), self.count + 1
+
+    def is_there(self) -> bool:
+        """False, and it is forgotten, if there is no way to it any more."""
+        if self.send("alive"):
+            return True
+        self.peer, self.views = b"", {}
+        self.lost()
+        return False
+
+    def send(self, kind: str, id: int = 0, values: dict[str, Any] | None = None, peer: bytes = b"") -> bool:
+        try:
+            self.socket.send_multipart([peer or self.peer, *Message(kind, id, values or {}).frames()], zmq.NOBLOCK)
+        except zmq.ZMQError:
+            return False
+        return True
+
+    def refuse(self, peer: bytes, error: MessageError) -> None:
+        self.send("error", error.id, {"code": error.code, "text": error.text}, peer)

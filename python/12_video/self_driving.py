@@ -1,0 +1,60 @@
+"""Lesson 12, the world: lesson 08's car drives along its road by itself, seen by two views. The twin of SelfDriving.cs.
+
+Both sides give the same pictures, to the last byte. At home your own game takes its place.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+# The world is lesson 08's.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "08_see_and_steer"))
+from world import CURVATURE, GRASS, HEIGHT, TARMAC, WIDTH, Car, DrawnCamera, Road
+
+# It aims at a point of the road some 6 m ahead, and drives at 8 m/s.
+AHEAD, SPEED = 40, 8.0
+# The map: pixels of a metre, and where the world's corner is in it.
+SCALE, LEFT, LOW = 2, 40, 20
+CAR = (200, 30, 30)
+
+
+class SelfDriving:
+    """A step takes lesson 08's STEP, 0.02 s."""
+
+    def __init__(self) -> None:
+        self.road, self.steps = Road(), 0
+        self.car, self.camera = Car.on(self.road), DrawnCamera(self.road)
+        self.ground = np.full((HEIGHT, WIDTH, 3), GRASS, np.uint8)
+        for x, y in self.road.points:
+            square(self.ground, x, y, 4, TARMAC)
+
+    def step(self) -> None:
+        car = self.car
+        x, y = self.road.points[(self.road.nearest(car.x, car.y)[0] + AHEAD) % len(self.road.points)] - (car.x, car.y)
+        # Along the circle that leads there.
+        steer = 2 * (x * car.ahead_y - y * car.ahead_x) / (x * x + y * y) / CURVATURE
+        car.step(min(1.0, max(0.0, SPEED + 0.4 - car.speed)), 0.0, min(1.0, max(-1.0, float(steer))))
+        self.steps += 1
+
+    def front(self) -> Any:
+        """What a camera on the car sees, the lowest row first, with the number of the step in its upper corner."""
+        return self.camera.draw(self.car, self.steps)
+
+    def map(self) -> Any:
+        """All of the road from above, and where the car is."""
+        picture = self.ground.copy()
+        square(picture, self.car.x, self.car.y, 3, CAR)
+        return picture
+
+
+def square(picture: Any, x: float, y: float, half: int, colour: tuple[int, int, int]) -> None:
+    column, row = LEFT + int(x * SCALE), LOW + int(y * SCALE)
+    picture[row - half : row + half + 1, column - half : column + half + 1] = colour
+
+
+def scaled(picture: Any, width: int, height: int) -> Any:
+    """Smaller: of each place the nearest pixel."""
+    rows, columns = np.arange(height) * picture.shape[0] // height, np.arange(width) * picture.shape[1] // width
+    return np.ascontiguousarray(picture[rows][:, columns])

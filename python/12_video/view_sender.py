@@ -1,0 +1,102 @@
+"""Lesson 12, the sender of views: offers them to Python, and sends what it asks for. The twin of ViewSender.cs.
+
+Each try to connect has a new socket. When Python is gone no more pictures are taken; the game goes on, and when Python
+is back it is offered the views again.
+Take home: this file and film_view.py, with messages.py of lesson 05.
+"""
+
+import itertools
+import threading
+import time
+from collections.abc import Callable
+
+import zmq
+from film_view import FilmView
+from messages import LIMIT, Array, Message, MessageError, read, take
+
+# Seconds for a connection, and then for the answer to hello.
+TRY = 1.0
+
+
+class ViewSender:
+    """What happens is told to `report`, line by line."""
+
+    def __init__(self, endpoint: str, patience: float, report: Callable[[str], None] = print) -> None:
+        self.endpoint, self.patience, self.report, self.heard = endpoint, patience, report, 0.0
+        # Whether Python is there.
+        self.connected = False
+
+    def run(self, views: list[FilmView], stop: threading.Event) -> None:
+        """Until `stop`. TimeoutError says that Python was not there for `patience` seconds."""
+        self.heard, why = time.monotonic(), "no connection"
+        while time.monotonic() < self.heard + self.patience:
+            with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
+                # Nothing can be sent while there is no connection: so it is known whether there is one.
+                socket.linger, socket.maxmsgsize, socket.immediate = 0, LIMIT, True
+                socket.sndtimeo = int(1000 * min(TRY, self.patience))
+                socket.connect(self.endpoint)
+                try:
+                    return self.talk(socket, views, stop)
+                except zmq.Again:
+                    pass
+                except (MessageError, TimeoutError) as error:
+                    why = str(error)
+                    # Whoever refuses at once is not asked again at once.
+                    stop.wait(min(TRY / 5, self.patience))
+                finally:
+                    self.connected = False
+                    for view in views:
+                        view.film = None
+        waited = f"nobody films at {self.endpoint} within {self.patience:g} s"
+        raise TimeoutError(f"{waited}; is the server running? ({why})")
+
+    def talk(self, socket: zmq.Socket[bytes], views: list[FilmView], stop: threading.Event) -> None:
+        sizes = b"".join(side.to_bytes(4, "little") for view in views for side in (view.width, view.height))
+        names = {"views": ",".join(view.name for view in views)}
+        socket.send_multipart(Message("hello", 0, names, [Array("int32", (len(views), 2), sizes)]).frames())
+        end = time.monotonic() + min(TRY, self.patience)
+        while not (welcome := self.receive(socket)) and time.monotonic() < end:
+            pass
+        if not welcome or welcome.kind != "welcome":
+            raise MessageError("no-welcome", "no answer to hello")
+        shown = ", ".join(f"{view.name} {view.width} x {view.height}" for view in views)
+        self.report(f"{self.endpoint} can film {shown}")
+        self.connected = True
+        try:
+            while not stop.is_set():
+                self.serve(socket, views)
+        except (MessageError, TimeoutError, zmq.Again) as error:
+            self.report(f"trouble: {error}: no more pictures are taken")
+            raise
+        finally:
+            self.heard = time.monotonic()
+
+    def serve(self, socket: zmq.Socket[bytes], views: list[FilmView]) -> None:
+        request = self.receive(socket)
+        answers = [self.do(views, request)] if request and request.kind in ("begin", "end", "took") else []
+        for message in itertools.chain(answers, *(view.outgoing() for view in views)):
+            if message:
+                socket.send_multipart(message.frames())
+            if message and message.kind == "ended":
+                view, frames, skipped = (message.values[name] for name in ("view", "frames", "skipped"))
+                self.report(f"{view}: {frames} pictures, {skipped} skipped")
+
+    def do(self, views: list[FilmView], request: Message) -> Message | None:
+        try:
+            wanted, there = take(request.values, "view", str), {view.name: view for view in views}
+            if wanted not in there:
+                raise MessageError("unknown-view", f"there is no view {wanted!a:.40}; there are: {', '.join(there)}")
+            view = there[wanted]
+            return {"begin": view.begin, "end": view.end, "took": view.took}[request.kind](request)
+        except MessageError as error:
+            return Message("error", request.id, {"code": error.code, "text": error.text})
+
+    def receive(self, socket: zmq.Socket[bytes]) -> Message | None:
+        if not socket.poll(10):
+            if not socket.poll(0, zmq.POLLOUT):
+                raise TimeoutError("Python is gone")
+            return None
+        message = read(socket.recv_multipart())
+        if message.kind == "error":
+            raise MessageError(str(message.values.get("code"))[:40], str(message.values.get("text"))[:200])
+        return message

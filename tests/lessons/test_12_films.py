@@ -1,0 +1,321 @@
+"""Lesson 12: the film writer and Films as a script uses them, beside a game of the test's own."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+import zmq
+
+from tests.programs import LIMIT, ROOT
+
+np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
+Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
+from tests.lessons.test_12_video import shown  # noqa: E402
+
+sys.path += [str(ROOT / "python" / folder) for folder in ("12_video", "05_messages")]
+from film_view import FilmView  # noqa: E402
+from film_writer import open_film  # noqa: E402
+from films import Films  # noqa: E402
+from game import Lost  # noqa: E402
+from messages import Array, Message, MessageError  # noqa: E402
+from view_sender import ViewSender  # noqa: E402
+
+each_format = pytest.mark.parametrize("end", [".gif", ".png", ".webp"])
+needs_ffmpeg = pytest.mark.skipif(not shutil.which("ffprobe"), reason="MP4 needs ffmpeg: apt install ffmpeg")
+# Seconds at which pictures were seen, and after which the last one was over.
+TIMES, END = [0.2, 0.24, 0.3, 0.31, 0.8, 1.0], 1.25
+
+
+def picture(number, width=64, height=48):
+    """One that no other is equal to, without loss in 256 colours."""
+    pixels = np.full((height, width, 3), (40 * number, 80, 120), np.uint8)
+    pixels[: 6 + number, : 10 + 3 * number] = (250, 30, 10)
+    return pixels
+
+
+# The writer
+
+
+@each_format
+def test_a_film_has_its_pictures_and_their_times(end, tmp_path):
+    film = open_film(tmp_path / f"film{end}")
+    for number, seen in enumerate(TIMES):
+        film.add(picture(number), seen)
+        # As if it was killed now.
+        assert len(shown(tmp_path / f"film{end}")[0]) == number + 1
+    film.close(END)
+    pictures, times = shown(tmp_path / f"film{end}")
+    # GIF counts in hundredths.
+    assert times == pytest.approx([40, 60, 10, 490, 200, 250], abs=1e-6)
+    for number, pixels in enumerate(pictures):
+        # WebP has some loss.
+        assert np.abs(pixels.astype(int) - picture(number)).mean() <= (5 if end == ".webp" else 0)
+    with Image.open(tmp_path / f"film{end}") as again:
+        assert again.info["loop"] == 0, "it begins again"
+    with pytest.raises(ValueError, match="is there already, and nothing is written over"):
+        open_film(tmp_path / f"film{end}")
+
+
+def test_rounding_does_not_add_up(tmp_path):
+    """At 30 a second a GIF's steps of 0.01 s are 3, 3 and 4."""
+    film = open_film(tmp_path / "film.gif")
+    for number in range(90):
+        film.add(picture(number % 6), number / 30)
+    film.close(3)
+    _, times = shown(tmp_path / "film.gif")
+    assert sum(times) == 3000 and set(times) == {30, 40}
+
+
+@each_format
+def test_a_film_without_a_picture_leaves_no_file(end, tmp_path):
+    open_film(tmp_path / f"film{end}").close(1)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_ffmpeg_an_mp4_says_what_to_do(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(OSError, match=r"needs ffmpeg, which is not here: install it, or let the film end in .gif"):
+        open_film(tmp_path / "film.mp4")
+    assert list(tmp_path.iterdir()) == []
+
+
+def probed(path):
+    """The seconds at which ffprobe sees the pictures of a film, its size, and its length."""
+    words = ["ffprobe", "-v", "error", "-of", "json", "-show_entries", "frame=pts_time:stream=width,height"]
+    said = json.loads(subprocess.run([*words, path], capture_output=True, timeout=60, check=True).stdout)
+    return [float(frame["pts_time"]) for frame in said["frames"]], said["streams"][0]
+
+
+@needs_ffmpeg
+def test_an_mp4_repeats_pictures_for_as_long_as_they_were_seen(tmp_path):
+    film = open_film(tmp_path / "film.mp4", 20)
+    for number, seen in enumerate(TIMES):
+        # An odd size, which H.264 does not take as it is.
+        film.add(picture(number, 63, 47), seen)
+    film.close(END)
+    times, size = probed(tmp_path / "film.mp4")
+    assert times == pytest.approx([number / 20 for number in range(21)], abs=1e-3)
+    assert (size["width"], size["height"]) == (64, 48)
+
+
+@needs_ffmpeg
+def test_a_killed_program_leaves_an_mp4_that_plays(start, tmp_path):
+    code = f"""
+import sys, time; sys.path[:0] = {sys.path!r}
+from tests.lessons.test_12_films import *
+film = open_film(Path("film.mp4"), 20)
+for number in range(60): film.add(picture(number % 6), number / 20)
+print("written", flush=True)
+time.sleep(60)
+"""
+    program = start(sys.executable, "-c", "from pathlib import Path" + code, folder=tmp_path)
+    program.wait_for("^written")
+    program.kill()
+    end = time.monotonic() + LIMIT
+    while len(times := probed_or_none(tmp_path / "film.mp4")) < 59:
+        assert time.monotonic() < end, times
+
+
+def probed_or_none(path):
+    try:
+        return probed(path)[0]
+    except (subprocess.CalledProcessError, KeyError, IndexError):
+        return []
+
+
+# Films, as a script uses them
+
+
+class Game:
+    """A game of two views in a thread: its pictures are `picture(step)`."""
+
+    def __init__(self, endpoint, sizes=None):
+        sizes = sizes or {"one": (64, 48), "two": (32, 24)}
+        self.views = [FilmView(name, *size) for name, size in sizes.items()]
+        self.lines, self.over = [], threading.Event()
+        self.sender = ViewSender(endpoint, 30, self.lines.append)
+        self.threads = [threading.Thread(target=self.sender.run, args=(self.views, self.over))]
+        self.threads.append(threading.Thread(target=self.play))
+        for thread in self.threads:
+            thread.start()
+
+    def play(self):
+        step = 0
+        while not self.over.wait(0.01):
+            step = (step + 1) % 6
+            for view in self.views:
+                if due := view.due():
+                    # The lowest row first.
+                    pixels = np.ascontiguousarray(picture(step, due.film.width, due.film.height)[::-1])
+                    view.take(due, pixels)
+
+    def end(self):
+        self.over.set()
+        for thread in self.threads:
+            thread.join()
+
+
+class Heard(Films):
+    """And what they say."""
+
+    def __init__(self):
+        self.lines = []
+        super().__init__("tcp://127.0.0.1:*", report=self.lines.append)
+
+
+@pytest.fixture
+def films(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with Heard() as films:
+        yield films
+
+
+@pytest.fixture
+def game(films):
+    game = Game(films.game.endpoint)
+    assert films.wait() == {"one": (64, 48), "two": (32, 24)}
+    yield game
+    game.end()
+
+
+def known(pixels):
+    """Which picture it is."""
+    height, width, _ = pixels.shape
+    return [number for number in range(6) if np.array_equal(pixels, picture(number, width, height))]
+
+
+def test_films_at_the_same_time_and_the_newest_pictures(films, game, tmp_path):
+    films.begin_render(path="one.gif", fps=50)
+    films.begin_render("two", "two.png", width=16, height=12, fps=10)
+    while films.films["one"].frames < 10:
+        time.sleep(0.01)
+    seen = films.render_all()
+    assert list(seen) == ["one", "two"] and seen["two"].shape == (12, 16, 3)
+    assert all(known(pixels) for pixels in seen.values()), "upright"
+    one, two = films.end_render("one"), films.end_render("two")
+    assert films.lines[:2] == ["begin one 64 x 48", "begin two 16 x 12"]
+    assert films.lines[2:] == [str(one), str(two)]
+    for film in (one, two):
+        pictures, times = shown(film.path)
+        assert len(pictures) == film.frames and all(known(pixels) for pixels in pictures)
+        assert sum(times) == pytest.approx(1000 * film.seconds, abs=10)
+    assert one.frames > 2 * two.frames
+    # Of views that nobody films as well, and no file is made of them.
+    assert {view: pixels.shape for view, pixels in films.render_all().items()} == {
+        "one": (48, 64, 3),
+        "two": (24, 32, 3),
+    }
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one.gif", "two.png"]
+
+
+def test_what_cannot_be_done_is_said(films, game, tmp_path):
+    for wrong, why in (
+        ({"view": "side"}, "unknown-view: there is no view 'side'; there are: one, two"),
+        ({"width": 65}, "bad-size: one is at most 64 x 48"),
+        ({"fps": 0}, "bad-rate: fps is more than 0, and at most 1000"),
+    ):
+        with pytest.raises(MessageError, match=why):
+            films.begin_render(**wrong)
+    with pytest.raises(MessageError, match="not-filmed: one is not being filmed"):
+        films.end_render("one")
+    with pytest.raises(OSError, match="No such file or directory"):
+        films.begin_render("one", "nowhere/film.gif")
+    films.begin_render("one")
+    with pytest.raises(MessageError, match="busy-view: one is being filmed already: end that film first"):
+        films.begin_render("one", "other.gif")
+    while not films.films["one"].frames:
+        time.sleep(0.01)
+    assert films.end_render("one").frames
+    assert [path.name for path in tmp_path.iterdir()] == ["one_1.gif"], "what was refused left no file"
+    with pytest.raises(OSError, match="if another program films there, end it, or take another port"):
+        Films(films.game.endpoint)
+
+
+def test_a_second_game_is_busy_and_takes_the_place_of_one_that_is_gone(films, game):
+    second = Game(films.game.endpoint, {"three": (8, 8)})
+    try:
+        films.begin_render("one", "one.gif")
+        while not films.films["one"].frames:
+            time.sleep(0.01)
+        assert not second.sender.connected
+        game.end()
+        assert list(films.wait()) == ["three"]
+        film = films.end_render("one")
+        assert film.over and film.frames == len(shown(film.path)[0])
+        assert f"trouble: the game is gone; {film}" in films.lines
+        second.end()
+        while films.game.views:
+            time.sleep(0.01)
+        with pytest.raises(Lost, match="there is no game, or it is gone"):
+            films.begin_render("three")
+    finally:
+        second.end()
+
+
+def test_a_game_that_sends_nonsense_gets_errors_and_the_film_goes_on(films, context):
+    with context.socket(zmq.DEALER) as peer:
+        peer.linger = 0
+        peer.connect(films.game.endpoint)
+
+        def said(*frames):
+            peer.send_multipart(frames or hello("a b").frames())
+            assert peer.poll(20_000)
+            return json.loads(peer.recv_multipart()[0])
+
+        def hello(names, size=b"\x08\0\0\0\x08\0\0\0"):
+            return Message("hello", 1, {"views": names}, [Array("int32", (1, 2), size)])
+
+        films.start()
+        for names in ("../evil", "", "a,b", "x" * 41):
+            assert said(*hello(names).frames())["values"]["code"] == "bad-views"
+        assert said(*Message("frame", 7, {"view": "a"}).frames())["values"]["code"] == "unknown-peer"
+        assert said(b"{}")["kind"] == "error"
+        assert said()["kind"] == "welcome"
+        begin = threading.Thread(target=films.begin_render, args=("a b", "film.gif"))
+        begin.start()
+        while (message := json.loads(peer.recv_multipart()[0]))["kind"] != "begin":
+            pass
+        id, values = message["id"], {"view": "a b", "width": 8, "height": 8}
+        peer.send_multipart(Message("begun", id, values).frames())
+        begin.join()
+        shapes = [(8, 8, 3), (8, 9, 3), (8, 8), (8, 8, 4), (8, 8, 3)]
+        for number, shape in enumerate(shapes, 1):
+            values = {"view": "a b", "number": number, "time": number / 10, "bottom_up": False}
+            data = Array("uint8", shape, bytes(int(np.prod(shape))))
+            assert said(*Message("frame", id, values, [data]).frames())["kind"] == "took"
+    while films.game.views:
+        time.sleep(0.01)
+    film = films.end_render("a b")
+    assert [line for line in films.lines if "bad-picture" in line and line.startswith("trouble: film")]
+    assert len(shown(film.path)[0]) == film.frames
+
+
+# Gymnasium's render modes, which lesson 09's environment has
+
+
+@pytest.mark.parametrize("mode", ["rgb_array", "rgb_array_list"])
+def test_gymnasiums_render_modes_become_films(mode, make, launch, tmp_path):
+    env = make(launch=launch("python"), render_mode=mode)
+    env.reset(seed=1)
+    pictures = [env.render()] if mode == "rgb_array" else []
+    for step in range(8):
+        env.step(step % 2)
+        pictures += [env.render()] if mode == "rgb_array" else []
+    if mode == "rgb_array_list":
+        pictures = env.render()
+        assert env.render() == [], "each picture is given once"
+    assert len(pictures) == 9 and not np.array_equal(pictures[0], pictures[-1])
+    rate = env.metadata["render_fps"]
+    film = open_film(tmp_path / "episode.gif")
+    for number, pixels in enumerate(pictures):
+        film.add(pixels, number / rate)
+    film.close(len(pictures) / rate)
+    again, times = shown(tmp_path / "episode.gif")
+    assert times == [20] * 9
+    assert all(np.array_equal(*pair) for pair in zip(again, pictures, strict=True))

@@ -1,0 +1,284 @@
+"""Lesson 12: films of the lesson's own drive, read by Pillow; what the games send; and what can go wrong with both
+sides. What a script does with films is in test_12_films.py.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+import time
+
+import pytest
+import zmq
+
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import LIMIT, ROOT, steady_port
+
+np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
+Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
+
+KEY = "12_video"
+sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "05_messages")]
+from messages import Array, Message, read  # noqa: E402
+from self_driving import SelfDriving, scaled  # noqa: E402
+
+each_client = pytest.mark.parametrize("kind", CLIENTS)
+each_terminal = pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])
+each_format = pytest.mark.parametrize("end", [".gif", ".png", ".webp"])
+SKY, GRASS = (150, 190, 230), (70, 120, 50)
+
+
+def shown(path):
+    """A film as Pillow reads it: its pictures, and for how many milliseconds each is shown."""
+    pictures, times = [], []
+    with Image.open(path) as film:
+        for number in range(film.n_frames):
+            film.seek(number)
+            film.load()
+            pictures.append(np.asarray(film.convert("RGB")))
+            times.append(film.info["duration"])
+    return pictures, times
+
+
+def growing(path, size=0):
+    """Waits until a file has more bytes than that, and returns how many."""
+    end = time.monotonic() + LIMIT
+    while not path.exists() or path.stat().st_size <= size:
+        assert time.monotonic() < end, f"{path} does not grow"
+        time.sleep(0.01)
+    return path.stat().st_size
+
+
+# The lesson's own drive
+
+
+@each_client
+def test_a_drive_becomes_two_films(kind, serve, start, client_command, tmp_path):
+    server, endpoint = serve(KEY, "--seconds", "1.5", "--fps", "10")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "125"))
+    assert client.wait() == 0, client.output
+    assert client.lines[-1] == "done: 125 steps"
+    for view, sky, first in (("front", True, SKY), ("map", False, GRASS)):
+        begun = server.wait_for(rf"^begin {view} 320 x 240$")
+        line = server.wait_for(rf"^film {view}_1\.gif: (\d+) frames, (\S+) s, (\d+) skipped$")
+        assert f"{view}: {line[1]} pictures, {line[3]} skipped" in client.lines, begun
+        pictures, times = shown(tmp_path / f"{view}_1.gif")
+        assert len(pictures) == int(line[1]) >= 2
+        assert sum(times) == pytest.approx(1000 * float(line[2]), abs=60)
+        assert float(line[2]) <= 60
+        for picture in pictures:
+            assert tuple(picture[30, 160]) == first and picture.shape == (240, 320, 3)
+            # In the one the sky is above the road, in the other there is none.
+            assert (picture == SKY).all(axis=2).any() == sky
+    assert not np.array_equal(pictures[0], pictures[-1]), "the car drives"
+
+
+class Filmer:
+    """Python's side, of the test's own making: a ROUTER that says what it likes."""
+
+    def __init__(self, context):
+        self.socket = context.socket(zmq.ROUTER)
+        self.socket.linger = 0
+        self.endpoint = f"tcp://127.0.0.1:{self.socket.bind_to_random_port('tcp://127.0.0.1')}"
+        self.peer, self.ids = b"", itertools.count(1)
+
+    def next(self, *kinds):
+        """The next message of these kinds."""
+        end = time.monotonic() + LIMIT
+        while time.monotonic() < end:
+            if self.socket.poll(100):
+                peer, *frames = self.socket.recv_multipart()
+                message = read(frames)
+                if message.kind == "hello":
+                    self.peer = peer
+                if message.kind in kinds:
+                    return message
+        raise AssertionError(f"no {kinds} came")
+
+    def say(self, kind, id=None, **values):
+        id = next(self.ids) if id is None else id
+        self.socket.send_multipart([self.peer, *Message(kind, id, values).frames()])
+        return id
+
+    def greet(self):
+        hello = self.next("hello")
+        self.say("welcome", hello.id)
+        return dict(zip(hello.values["views"].split(","), hello.arrays[0].numpy().tolist(), strict=True))
+
+    def begin(self, view, **values):
+        id = self.say("begin", **{"view": view, "width": 0, "height": 0, "fps": 100.0, **values})
+        answer = self.next("begun", "error")
+        assert answer.id == id
+        return answer
+
+    def refused(self, **values):
+        answer = self.begin(**values)
+        return f"{answer.values['code']}: {answer.values['text']}"
+
+
+@pytest.fixture
+def filmer(context):
+    one = Filmer(context)
+    yield one
+    one.socket.close()
+
+
+@each_terminal
+def test_pictures_are_equal_to_the_byte(kind, filmer, start, client_command):
+    """With those of a drive of the test's own, at the step whose number is drawn into the front view."""
+    start(*client_command(kind, KEY, filmer.endpoint, "--count", "0"))
+    assert filmer.greet() == {"front": [320, 240], "map": [320, 240]}
+    drive, maps = SelfDriving(), []
+    for view, size in (("front", (320, 240)), ("map", (107, 80))):
+        begun = filmer.begin(view, width=size[0], height=size[1])
+        last = 0.0
+        for number in range(1, 6):
+            frame = filmer.next("frame")
+            assert (frame.id, frame.values["view"], frame.values["bottom_up"]) == (begun.id, view, True)
+            assert frame.values["number"] >= number and frame.values["time"] >= last
+            last = frame.values["time"]
+            pixels = frame.arrays[0].numpy()
+            filmer.say("took", begun.id, view=view, number=frame.values["number"])
+            if view == "front":
+                step = int("".join("1" if pixels[-1, 8 * bit, 0] else "0" for bit in range(16)), 2)
+                while drive.steps < step:
+                    drive.step()
+                    maps.append(scaled(drive.map(), 107, 80).tobytes())
+                assert np.array_equal(pixels, drive.front())
+            else:
+                while pixels.tobytes() not in maps:
+                    assert drive.steps < 3000, "a map of no step"
+                    drive.step()
+                    maps.append(scaled(drive.map(), 107, 80).tobytes())
+        filmer.say("end", view=view)
+        filmer.next("ended")
+
+
+@each_client
+def test_two_pictures_are_on_the_way_and_the_game_goes_on(kind, filmer, start, client_command):
+    client = start(*client_command(kind, KEY, filmer.endpoint, "--count", "100"))
+    filmer.greet()
+    begun = filmer.begin("front")
+    first, second = (filmer.next("frame", "ended") for _ in range(2))
+    assert [first.kind, second.kind] == ["frame", "frame"]
+    # Nothing is taken: neither a third one nor anything else comes until the drive is over, two seconds later.
+    assert not filmer.socket.poll(600), "a third picture"
+    filmer.say("took", begun.id, view="front", number=first.values["number"])
+    third = filmer.next("frame")
+    assert third.values["number"] > second.values["number"]
+    end = filmer.say("end", view="front")
+    for frame in (second, third):
+        filmer.say("took", begun.id, view="front", number=frame.values["number"])
+    while (message := filmer.next("frame", "ended")).kind == "frame":
+        last = message.values["number"]
+    values = message.values
+    assert message.id == end
+    assert values["frames"] <= 7 and values["skipped"] >= 10, "two sent, one more, and four that waited"
+    assert values["frames"] + values["skipped"] >= last
+    assert values["time"] > 0.5
+    assert client.wait() == 0, client.output
+    assert client.lines[-1] == "done: 100 steps"
+
+
+@each_client
+def test_what_cannot_be_filmed_is_refused_with_its_cure(kind, filmer, start, client_command):
+    start(*client_command(kind, KEY, filmer.endpoint, "--count", "0"))
+    filmer.greet()
+    assert filmer.refused(view="side") == "unknown-view: there is no view 'side'; there are: front, map"
+    for wrong in ({"width": 321}, {"height": -1}, {"width": 2**40}):
+        assert filmer.refused(view="map", **wrong) == "bad-size: map is at most 320 x 240"
+    assert filmer.refused(view="map", fps=0.0) == "bad-rate: fps is more than 0, and at most 1000"
+    filmer.say("end", view="map")
+    assert filmer.next("error").values["code"] == "not-filmed"
+    assert filmer.begin("map", fps=1.0).kind == "begun"
+    assert filmer.refused(view="map") == "busy-view: map is being filmed already: end that film first"
+    # Half a message: its array is missing. The game says hello again, with a new socket.
+    peer, half = filmer.peer, Message("begin", 1, {"view": "map"}, [Array("uint8", (1,), b"x")]).frames()[:1]
+    filmer.socket.send_multipart([peer, *half])
+    filmer.greet()
+    assert filmer.peer != peer
+    assert filmer.begin("map").kind == "begun", "the film before it is over"
+
+
+# Faults
+
+
+@each_client
+def test_python_is_killed_and_comes_back(kind, serve, start, client_command, tmp_path):
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    server, _ = serve(KEY, "--seconds", "60", endpoint=endpoint)
+    client = start(*client_command(kind, KEY, endpoint, "--count", "0"))
+    film = tmp_path / "front_1.gif"
+    for _ in range(5):
+        growing(film, film.stat().st_size if film.exists() else 0)
+    server.kill()
+    pictures, times = shown(film)
+    assert len(pictures) >= 3 and max(times) > 0, "it plays"
+    client.wait_for("^trouble: Python is gone: no more pictures are taken$")
+    again, _ = serve(KEY, "--seconds", "0.3", endpoint=endpoint)
+    again.wait_for(r"^film front_2\.gif: [1-9]")
+    assert len([line for line in client.lines if line.startswith("trouble")]) == 1
+    assert len(shown(film)[0]) == len(pictures), "nothing is written over"
+
+
+@each_client
+def test_the_game_is_killed_and_another_one_comes(kind, serve, start, client_command, tmp_path):
+    server, endpoint = serve(KEY, "--seconds", "60", "--view", "map")
+    client = start(*client_command(kind, KEY, endpoint, "--count", "0"))
+    film = tmp_path / "map_1.gif"
+    for _ in range(4):
+        growing(film, film.stat().st_size if film.exists() else 0)
+    client.kill()
+    line = server.wait_for(r"^trouble: the game is gone; film map_1\.gif: (\d+) frames")
+    pictures, times = shown(film)
+    assert len(pictures) == int(line[1]) >= 2 and sum(times) > 0
+    start(*client_command(kind, KEY, endpoint, "--count", "0"))
+    growing(tmp_path / "map_2.gif")
+    assert server.stop() == 0
+    assert server.lines[-1].startswith("film map_2.gif: "), "the server ends its film"
+    assert shown(tmp_path / "map_2.gif")[0]
+
+
+def test_a_slow_python_makes_the_game_skip(serve, start, client_command, tmp_path):
+    server, endpoint = serve(KEY, "--slow", "0.3", "--view", "front", "--seconds", "1.5", "--film", "slow.webp")
+    assert start(*client_command("python", KEY, endpoint, "--count", "200")).wait() == 0
+    line = server.wait_for(r"^film slow\.webp: (\d+) frames, \S+ s, (\d+) skipped$")
+    assert 2 <= int(line[1]) <= 12 and int(line[2]) >= 5
+    # What is shown longest is what came before many that were skipped.
+    assert max(shown(tmp_path / "slow.webp")[1]) >= 200
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit for the size of a file")
+@each_format
+def test_a_full_disk_ends_the_film_and_not_the_game(end, start, client_command, tmp_path):
+    words = f"--endpoint tcp://127.0.0.1:0 --seconds 2 --film full{end}"
+    command = f"ulimit -f 24; exec {PYTHON} {ROOT}/python/{KEY}/server.py {words}"
+    server = start("bash", "-c", command, folder=tmp_path)
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    client = start(*client_command("python", KEY, endpoint, "--count", "0"))
+    why = server.wait_for(rf"^trouble: film full\{end}: (\d+) frames.*its file has ended early: \[")
+    assert len(shown(tmp_path / f"full{end}")[0]) == int(why[1]) >= 1
+    client.wait_for(r"^front: \d+ pictures")
+    server.wait_for(rf"^film full\{end}: {why[1]} frames.*its file has ended early: \[")
+    assert server.output.count("trouble") == 1
+
+
+def test_nothing_that_is_there_is_deleted_or_written_over(serve, start, client_command, tmp_path):
+    """gymize deleted a folder `tmp` beside its video."""
+    (tmp_path / "tmp").mkdir()
+    kept = {tmp_path / name: name.encode() for name in ("tmp/mine.txt", "front_1.gif", "map_1.gif", "drive.gif")}
+    for path, text in kept.items():
+        path.write_bytes(text)
+    wrong = [ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--film"]
+    there, other = start(PYTHON, *wrong, "drive.gif", folder=tmp_path), start(PYTHON, *wrong, "drive.avi")
+    assert there.wait() == other.wait() == 2
+    assert "'drive.gif' is there already, and nothing is written over: give another name" in there.output
+    assert "'drive.avi' is no film: its name must end in .gif, .png, .apng, .webp or .mp4" in other.output
+    server, endpoint = serve(KEY, "--seconds", "0.3")
+    assert start(*client_command("python", KEY, endpoint, "--count", "60")).wait() == 0
+    for view in ("front", "map"):
+        server.wait_for(rf"^film {view}_2\.gif: ")
+    assert {path: path.read_bytes() for path in kept} == kept
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "drive.gif", "front_1.gif", "front_2.gif", "map_1.gif", "map_2.gif", "tmp"
+    ]  # fmt: skip

@@ -1,0 +1,85 @@
+// Lesson 12, a camera that can be filmed: any camera of a scene, also the main one.
+//
+// While a film is made it renders once more for each picture, into a texture as large as Python asked for; at all other
+// times it costs nothing. The pixels come a frame or two later, as in lesson 08: no frame waits for the graphics card.
+// Take home: this file, FilmView.cs and RunningFilm.cs, with CameraReadback.cs (lesson 08).
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>For Unity's main thread.</summary>
+    public sealed class FilmedCamera
+    {
+        private readonly Dictionary<Picture, CameraReadback> readbacks = new Dictionary<Picture, CameraReadback>();
+        private readonly Queue<Picture> begun = new Queue<Picture>();
+        private readonly Camera camera;
+        private RenderTexture texture;
+        private RunningFilm film;
+        private bool turned;
+
+        /// <summary>Offers a camera as a view with its name.</summary>
+        /// <param name="camera">It goes on as it is.</param>
+        /// <param name="width">The largest that Python may ask for, in pixels.</param>
+        /// <param name="height">The largest that Python may ask for, in pixels.</param>
+        /// <exception cref="System.ArgumentException">Its name cannot be that of a view, or there is no graphics
+        /// card.</exception>
+        public FilmedCamera(Camera camera, int width, int height)
+        {
+            (this.camera, View) = (camera, new FilmView(camera.name, width, height, 4));
+            // For its check alone.
+            _ = new CameraReadback(camera, new byte[0]);
+        }
+
+        /// <summary>What ViewSender.cs offers.</summary>
+        public FilmView View { get; }
+
+        /// <summary>Takes what has come, and a new picture if one is due. Call it in each LateUpdate.</summary>
+        public void Look()
+        {
+            if (camera == null) return;
+            var before = camera.targetTexture;
+            if (begun.Count > 0) camera.targetTexture = texture;
+            while (begun.Count > 0 && readbacks[begun.Peek()].Look())
+            {
+                var picture = begun.Dequeue();
+                View.Take(picture, readbacks[picture].Failed);
+            }
+            if (View.Due() is Picture due)
+            {
+                if (due.Film != film) Begin(due.Film);
+                camera.targetTexture = texture;
+                if (!readbacks.ContainsKey(due)) readbacks[due] = Readback(due);
+                readbacks[due].Begin();
+                begun.Enqueue(due);
+            }
+            camera.targetTexture = before;
+        }
+
+        /// <summary>Takes its texture away.</summary>
+        public void Dispose()
+        {
+            if (texture != null) Object.Destroy(texture);
+        }
+
+        private void Begin(RunningFilm next)
+        {
+            Dispose();
+            begun.Clear();
+            readbacks.Clear();
+            // The bytes in it are those of the screen, also where a project computes its light in linear space.
+            texture = new RenderTexture(next.Width, next.Height, 24,
+                RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
+            film = next;
+        }
+
+        private CameraReadback Readback(Picture picture)
+        {
+            var readback = new CameraReadback(camera, picture.Pixels);
+            // Looked at once in each film: it takes two pictures and waits for them.
+            if (readbacks.Count == 0) turned = readback.IsTurned();
+            readback.Turned = turned;
+            return readback;
+        }
+    }
+}

@@ -1,0 +1,89 @@
+// Lesson 12, a DEALER socket for lesson 05's messages, whose arrays it lends to the network instead of copying them.
+//
+// Take home: this file, with Message.cs and MessageJson.cs (lesson 05), NetMQConnection.cs and NetMQLifetime.cs.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using System.Runtime.InteropServices;
+using System.Text;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace NetMQExample
+{
+    /// <summary>Make it, use it and dispose it on one thread, and not on Unity's main thread: it waits.</summary>
+    public sealed class MessageDealer : IDisposable
+    {
+        private readonly NetMQConnection connection;
+        private readonly TimeSpan patience;
+
+        /// <summary>Connects, which succeeds even while nobody is there.</summary>
+        /// <param name="endpoint">Such as <c>tcp://127.0.0.1:5562</c>.</param>
+        /// <param name="patience">How long to wait until a message is sent.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public MessageDealer(string endpoint, TimeSpan patience)
+        {
+            this.patience = patience;
+            connection = new NetMQConnection(endpoint, () =>
+            {
+                var socket = new DealerSocket();
+                // Nothing can be sent while there is no connection: so it is known whether there is one.
+                socket.Options.DelayAttachOnConnect = true;
+                return socket;
+            }, 4 * Message.Limit);
+        }
+
+        /// <summary>Sends a message. Its arrays are lent: leave them alone until the other side says that it has
+        /// them.</summary>
+        /// <exception cref="TimeoutException">Nobody is there.</exception>
+        public void Send(Message message, CancellationToken stop)
+        {
+            Send(Encoding.UTF8.GetBytes(message.Header()), message.Arrays.Count > 0, stop);
+            for (var i = 0; i < message.Arrays.Count; i++)
+            {
+                var data = message.Arrays[i].Data;
+                var whole = MemoryMarshal.TryGetArray(data, out var lent) && lent.Count == lent.Array.Length;
+                Send(whole ? lent.Array : data.ToArray(), i + 1 < message.Arrays.Count, stop);
+            }
+        }
+
+        /// <summary>Waits for a message.</summary>
+        /// <returns>Null if none came.</returns>
+        /// <exception cref="TimeoutException">Nobody is there any more.</exception>
+        /// <exception cref="MessageException">It is an error, with its words, or no message.</exception>
+        public Message Receive(TimeSpan wait, CancellationToken stop)
+        {
+            var frames = new NetMQMessage();
+            foreach (var slice in NetMQConnection.Slices(wait, stop))
+            {
+                if (!connection.Socket.TryReceiveMultipartMessage(slice, ref frames))
+                {
+                    if (connection.Socket.HasOut) continue;
+                    throw new TimeoutException("Python is gone");
+                }
+                var message = Message.Read(
+                    frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
+                if (message.Kind != "error") return message;
+                var (code, text) = (message.Values.GetValueOrDefault("code"), message.Values.GetValueOrDefault("text"));
+                throw new MessageException(NetMQLifetime.Printable($"{code}"), NetMQLifetime.Printable($"{text}"));
+            }
+            return null;
+        }
+
+        /// <summary>The next message has a new socket.</summary>
+        public void Close() => connection.Close();
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose() => connection.Dispose();
+
+        private void Send(byte[] bytes, bool more, CancellationToken stop)
+        {
+            var msg = new Msg();
+            msg.InitGC(bytes, 0, bytes.Length);
+            foreach (var slice in NetMQConnection.Slices(patience, stop))
+                if (connection.Socket.TrySend(ref msg, slice, more)) return;
+            throw new TimeoutException("no connection");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+// Lesson 12, a film while it is made: which pictures are due, which are on the way, and how many were skipped.
+//
+// Take home: this file and FilmView.cs, with Message.cs and MessageJson.cs (lesson 05).
+using System;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.Diagnostics;
+
+namespace NetMQExample
+{
+    /// <summary>A picture's bytes, which are used again once Python has them.</summary>
+    public sealed class Picture
+    {
+        internal Picture(RunningFilm film, int channels) =>
+            (Film, Pixels) = (film, new byte[film.Width * film.Height * channels]);
+
+        /// <summary>The film that it belongs to, which says how large it is.</summary>
+        public RunningFilm Film { get; }
+
+        /// <summary>Red, green and blue, and alpha if the view has it; the lowest row first.</summary>
+        public byte[] Pixels { get; }
+
+        internal int Number { get; set; }
+
+        internal double Time { get; set; }
+    }
+
+    /// <summary>The game's thread calls Due and Take, and is the only one that changes Number and Skipped; the rest is
+    /// for the network's.</summary>
+    public sealed class RunningFilm
+    {
+        // Pictures that were sent and are not yet with Python, and pictures at all: a camera needs a frame or two.
+        private const int Credit = 2, Room = 4;
+        private readonly ConcurrentQueue<Picture> free = new ConcurrentQueue<Picture>();
+        private readonly ConcurrentQueue<Picture> ready = new ConcurrentQueue<Picture>();
+        private readonly Dictionary<int, Picture> sent = new Dictionary<int, Picture>();
+        private readonly Stopwatch clock = Stopwatch.StartNew();
+        private readonly string view;
+        private readonly double interval;
+        private volatile Message ending;
+        private volatile int number, skipped;
+        private int frames;
+        private double next, seconds;
+
+        internal RunningFilm(long id, string view, int width, int height, int channels, double fps)
+        {
+            (Id, this.view, Width, Height, interval) = (id, view, width, height, 1 / fps);
+            for (var i = 0; i < Room; i++) free.Enqueue(new Picture(this, channels));
+        }
+
+        /// <summary>In pixels.</summary>
+        public int Width { get; }
+
+        /// <summary>In pixels.</summary>
+        public int Height { get; }
+
+        internal long Id { get; }
+
+        internal bool Ending => ending != null;
+
+        internal Picture Due()
+        {
+            var now = clock.Elapsed.TotalSeconds;
+            if (Ending || now < next) return null;
+            // As often as it was asked for, whenever the game has its frames; more than one is not made up for.
+            next = Math.Max(next + interval, now - interval);
+            number++;
+            if (free.TryDequeue(out var picture)) (picture.Number, picture.Time) = (number, now);
+            else skipped++;
+            return picture;
+        }
+
+        internal void Take(Picture picture, bool failed)
+        {
+            if (failed) skipped++;
+            (failed ? free : ready).Enqueue(picture);
+        }
+
+        internal void Took(Message request)
+        {
+            if (request.Id != Id || !(request.Values.GetValueOrDefault("number") is long taken)) return;
+            if (sent.Remove((int)taken, out var picture)) free.Enqueue(picture);
+        }
+
+        internal void End(Message request) => (seconds, ending) = (clock.Elapsed.TotalSeconds, request);
+
+        /// <summary>The next picture that is there, and after the last one the answer to end; or null.</summary>
+        internal Message Next()
+        {
+            if (sent.Count < Credit && ready.TryDequeue(out var picture))
+            {
+                frames++;
+                sent[picture.Number] = picture;
+                var frame = new Message("frame", Id) { Values = { ["view"] = view, ["number"] = picture.Number } };
+                (frame.Values["time"], frame.Values["bottom_up"]) = (picture.Time, true);
+                var channels = picture.Pixels.Length / (Width * Height);
+                frame.Arrays.Add(new MessageArray("uint8", picture.Pixels, Height, Width, channels));
+                return frame;
+            }
+            // What a camera still has is waited for, but not for ever.
+            var all = frames + skipped == number || clock.Elapsed.TotalSeconds > seconds + 1;
+            if (!Ending || !all) return null;
+            var ended = new Message("ended", ending.Id) { Values = { ["view"] = view, ["time"] = seconds } };
+            (ended.Values["frames"], ended.Values["skipped"]) = (frames, skipped);
+            return ended;
+        }
+    }
+}

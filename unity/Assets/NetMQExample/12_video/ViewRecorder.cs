@@ -1,0 +1,56 @@
+// Lesson 12 in Unity: several views of a running game become films, on command. The command comes from Python.
+//
+// Use: add this component to any GameObject of any scene, drag the cameras that can be filmed into Cameras, press Play,
+// and start python/12_video/server.py, or a script of your own with films.py. A view has the name of its camera.
+using System;
+using System.Collections.Generic;
+using System.Threading;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Offers cameras to Python. While nobody films it costs nothing.</summary>
+    public sealed class ViewRecorder : NetworkBehaviour
+    {
+        [SerializeField, Tooltip("Where Python films")] private string endpoint = "tcp://127.0.0.1:5562";
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for Python")] private float patience = 3600;
+        [SerializeField, Tooltip("What can be filmed")] private List<Camera> cameras = new List<Camera>();
+        [SerializeField, Min(1), Tooltip("The widest picture that Python may ask for")] private int width = 320;
+        [SerializeField, Min(1), Tooltip("The highest picture that Python may ask for")] private int height = 240;
+
+        private FilmedCamera[] filmed = Array.Empty<FilmedCamera>();
+        private volatile ViewSender sender;
+
+        /// <summary>Whether Python is there.</summary>
+        public bool Connected => sender?.Connected == true;
+
+        /// <summary>What can be filmed. To be changed before this component is enabled, or in Awake.</summary>
+        public List<Camera> Cameras => cameras;
+
+        /// <inheritdoc/>
+        protected override void Talk(CancellationToken stop)
+        {
+            Log($"asking {endpoint}");
+            using var own = sender = new ViewSender(endpoint, Seconds(patience), Log);
+            if (cameras.Count == 0) throw new ArgumentException("no camera to film: drag some into Cameras");
+            var offered = FromUpdate(Offer);
+            own.Run(Array.ConvertAll(offered, one => one.View), stop);
+        }
+
+        private FilmedCamera[] Offer()
+        {
+            OnDestroy();
+            return filmed = cameras.ConvertAll(one => new FilmedCamera(one, width, height)).ToArray();
+        }
+
+        private void LateUpdate()
+        {
+            foreach (var one in filmed) one.Look();
+        }
+
+        private void OnDestroy()
+        {
+            foreach (var one in filmed) one.Dispose();
+        }
+    }
+}

@@ -1,0 +1,127 @@
+// Lesson 12, video: offers a game's views to Python, and sends what it asks for.
+//
+// It says hello with the views' names and largest sizes; then Python begins and ends films, whenever it wants to. When
+// Python is gone no more pictures are taken; the game goes on, and when Python is back it is offered the views again.
+// Each try to connect has a new socket.
+// Take home: this file, MessageDealer.cs, FilmView.cs and RunningFilm.cs, with Message.cs and MessageJson.cs (lesson
+// 05), NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/12_video/films.py.
+// Trouble: stop the Python program while it films, and start it again.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Linq;
+using System.Runtime.InteropServices;
+using System.Threading;
+
+namespace NetMQExample
+{
+    /// <summary>Make it, use it and dispose it on one thread, and not on Unity's main thread: it waits for what Python
+    /// wants.</summary>
+    public sealed class ViewSender : IDisposable
+    {
+        // For a connection, and then for the answer to hello.
+        private static readonly TimeSpan Try = TimeSpan.FromSeconds(1);
+
+        private readonly Stopwatch silence = new Stopwatch();
+        private readonly MessageDealer dealer;
+        private readonly string endpoint;
+        private readonly TimeSpan patience, limit;
+        private readonly Action<string> report;
+        private volatile bool connected;
+
+        /// <summary>Connects, which succeeds even while nobody is there.</summary>
+        /// <param name="endpoint">Where Python films, such as <c>tcp://127.0.0.1:5562</c>.</param>
+        /// <param name="patience">How long to wait for it.</param>
+        /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public ViewSender(string endpoint, TimeSpan patience, Action<string> report)
+        {
+            (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
+            limit = patience < Try ? patience : Try;
+            dealer = new MessageDealer(endpoint, limit);
+        }
+
+        /// <summary>Whether Python is there. For any thread.</summary>
+        public bool Connected => connected;
+
+        /// <summary>Serves until it is stopped.</summary>
+        /// <exception cref="TimeoutException">Nobody was there for too long.</exception>
+        public void Run(IReadOnlyList<FilmView> views, CancellationToken stop = default)
+        {
+            var why = "";
+            for (silence.Restart(); silence.Elapsed < patience && !stop.IsCancellationRequested; dealer.Close())
+            {
+                try { Talk(views, stop); }
+                catch (OperationCanceledException) { return; }
+                catch (Exception e) when (e is TimeoutException || e is MessageException)
+                {
+                    why = e.Message;
+                    // Whoever refuses at once is not asked again at once.
+                    stop.WaitHandle.WaitOne(limit / 5);
+                }
+                finally
+                {
+                    connected = false;
+                    foreach (var view in views) view.Stop();
+                }
+            }
+            if (!stop.IsCancellationRequested)
+                throw new TimeoutException(FormattableString.Invariant(
+                    $"nobody films at {endpoint} within {patience.TotalSeconds} s; is the server running? ({why})"));
+        }
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose() => dealer.Dispose();
+
+        private void Talk(IReadOnlyList<FilmView> views, CancellationToken stop)
+        {
+            var hello = new Message("hello");
+            hello.Values["views"] = string.Join(",", views.Select(view => view.Name));
+            var sizes = views.SelectMany(view => new[] { view.Width, view.Height }).ToArray();
+            hello.Arrays.Add(new MessageArray("int32", MemoryMarshal.AsBytes<int>(sizes).ToArray(), views.Count, 2));
+            dealer.Send(hello, stop);
+            if (dealer.Receive(limit, stop)?.Kind != "welcome")
+                throw new MessageException("no-welcome", "no answer to hello");
+            report($"{endpoint} can film " + string.Join(", ", views.Select(v => $"{v.Name} {v.Width} x {v.Height}")));
+            connected = true;
+            try { while (true) Serve(views, stop); }
+            catch (Exception e) when (e is TimeoutException || e is MessageException)
+            {
+                report($"trouble: {e.Message}: no more pictures are taken");
+                throw;
+            }
+            finally { silence.Restart(); }
+        }
+
+        private void Serve(IReadOnlyList<FilmView> views, CancellationToken stop)
+        {
+            var request = dealer.Receive(NetMQConnection.Slice, stop);
+            if (request != null && (request.Kind == "begin" || request.Kind == "end" || request.Kind == "took"))
+                if (Do(views, request) is Message answer) dealer.Send(answer, stop);
+            foreach (var message in views.SelectMany(view => view.Outgoing()))
+            {
+                dealer.Send(message, stop);
+                var values = message.Values;
+                if (message.Kind == "ended")
+                    report($"{values["view"]}: {values["frames"]} pictures, {values["skipped"]} skipped");
+            }
+        }
+
+        private static Message Do(IReadOnlyList<FilmView> views, Message request)
+        {
+            try
+            {
+                var wanted = request.Values.GetValueOrDefault("view") as string ?? "";
+                return views.FirstOrDefault(view => view.Name == wanted) is FilmView found
+                    ? found.Do(request)
+                    : throw new MessageException("unknown-view", $"there is no view {MessageJson.Shown(wanted)}; "
+                        + $"there are: {string.Join(", ", views.Select(view => view.Name))}");
+            }
+            catch (MessageException e)
+            {
+                var text = e.Message.Substring(e.Code.Length + 2);
+                return new Message("error", request.Id) { Values = { ["code"] = e.Code, ["text"] = text } };
+            }
+        }
+    }
+}
