@@ -29,6 +29,9 @@ class Simulator:
     def hello(self) -> Message:
         """What an environment has to know. Its requests are counted anew."""
         self.id = 0
+        return self.describe()
+
+    def describe(self) -> Message:
         (seen, see), (done, do) = described(self.simulation.observation), described(self.simulation.action)
         values = {"name": self.simulation.name, "dt": self.simulation.dt, "observation": seen, "action": done}
         return Message("hello", 0, values, see + do)

@@ -9,27 +9,33 @@ namespace NetMQExample
 {
     /// <summary>Answers reset, step and render. The last answer is kept, and a request that comes again gets it again:
     /// so a retry never steps twice.</summary>
-    public sealed class Simulator
+    public class Simulator
     {
         private readonly ISimulation simulation;
         private Message kept;
 
         /// <summary>For a simulation, which from then on nobody else steps.</summary>
-        public Simulator(ISimulation simulation) => this.simulation = simulation;
+        public Simulator(ISimulation simulation) : this(simulation.Name) => this.simulation = simulation;
+
+        /// <summary>For one that derives from this, and knows itself how to describe and do.</summary>
+        protected Simulator(string name) => Name = name;
 
         /// <summary>How many episodes were begun.</summary>
-        public int Episodes { get; private set; }
+        public int Episodes { get; protected set; }
 
         /// <summary>How many steps were done.</summary>
-        public int Steps { get; private set; }
+        public int Steps { get; protected set; }
 
         /// <summary>What it simulates.</summary>
-        public string Name => simulation.Name;
+        public string Name { get; }
 
         /// <summary>What an environment has to know. Its requests are counted anew.</summary>
-        public Message Hello()
+        public Message Hello() => kept = Describe();
+
+        /// <summary>The hello.</summary>
+        protected virtual Message Describe()
         {
-            var (hello, see, act) = (kept = new Message("hello"), simulation.Observation, simulation.Action);
+            var (hello, see, act) = (new Message("hello"), simulation.Observation, simulation.Action);
             (hello.Values["name"], hello.Values["dt"]) = (simulation.Name, simulation.Dt);
             (hello.Values["observation"], hello.Values["action"]) = (see.Kind, act.Kind);
             hello.Arrays.AddRange(see.Arrays.Concat(act.Arrays));
@@ -59,7 +65,8 @@ namespace NetMQExample
             return kept;
         }
 
-        private Message Do(Message request)
+        /// <summary>The answer to a request that has not come before.</summary>
+        protected virtual Message Do(Message request)
         {
             var state = new Message(request.Kind == "render" ? "picture" : "state", request.Id);
             switch (request.Kind)
