@@ -1,37 +1,33 @@
-// Lesson 11 in a terminal: what a locator means.
+// Lesson 11 in a terminal: the client of GymManager.cs, with a car that needs no engine; and what a locator means.
 //
+//     dotnet run --project csharp-console -- 11                                a car collects coins, until it is closed
+//     dotnet run --project csharp-console -- 11 --count 3                      leave after so many episodes
 //     dotnet run --project csharp-console -- 11 --locator car@.speed           prints: 'car'@['speed'] = $
 //     dotnet run --project csharp-console -- 11 --locator .speed --scope car@.body
 //     dotnet run --project csharp-console -- 11 --locator=-speed               says at which column it is wrong
+using System;
+
 namespace NetMQExample.Terminal
 {
     internal static class Lesson11
     {
         public static void Run(Arguments arguments)
         {
-            if (arguments.Has("locator")) PrintLocator(arguments);
-            else throw new UsageException("which locator? Give it in quotes, such as: 11 --locator \".speed\"");
-        }
-
-        private static void PrintLocator(Arguments arguments)
-        {
-            var text = arguments.Text("locator", "");
-            var given = arguments.Has("scope");
-            var (scope, name) = (arguments.Text("scope", ""), arguments.Text("name", ""));
+            if (arguments.Has("locator"))
+            {
+                Locators.Print(arguments);
+                return;
+            }
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5561");
+            var count = arguments.Whole("count", 0);
+            var patience = arguments.Seconds("patience", 30);
             arguments.RefuseTheRest();
-            System.Console.WriteLine(Locator.Parse(text, name, given ? Scope(scope) : null));
-        }
 
-        private static Locator Scope(string text)
-        {
-            try
-            {
-                return Locator.Parse(text);
-            }
-            catch (LocatorException e)
-            {
-                throw new UsageException($"scope, {e.Message}");
-            }
+            var simulator = new AgentSimulator("Coins", 0.1, new[] { new DrawnCoinCar("agent") });
+            using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            Console.WriteLine($"asking {endpoint}");
+            client.Run(simulator, count, answer => answer());
+            Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }
     }
 }

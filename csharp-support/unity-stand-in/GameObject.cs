@@ -248,6 +248,12 @@ namespace UnityEngine
             set { MainThread.Only("set_localScale"); size = value; }
         }
 
+        public Transform parent
+        {
+            get { MainThread.Only("get_parent"); return above; }
+            set { SetParent(value, true); }
+        }
+
         public void SetParent(Transform parent, bool worldPositionStays)
         {
             MainThread.Only(nameof(SetParent));

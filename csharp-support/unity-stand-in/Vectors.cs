@@ -1,0 +1,60 @@
+// Unity's other vectors, as much of them as a lesson reads.
+namespace UnityEngine
+{
+    public struct Vector2
+    {
+        public float x;
+        public float y;
+
+        public Vector2(float x, float y)
+        {
+            this.x = x;
+            this.y = y;
+        }
+    }
+
+    public struct Vector4
+    {
+        public float x;
+        public float y;
+        public float z;
+        public float w;
+
+        public Vector4(float x, float y, float z, float w)
+        {
+            this.x = x;
+            this.y = y;
+            this.z = z;
+            this.w = w;
+        }
+    }
+
+    public struct Vector2Int
+    {
+        public Vector2Int(int x, int y)
+        {
+            this.x = x;
+            this.y = y;
+        }
+
+        public int x { get; set; }
+
+        public int y { get; set; }
+    }
+
+    public struct Vector3Int
+    {
+        public Vector3Int(int x, int y, int z)
+        {
+            this.x = x;
+            this.y = y;
+            this.z = z;
+        }
+
+        public int x { get; set; }
+
+        public int y { get; set; }
+
+        public int z { get; set; }
+    }
+}

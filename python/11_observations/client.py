@@ -1,0 +1,71 @@
+"""Lesson 11, the client in Python: the twin of the terminal client, and it prints the same lines.
+
+    python python/11_observations/client.py                a car collects coins, until the environment closes it
+    python python/11_observations/client.py --count 3      leave after so many episodes: the environment has lost it
+
+Bytes: messages of lesson 05, see agent_simulator.py and tree.py. Take home: this file, agent_simulator.py, tree.py,
+locator.py, mapping.py and reader.py, with environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09
+and messages.py of lesson 05; coin_car.py stands for your agents.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+from socket import getaddrinfo
+
+from agent_simulator import AgentSimulator
+from coin_car import CoinCar
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
+from environment_client import EnvironmentClient
+
+ENDPOINT = "tcp://127.0.0.1:5561"
+
+
+# From here on all clients of this kit are the same, but for their own options.
+
+
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+
+
+def endpoint(text: str) -> str:
+    """libzmq itself takes port 99999 and an unknown host without a word, and waits."""
+    parts = re.fullmatch(r"tcp://([\w.-]+):(\d{1,5})", text, re.ASCII)
+    if not parts or not 0 < int(parts[2]) < 65536:
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 1 to 65535")
+    try:
+        getaddrinfo(parts[1], None)
+    except (OSError, UnicodeError):
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': unknown host '{parts[1]}'; check it") from None
+    return text
+
+
+def main() -> None:
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description="Simulates a car that collects coins.")
+    parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the environment")
+    parser.add_argument("--count", type=int, default=0, help="how many episodes; 0: until it is closed")
+    parser.add_argument("--patience", type=float, default=30, help="seconds to wait for an environment")
+    options = parser.parse_args()
+    if options.count < 0 or not 0 < options.patience < 86400:
+        parser.error("--count takes whole numbers from 0, --patience seconds, more than 0")
+    print(f"asking {options.endpoint}", flush=True)
+    simulator = AgentSimulator("Coins", 0.1, [CoinCar("agent")])
+    client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
+    try:
+        client.run(simulator, options.count)
+    except TimeoutError as error:
+        sys.exit(f"gave up: {printable(str(error))}")
+    print(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit("stopped")

@@ -1,0 +1,159 @@
+// Classes with every kind of member that an attribute can stand at, and what is seen of them.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using UnityEngine;
+
+#pragma warning disable CA1823, CS0414, IDE0051, IDE0052 // Only reflection reads these members.
+
+namespace NetMQExample.Tests
+{
+    /// <summary>Counts how often reflection makes it: once for each class that has it.</summary>
+    internal sealed class CountedAttribute : ObsAttribute
+    {
+        public CountedAttribute() => Made++;
+
+        public static int Made { get; private set; }
+    }
+
+    internal enum Gear
+    {
+        Back = -1, None, First,
+    }
+
+    internal class Machine
+    {
+        [Obs] private readonly int hidden = 7;
+        [Obs(".old")] private readonly float shadowed = 1;
+
+        [Obs] public virtual string Says => "machine";
+
+        [Counted] protected Gear Gear { get; set; } = Gear.Back;
+    }
+
+    internal sealed class Car : Machine
+    {
+        [Obs] private readonly bool yes = true;
+        [Obs] private readonly double tenth = 0.1;
+        [Obs(".single")] private readonly float third = 1 / 3f;
+        [Obs] private readonly decimal money = 1.25m;
+        [Obs] private readonly string text = "naïve \U0001f697";
+        [Obs] private readonly object nothing = null;
+        [Obs(".of.bytes")] private readonly byte[,] bytes = { { 1, 2, 3 }, { 4, 5, 6 } };
+        [Obs] private readonly List<int> whole = new() { 1, -2 };
+        [Obs] private readonly bool[] bits = { true, false };
+        [Obs] private readonly short[] small = { -5 };
+        [Obs] private readonly object[] mixed = { 1, "two", new[] { 3.5f } };
+        [Obs] private readonly Dictionary<string, object> parts = new() { ["a"] = 1, ["b"] = new[] { 2L } };
+        [Obs] private readonly MessageGraph graph = new(new MessageArray("float32", new byte[8], 2, 1));
+        [Obs] private readonly Vector3 place = new(1, 2, 3);
+        [Box("@@.turn")] private readonly Quaternion turn = new(0.5f, 0.25f, 0.125f, 1);
+        [Box] private readonly Vector3[] way = { new(1, 2, 3), new(4, 5, 6) };
+        [Box] private readonly List<float[]> rows = new() { new[] { 1f, 2 }, new[] { 3f, 4 } };
+        [Box(".wheels(0)", "float64")] private readonly int wheel = 3;
+        [Box] private readonly string letters = "aß";
+        [Box("", "uint8")] private readonly double[] picture = { 0, 255 };
+        [Box] private readonly Color32 colour = new(1, 2, 3, 4);
+        [Box] private readonly Vector2Int cell = new(-1, 1);
+        [Discrete] private readonly Gear gear = Gear.First;
+        [Discrete] private readonly float round = 2;
+        [Text] private readonly double spelled = 0.5;
+        [Dict] private readonly Dictionary<string, Vector2> corners = new() { ["left"] = new Vector2(1, 2) };
+        [List(".seen")] private readonly int[] seen = { 1, 2 };
+        [List] private readonly Queue<string> queue = new(new[] { "x" });
+        [Obs(".said[]")] private readonly string first = "one";
+        [Obs(".said[] = $[0]")] private readonly string[] second = { "two" };
+        [Obs] private readonly int hidden = 8;
+        private int unseen = 9;
+
+        public override string Says => "not this";
+
+        [Graph] private MessageGraph Edges { get; } = new(new MessageArray("int64", new byte[16], 2), new MessageArray("int64", new byte[8], 1), new MessageArray("int32", new byte[8], 1, 2));
+    }
+
+    // Each with one thing wrong.
+    internal sealed class WrongLocator
+    {
+        [Obs(".speed[")] private readonly int speed = 1;
+    }
+
+    internal sealed class Unreadable
+    {
+        [Obs] private int Speed { set => _ = value; }
+    }
+
+    internal sealed class OnePlace
+    {
+        [Obs] private readonly int a = 1;
+        [Obs(".a")] private readonly int b = 1;
+    }
+
+    internal sealed class NaN
+    {
+        [Obs] private readonly float speed = float.NaN;
+    }
+
+    internal sealed class Strange
+    {
+        [Obs] private readonly Version version = new(1, 0);
+    }
+
+    internal sealed class Ragged
+    {
+        [Box] private readonly int[][] rows = { new[] { 1 }, new int[0] };
+    }
+
+    internal sealed class TooBig
+    {
+        [Box("", "uint8")] private readonly int speed = 300;
+    }
+
+    internal sealed class Half
+    {
+        [Discrete] private readonly double speed = 0.5;
+    }
+
+    internal sealed class NoDtype
+    {
+        [Box("", "float128")] private readonly double speed = 0.5;
+    }
+
+    internal sealed class OddKeys
+    {
+        [Dict] private readonly Dictionary<int, int> speeds = new() { [1] = 1 };
+    }
+
+    internal sealed class Broken
+    {
+        [Obs] private int Speed => throw new InvalidOperationException("no gearbox");
+    }
+
+    internal static class Attributes
+    {
+        public static void Print()
+        {
+            Observed.Engine = UnityValues.Numbers;
+            var car = new AgentState("it's", new Car());
+            foreach (var source in car.Sources) Console.WriteLine($"{source.Locator} : {Program.Shown(source.Read())}");
+            foreach (var wrong in new object[] { new WrongLocator(), new Unreadable(), new OnePlace(), new NaN(), new Strange(), new Ragged(), new TooBig(), new Half(), new NoDtype(), new OddKeys(), new Broken() })
+            {
+                try
+                {
+                    Program.Shown(new AgentState("car", wrong).Sources.Single().Read());
+                    Console.WriteLine("nothing is wrong");
+                }
+                catch (Exception e) when (e is ArgumentException || e is MessageException)
+                {
+                    Console.WriteLine($"{e.GetType().Name} {e.Message}");
+                }
+            }
+            for (var step = 0; step < 1000; step++)
+                foreach (var source in new AgentState("other", new Car()).Sources) source.Read();
+            Console.WriteLine($"made {CountedAttribute.Made} times");
+            var before = GC.GetAllocatedBytesForCurrentThread();
+            for (var step = 0; step < 1000; step++)
+                foreach (var source in car.Sources) source.Read();
+            Console.WriteLine($"{(GC.GetAllocatedBytesForCurrentThread() - before) / 1000} bytes a step for {car.Sources.Count} members");
+        }
+    }
+}

@@ -1,0 +1,50 @@
+// What test_11_trees.py and test_11_observations.py ask of the C# side:
+//
+//     trees         each line of the input is a message, its frames in hexadecimal digits; its tree is read, and what is
+//                   printed is the message with the same value, written again, or "error" and the code
+//     attributes    what is seen of some classes, line by line, and what is wrong with others
+//     world --endpoint E    simulates agents that do what they are told
+using System;
+using System.Globalization;
+using System.Linq;
+using System.Text;
+
+namespace NetMQExample.Tests
+{
+    internal static class Program
+    {
+        private static void Main(string[] words)
+        {
+            // A machine where 0.5 is written 0,5 must read and write the same bytes.
+            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
+            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
+            CultureInfo.CurrentCulture = german;
+            if (words[0] == "trees")
+                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Again(line));
+            else if (words[0] == "world") World.Run(words[2]);
+            else Attributes.Print();
+        }
+
+        private static string Again(string line)
+        {
+            try
+            {
+                var frames = line.Split(' ').Select(frame => frame == "-" ? Array.Empty<byte>() : Convert.FromHexString(frame));
+                var message = Message.Read(frames.Select(frame => new ReadOnlyMemory<byte>(frame)).ToArray());
+                return Shown(MessageTree.Read((string)message.Values["tree"], message.Arrays));
+            }
+            catch (MessageException e)
+            {
+                return $"error {e.Code}";
+            }
+        }
+
+        internal static string Shown(object value)
+        {
+            var message = new Message("tree", 1);
+            message.Values["tree"] = MessageTree.Write(value, message.Arrays);
+            var frames = message.Arrays.Select(array => array.Data.ToArray()).Prepend(Encoding.UTF8.GetBytes(message.Header()));
+            return string.Join(" ", frames.Select(frame => frame.Length == 0 ? "-" : Convert.ToHexString(frame).ToLowerInvariant()));
+        }
+    }
+}

@@ -1,0 +1,146 @@
+"""The page "You come from gymize": its agent and its script run as they stand there. And each defect that its users
+knew of, or that was found when it was read, is a test here or in another file of this lesson:
+
+- several agents were waited for until one had answered: test_a_step_waits_for_all_who_act
+- with PettingZoo 1.27 its AEC class failed, and asking twice for `last()` hung: test_one_after_the_other
+- reset cleared terminations twice, truncations never: test_reset_clears_rewards_ends_and_infos
+- `OnInfo +=` did not compile, and who None and "" are was said wrong: below, and test_infos_go_both_ways
+- an agent that was disabled stayed (OnDisabled, misspelt): test_agents_end_leave_and_come, and below in a scene
+- a picture had four channels, and three in its shape: test_a_camera_sensor_sees_the_scene_upright
+- private members of base classes were not found: test_every_member_is_seen_as_its_attribute_says
+- observations began with a random sample, dicts were replaced whole, and what was handed out changed later:
+  test_observations_are_copies_and_begin_with_nothing, and test_11_merge.py
+- dictionaries were touched by socket threads: here only Update touches a scene, and the player, in which the tests
+  below run, throws if another thread does
+
+What cannot exist here: a pinned websockets, resumed connections, distutils, NumSharp's DLL (none is used); a deleted
+folder beside a video (lesson 11 writes no files).
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from kitlib.docs import guide
+from tests.conftest import PYTHON
+from tests.docs.test_guide import build
+from tests.programs import ROOT, free_port
+
+pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
+PAGE = ROOT / "docs" / "guide" / "from_gymize.md"
+PARTS = {block.language: block.body for block in guide.blocks(PAGE)}
+
+# The page's agent, a manager that is found, and what the scene says of itself; as in a scene file.
+PLAY = """
+using UnityEngine;
+using NetMQExample;
+
+public sealed class Says : MonoBehaviour
+{
+    private void Start() => GetComponent<GymManager>().Simulator.OnInfo += info => Debug.Log($"heard {info}");
+}
+
+public static class Program
+{
+    public static void Main(string[] args)
+    {
+        var player = new UnityPlayer.Player(typeof(Runner).Assembly);
+        player.Begin(() =>
+        {
+            var (thing, other) = (new GameObject("scene"), new GameObject("twin"));
+            thing.SetActive(false);
+            var scripts = new MonoBehaviour[] { thing.AddComponent<Runner>(), thing.AddComponent<GymManager>() };
+            thing.AddComponent<Says>();
+            UnityPlayer.Inspector.Set(scripts, "endpoint", args[0]);
+            UnityPlayer.Inspector.Set(scripts, "envName", "Runner");
+            thing.SetActive(true);
+            if (args[1] == "twice") other.AddComponent<Runner>();
+            if (args[1] == "sensor") other.AddComponent<CameraSensor>();
+            if (args[1] == "gone") scripts[0].enabled = false;
+        });
+        player.Run(System.TimeSpan.FromSeconds(60), () => false);
+        player.Stop();
+    }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory, console):
+    folder = tmp_path_factory.mktemp("scene")
+    (folder / "Runner.cs").write_text(PARTS["csharp"], encoding="utf-8")
+    (folder / "Program.cs").write_text(PLAY, encoding="utf-8")
+    done = build(folder, console, "<OutputType>Exe</OutputType>")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return ["dotnet", next(folder.rglob("bin/**/fragments.dll"))]
+
+
+@pytest.fixture
+def run(scene, start, tmp_path):
+    """The page's script, with more of it, and the scene: what it prints, and the scene as a program."""
+
+    def run(how="", more="", code=0):
+        endpoint = f"tcp://127.0.0.1:{free_port()}"
+        script = tmp_path / "script.py"
+        text = PARTS["python"].replace('env_name="Runner",', f'env_name="Runner", endpoint="{endpoint}",') + more
+        folders = [str(ROOT / "python" / name) for name in ("11_observations",)]
+        script.write_text(f"import sys\nsys.path += {folders}\n{text}", encoding="utf-8")
+        player = start(*scene, endpoint, how)
+        done = subprocess.run([PYTHON, script], capture_output=True, text=True, timeout=100)
+        assert done.returncode == code, done.stderr + player.output
+        return done.stdout.replace(endpoint, "tcp://127.0.0.1:5561"), done.stderr, player
+
+    return run
+
+
+def test_an_agent_that_has_moved_runs_and_prints_what_the_page_says(run):
+    printed, _, player = run()
+    assert printed == PARTS[""]
+    player.wait_for("^done: 1 episodes, 4 steps")
+
+
+def test_only_marked_lines_are_new():
+    """A user's own class and script keep all other lines: three and two have changed."""
+    for language, most in (("csharp", 3), ("python", 2)):
+        assert len(re.findall(r"(?://|#) was: ", PARTS[language])) <= most
+    names = {node.value for node in ast.walk(ast.parse(PARTS["python"])) if isinstance(node, ast.Constant)}
+    assert {"NetMQExample/Unity-v0", "Runner"} <= names
+
+
+def test_the_environment_hears_what_is_sent_to_nobody(run):
+    more = (
+        'env = gym.make("NetMQExample/Unity-v0", **env.spec.kwargs)\nenv.unwrapped.send_info("all", "")\nenv.close()\n'
+    )
+    _, _, player = run(more=more)
+    player.wait_for("^heard all$")
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("twice", "gave up: two agents are named 'agent': each needs a name of its own"),
+        ("sensor", "gave up: CameraSensor on twin has no agent above it, and its locator names none"),
+    ],
+)
+def test_what_is_wrong_in_a_scene_is_said_once_and_the_rest_plays(how, said, run):
+    printed, _, player = run(how)
+    assert printed == PARTS[""]
+    assert player.output.count("gave up: ") == player.output.count(said) == 1
+
+
+def test_an_agent_that_is_disabled_is_not_there(run):
+    _, error, _ = run("gone", code=1)
+    assert error.rstrip().endswith("unknown-agent: no agent is named 'agent'; there are:")
+
+
+def test_nothing_that_gymize_needed_is_needed():
+    text = "".join(path.read_text(encoding="utf-8") for path in Path(ROOT / "python" / "11_observations").glob("*.py"))
+    used = {name.split(".")[0] for name in re.findall(r"^(?:import|from) ([\w.]+)", text, re.MULTILINE)}
+    ours = {path.stem for path in ROOT.glob("python/*/*.py")}
+    assert used - ours - set(sys.stdlib_module_names) == {"gymnasium", "numpy", "pettingzoo", "zmq"}

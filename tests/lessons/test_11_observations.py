@@ -1,0 +1,373 @@
+"""Lesson 11: what is seen, done and said, with each simulator; and what can go wrong. Values are in test_11_trees.py,
+who comes from gymize is in test_11_from_gymize.py.
+"""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+
+import pytest
+import zmq
+
+from kitlib.docs import guide
+from kitlib.setup import dotnet
+from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.test_11_merge import same
+from tests.programs import LIMIT, ROOT, free_port
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
+np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
+pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: pip install pettingzoo")
+from gymnasium import spaces  # noqa: E402
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+from pettingzoo.test import parallel_api_test, parallel_seed_test  # noqa: E402
+from pettingzoo.utils import parallel_to_aec  # noqa: E402
+
+KEY = "11_observations"
+sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
+collector, messages, parallel, observations = (
+    importlib.import_module(name) for name in ("collector", "messages", "unity_parallel", "observations")
+)
+Message, MessageError, read = messages.Message, messages.MessageError, messages.read
+each_client = pytest.mark.parametrize("kind", CLIENTS)
+SPACES = {"observation_space": collector.seen_space(False), "action_space": collector.ACTION}
+
+
+@pytest.fixture
+def launch(client_command):
+    """launch("csharp"): the words for an environment that starts its simulator by itself."""
+
+    def words(kind, *options):
+        command = client_command(kind, KEY, "nowhere", *options)
+        at = command.index("--endpoint")
+        return command[:at] + command[at + 2 :]
+
+    return words
+
+
+@pytest.fixture
+def make():
+    """gymnasium.make, or another class, and what it made is closed at the end of the test."""
+    made = []
+
+    def make_env(kind=gymnasium.make, **where):
+        id = {"id": "NetMQExample/Unity-v0"} if kind is gymnasium.make else {}
+        made.append(kind(**id, **({"env_name": "Coins"} | where)))
+        return made[-1]
+
+    yield make_env
+    for env in made:
+        env.close()
+
+
+# An environment like any other
+
+
+@each_client
+@pytest.mark.filterwarnings("error", "ignore:.*different from the unwrapped.*", "ignore:.*flatten.*", "ignore:.*Box.*")
+def test_gymnasiums_checker_finds_nothing(kind, make, launch):
+    check_env(make(launch=launch(kind), **SPACES).unwrapped)
+
+
+def test_both_languages_see_the_same_to_the_last_bit(make, launch):
+    """And the same rewards and infos. Unity's picture is its own: a camera has taken it."""
+    envs = [make(launch=launch(kind), **SPACES) for kind in CLIENTS]
+    for episode in range(3):
+        seen = [env.reset(seed=episode)[0] for env in envs]
+        over = False
+        while not over:
+            pictures = [each.pop("camera") for each in seen]
+            assert same(pictures[0], pictures[1]) or len(CLIENTS) < 3
+            assert all(same(seen[0], other) for other in seen[1:])
+            action = collector.policy(seen[0])
+            seen, *said = zip(*(env.step(action) for env in envs), strict=True)
+            assert all(other == one for one, *others in said for other in others)
+            over = said[1][0]
+    assert said[3][0]["agent"] == [seen[0]["says"]] and re.fullmatch(r"coin 3 after \d+ steps", seen[0]["says"])
+
+
+def talk(kind, start, client_command, count=3):
+    """Every frame that a simulator sends in an episode of a few steps."""
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+        router.linger, router.rcvtimeo = 0, int(1000 * LIMIT)
+        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        client = start(*client_command(kind, KEY, endpoint))
+        peer, *hello = router.recv_multipart()
+        said = [hello]
+
+        def ask(kind, id, state, *arrays, **values):
+            values = {**values, "state": state} if state else values
+            router.send_multipart([peer, *Message(kind, id, values, list(arrays)).frames()])
+            said.append(router.recv_multipart()[1:])
+
+        router.send_multipart([peer, *Message("welcome").frames()])
+        ask("reset", 1, '{"dict":{"agents":["agent"],"options":{"dict":{"any":[1,"x"]}}}}', seed=7)
+        push = messages.Array("float32", (2,), np.array([0.3, -1], np.float32))
+        action = '{"dict":{"actions":{"dict":{"agent":{"dict":{"push":{"array":0},"boost":1}}}}}}'
+        for id in range(2, 2 + count):
+            ask("step", id, action, push)
+        ask("step", 1 + count, action, push)
+        ask("info", 3 + count, '{"dict":{"to":"agent","info":{"dict":{"a":[null,true]}}}}')
+        ask("info", 4 + count, '{"dict":{"to":"bus","info":1}}')
+        ask("jump", 5 + count, '{"dict":{}}')
+        ask("step", 6 + count, "{")
+        ask("reset", 7 + count, '{"dict":{"agents":["bus"],"options":{"dict":{}}}}', seed=7)
+        ask("close", 8 + count, "")
+        assert client.wait() == 0, client.output
+        assert client.lines[-1] == f"done: 1 episodes, {count} steps", "a request that comes again is done once"
+        return said
+
+
+def test_both_languages_send_the_same_bytes(start, client_command):
+    """But for the order of a dict, which is nobody's, and for the words of an error."""
+    python, csharp = (talk(kind, start, client_command) for kind in ("python", "csharp"))
+    assert len(python) == len(csharp)
+    for mine, other in zip(python, csharp, strict=True):
+        kinds = [read(mine).kind, read(other).kind]
+        if kinds == ["error", "error"]:
+            assert re.match(r"unknown-(agent|kind)|bad-(tree|json)", read(other).values["code"])
+        else:
+            assert mine == other
+    assert python[5] == python[4], "kept"
+
+
+def test_the_lines_of_the_page_are_the_classs_own():
+    (block,) = [block for block in guide.blocks(ROOT / f"docs/guide/{KEY}.md") if "each line with it" in block.source]
+    code = (ROOT / f"unity/Assets/NetMQExample/{KEY}/CoinCar.cs").read_text(encoding="utf-8")
+    assert [line for line in block.body.splitlines() if line not in code] == []
+
+
+def test_a_wrong_space_is_named_with_its_place_and_the_server_goes_on(serve, start, client_command):
+    server, endpoint = serve(KEY, "--wrong-space")
+    client = start(*client_command("csharp", KEY, endpoint))
+    trouble = server.wait_for("^trouble: .*")[0]
+    assert re.search(
+        r"not-in-space: 'agent'@\['place'\]: float32 \[2\] array\(\[5\., 5\.\].* is not in Box\(0", trouble
+    )
+    server.wait_for("^waiting for a simulator", start=len(server.lines))
+    client.stop()
+    assert "Traceback" not in server.output
+
+
+# What a camera sees
+
+
+def test_a_camera_sensor_sees_the_scene_upright(make, launch):
+    env = make(launch=launch("unity"), **SPACES)
+    seen, _ = env.reset(seed=3)
+    for _ in range(4):
+        picture = seen["camera"].astype(int)
+        assert picture.shape == (24, 32, 3)
+        red = (picture[..., 0] > 150) & (picture[..., 1] < 100)
+        rows, columns = np.nonzero(red)
+        assert rows.mean() == pytest.approx(23.5 * (1 - seen["place"][1] / 10), abs=2), "north is up"
+        assert columns.mean() == pytest.approx(4 + 23.5 * seen["place"][0] / 10, abs=2)
+        seen, *_ = env.step({"push": np.array([0.5, 1], np.float32), "boost": 1})
+
+
+# A lost one
+
+
+@each_client
+def test_a_killed_simulator_ends_the_episode_and_the_next_reset_starts_another(kind, make, launch):
+    env = make(launch=launch(kind), **SPACES)
+    seen, _ = env.reset(seed=7)
+    process = env.unwrapped.agents.simulators.process
+    process.kill()
+    process.wait()
+    last, *said = env.step(collector.policy(seen))
+    assert said == [0, False, True, {"env": [], "agent": [], "lost": "the simulator is gone"}]
+    assert all(same(last[key], seen[key]) for key in seen)
+    again, _ = env.reset(seed=7)
+    assert all(same(again[key], seen[key]) for key in seen if key != "camera")
+
+
+def test_a_game_is_found_by_its_name(make, tmp_path):
+    (tmp_path / "Game.x86_64").write_text("")
+    found = observations.program(str(tmp_path / "Game"))
+    assert found == [str(tmp_path / "Game.x86_64")]
+    assert observations.program(None) == observations.program("") == []
+    with pytest.raises(FileNotFoundError, match=r"there is no game .*NoGame"):
+        make(file_name=str(tmp_path / "NoGame"), **SPACES)
+
+
+# Several agents, and agents that do what they are told: tests/lessons/observations/World.cs
+
+
+@pytest.fixture
+def world(engine):
+    """The words that launch a scene with the agents a, b and c, each of which does what its action says."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "observations")), "world"]
+
+
+TOLD = spaces.Text(40, min_length=0, charset="abcdefghijklmnopqrstuvwxyz0123456789. ")
+WHAT = spaces.Dict(ticks=spaces.Discrete(1000), value=spaces.Box(-9, 9, (2,), np.float32), said=spaces.Sequence(TOLD))
+
+
+def told(names="ab", **where):
+    return {
+        "env_name": "World",
+        "observation_spaces": dict.fromkeys(names, WHAT),
+        "action_spaces": dict.fromkeys(names, TOLD),
+        **where,
+    }
+
+
+def test_pettingzoos_tests_find_nothing(make, world):
+    env = make(parallel.UnityParallelEnv, launch=world, **told())
+    parallel_api_test(env, num_cycles=30)
+    assert env.observation_space("a") is env.observation_space("a")
+    parallel_seed_test(lambda: make(parallel.UnityParallelEnv, launch=world, **told("a")), num_cycles=10)
+
+
+def test_a_step_waits_for_all_who_act(make, world):
+    """Agent b takes three ticks for a step, the others one."""
+    env = make(parallel.UnityParallelEnv, launch=world, **told("abc"))
+    seen, infos = env.reset(seed=1)
+    assert list(seen) == list(infos) == ["a", "b", "c"]
+    seen, rewards, *_ = env.step({"a": "reward 1.5", "b": "", "c": ""})
+    assert [seen[name]["ticks"] for name in "abc"] == [3, 3, 3]
+    assert rewards == {"a": 1.5, "b": 0, "c": 0}
+    env.agents = ["a"]
+    assert env.step({"a": ""})[0]["a"]["ticks"] == 4
+
+
+def test_agents_end_leave_and_come(make, world):
+    env = make(parallel.UnityParallelEnv, launch=world, **told())
+    env.reset(seed=1)
+    *_, ends, cuts, _ = env.step({"a": "terminate", "b": ""})
+    assert (ends, cuts, env.agents) == ({"a": True, "b": False}, {"a": False, "b": False}, ["b"])
+    *_, cuts, infos = env.step({"b": "leave"})
+    assert cuts == {"b": True} and infos["b"]["lost"] == "agent b has left the scene" and env.agents == []
+    with pytest.raises(MessageError, match="unknown-agent: no agent is named 'b'; there are: a, c"):
+        env.reset(seed=1)
+    env.scene.send_info("come b", "a")
+    seen, _ = env.reset(seed=1)
+    assert list(seen) == ["a", "b"], "late"
+    env.scene.send_info("come a", "b")
+    with pytest.raises(MessageError, match="two-agents: 2 agents are named 'a': each needs a name of its own"):
+        env.reset(seed=1)
+
+
+def test_one_after_the_other(make, world):
+    """PettingZoo's own conversion. What was seen last can be asked for as often as one likes."""
+    env = parallel_to_aec(make(parallel.UnityParallelEnv, launch=world, **told()))
+    env.reset(seed=1)
+    for step in range(1, 4):
+        for name in "ab":
+            assert env.agent_selection == name
+            seen = [env.last()[0] for _ in range(3)]
+            assert same(seen[0], seen[1]) and same(seen[1], seen[2])
+            env.step(f"reward {step}")
+    assert env.last()[0]["ticks"] == 9
+    env.close()
+
+
+@pytest.fixture
+def alone(make, world):
+    """One agent, which does what it is told; and the ends of its next step."""
+    env = make(env_name="World", agent_name="a", launch=world, observation_space=WHAT, action_space=TOLD)
+    env.reset(seed=1)
+    return env
+
+
+def test_reset_clears_rewards_ends_and_infos(alone):
+    for what, ends in (("terminate", (True, False)), ("truncate", (False, True)), ("info over", (False, False))):
+        alone.unwrapped.send_info("reward 5", "a")
+        alone.unwrapped.send_info(what, "a")
+        alone.reset(seed=1)
+        _, reward, *none, info = alone.step("")
+        assert (reward, none, info) == (0, [False, False], {"env": [], "agent": []})
+        assert alone.step(what)[2:4] == ends
+        alone.reset()
+
+
+def test_rewards_add_up_until_they_are_told(alone):
+    for told in ("reward 1", "reward 2"):
+        alone.unwrapped.send_info(told, "a")
+    assert alone.step("")[1] == 3
+    alone.unwrapped.send_info("reward 1", "a")
+    alone.unwrapped.send_info("all 7", "a")
+    assert [alone.step("")[1] for _ in range(2)] == [7, 0]
+
+
+def test_infos_go_both_ways(alone):
+    env = alone.unwrapped
+    info = {"a": [1, 2.5, None, True, {"b": "c"}], "array": np.arange(3, dtype=np.int32), "é": ()}
+    env.send_info(info)
+    env.send_info("to the environment", "")
+    env.send_info(7, "b")
+    said = alone.step("info one")[-1]
+    assert said["env"] == ["heard to the environment"], "and what b heard is b's own"
+    heard, one = said["agent"]
+    assert same(heard, {"a": [1, 2.5, None, True, {"b": "c"}], "array": np.arange(3, dtype=np.int32), "é": []})
+    assert one == "one"
+    assert alone.step("")[-1] == {"env": [], "agent": []}, "once"
+    with pytest.raises(MessageError, match="unknown-agent: no agent is named 'bus'; there are: a, b, c"):
+        env.send_info(1, "bus")
+    with pytest.raises(MessageError, match="bad-tree: object has no place in a message"):
+        env.send_info(object())
+
+
+def test_options_and_seed_reach_the_agents(alone):
+    _, info = alone.reset(seed=3, options={"level": [1, {"x": "y"}]})
+    drawn = info["agent"][0]
+    assert same(info["agent"][1], {"level": [1, {"x": "y"}]})
+    assert alone.reset(seed=3)[1]["agent"][0] == drawn != alone.reset(seed=4)[1]["agent"][0]
+
+
+def test_observations_are_copies_and_begin_with_nothing(alone):
+    first, _ = alone.reset(seed=1)
+    assert same(first["said"], ()), "no sample"
+    assert same(first["value"], np.zeros(2, np.float32)), "what nothing writes is zero"
+    first["value"][:] = 5
+    seen, *_ = alone.step("say one two")
+    assert same(seen["value"], np.zeros(2, np.float32)) and seen["said"] == ("one", "two")
+    kept = seen["value"].copy()
+    seen, *_ = alone.step("value 3")
+    assert same(kept, np.zeros(2, np.float32)) and seen["value"].tolist() == [0, 3], "a part of it"
+    seen["value"][:] = 7
+    seen, *_ = alone.step("say x")
+    assert seen["value"].tolist() == [0, 3] and seen["said"] == ("x",), "the message before is cleared"
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        ("value 10", r"not-in-space: 'a'@\['value'\]: float32 \[2\] array\(\[ ?0., 10.\].* is not in Box\(-9"),
+        ("value nan", r"not-in-space: 'a'@\['value'\]: float32 \[2\] array\(\[ ?0., nan\].* is not in Box"),
+        ("wide", r"not-in-space: 'a'@\['value'\]: float32 \[3\] array.* is not in Box"),
+        ("text", r"bad-observation: 'a'@\['value'\] = \$: could not convert string to float: 'text'"),
+        ("key", r"bad-observation: 'a'@\['nowhere'\] = \$: there is no 'nowhere'"),
+        ("agent", r"bad-observation: 'bus'@\['value'\] = \$: there is no 'bus'"),
+        ("number", r"bad-value: Odd.Number: NaN is not finite"),
+        ("type", r"no-space: Odd.Number: no space takes a Version"),
+        ("throw", r"error-in-simulation: System.InvalidOperationException: as it was told"),
+    ],
+)
+def test_what_is_wrong_is_one_clear_line_and_the_next_episode_is_fine(what, said, alone):
+    with pytest.raises(MessageError) as refusal:
+        alone.step(what)
+    assert re.match(said, str(refusal.value)), str(refusal.value)
+    assert what == "throw" or "\n" not in str(refusal.value)
+    alone.reset(seed=1)
+    assert alone.step("")[0]["ticks"] == 1
+
+
+def test_an_action_that_is_not_in_its_space_is_not_sent(alone):
+    with pytest.raises(MessageError, match="not-in-space: action of a: str 'NO' is not in Text"):
+        alone.unwrapped.step("NO")
+    assert alone.step("")[0]["ticks"] == 1
+
+
+def test_a_simulator_of_another_name_is_refused(make, world):
+    with pytest.raises(MessageError, match="wrong-name: this environment is Coins, the simulator's is 'World'"):
+        make(launch=world, **SPACES)
+
+
+def test_without_anybody_it_says_where_it_waits(make):
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    with pytest.raises(TimeoutError, match=f"no simulator came to {endpoint} within 0.3 s; is it running"):
+        make(endpoint=endpoint, wait=0.3, **SPACES)

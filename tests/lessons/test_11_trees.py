@@ -1,0 +1,298 @@
+"""Lesson 11, trees: values of every space as text and arrays, in both languages, and what becomes of C#'s own types."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.lessons.test_11_merge import same
+from tests.programs import ROOT
+
+np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
+from gymnasium import spaces  # noqa: E402
+
+sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", "11_observations")]
+messages, tree, fit = (importlib.import_module(name) for name in ("messages", "tree", "fit"))
+MessageError, Array = messages.MessageError, messages.Array
+
+
+@pytest.fixture(scope="session")
+def program(engine):
+    """The words that start tests/lessons/observations."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "observations"))]
+
+
+def hexadecimal(text, arrays=()):
+    frames = messages.Message("tree", 1, {"tree": text}, list(arrays)).frames()
+    return " ".join(bytes(frame).hex() or "-" for frame in frames)
+
+
+def spoken(line):
+    """A message in hexadecimal digits: the text of its tree, and its arrays."""
+    message = messages.read([b"" if frame == "-" else bytes.fromhex(frame) for frame in line.split(" ")])
+    return message.values["tree"], message.arrays
+
+
+# Values of random spaces
+
+CHARACTERS = "aß\\\"'\U0001f697\u202e\x7f\n{}"
+DTYPES = ["bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "float16", "float32", "float64"]
+
+
+def a_box(random):
+    dtype = np.dtype(random.choice(DTYPES))
+    shape = tuple(int(size) for size in random.integers(0, 4, random.integers(0, 4)))
+    if dtype.kind == "b":
+        return spaces.Box(0, 1, shape, bool)
+    low = random.choice([0, 1] if dtype.kind == "u" else [-3, 0, 1])
+    bounded = dtype.kind != "f" or random.random() < 0.7
+    return spaces.Box(low if bounded else -np.inf, 100 if bounded else np.inf, shape, dtype.type)
+
+
+def a_space(random, depth=0):
+    seed = int(random.integers(2**31))
+    kinds = [
+        a_box,
+        lambda random: spaces.Discrete(int(random.integers(1, 9)), start=int(random.integers(-5, 5))),
+        lambda random: spaces.MultiBinary([2, 3] if random.random() < 0.5 else 4),
+        lambda random: spaces.MultiDiscrete([2, 5], start=[-1, 3]),
+        lambda random: spaces.Text(
+            int(random.integers(1, 12)), min_length=0, charset="aß\\\"'\U0001f697\u202e\x7f\n{}"
+        ),
+        lambda random: spaces.Graph(a_box(random), spaces.Discrete(3) if random.random() < 0.5 else a_box(random)),
+        lambda random: spaces.Graph(spaces.Discrete(4), None),
+        lambda random: spaces.Sequence(a_box(random), stack=True),
+        lambda random: spaces.Sequence(spaces.Dict(a=a_box(random), b=spaces.Discrete(4)), stack=True),
+    ]
+    if depth < 3:
+        kinds += 2 * [
+            lambda random: spaces.Dict(
+                {name: a_space(random, depth + 1) for name in random.choice(["a", "array", "dict", "é", ""], 2)}
+            ),
+            lambda random: spaces.Tuple([a_space(random, depth + 1) for _ in range(random.integers(1, 4))]),
+            lambda random: spaces.Sequence(a_space(random, depth + 1)),
+        ]
+    space = kinds[random.integers(len(kinds))](random)
+    space.seed(seed)
+    return space
+
+
+def equal(one, other):
+    """Equal, and of the same kinds; what is stacked of a graph too."""
+    if isinstance(one, spaces.GraphInstance):
+        return type(other) is type(one) and all(map(equal, one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(equal(one[key], other[key]) for key in one)
+    if type(one) in (list, tuple):
+        return type(one) is type(other) and len(one) == len(other) and all(map(equal, one, other))
+    # What a Box without dimensions samples is a number, and an array with none is in it as well.
+    return same(*(np.asarray(each) if isinstance(each, np.generic) else each for each in (one, other)))
+
+
+@pytest.mark.filterwarnings("ignore:.*Box.*precision lowered:UserWarning", "ignore:.*overflow.*:RuntimeWarning")
+def test_10_000_random_values_go_through_csharp_and_come_back_equal(program):
+    random, cases, lines = np.random.default_rng(11), [], []
+    while len(cases) < 10_000:
+        space = a_space(random)
+        for _ in range(10):
+            value, arrays = space.sample(), []
+            lines.append(hexadecimal(tree.write(value, arrays), arrays))
+            cases.append((space, value))
+    done = subprocess.run([*program, "trees"], input="\n".join(lines), capture_output=True, text=True, timeout=200)
+    again = done.stdout.splitlines()
+    assert len(again) == len(cases), done.stderr
+    for line, (space, value), answer in zip(lines, cases, again, strict=True):
+        assert answer == line, space
+        text, arrays = spoken(answer)
+        assert equal(fit.fitted(space, tree.read(text, arrays), ""), value), (space, value)
+
+
+def test_what_a_space_begins_with_is_in_it_and_no_sample():
+    for number in range(500):
+        space = a_space(np.random.default_rng(number))
+        begin = fit.empty(space)
+        assert equal(fit.empty(space), begin), "not by chance"
+        fit.fitted(space, begin, "")
+    assert fit.empty(spaces.Box(2, 3, (1,))).tolist() == [2], "as near to 0 as the space has it"
+    assert fit.empty(spaces.Discrete(3, start=-7)) == -7
+    assert fit.empty(spaces.Text(4, min_length=2, charset="xy")) == "xx"
+
+
+# What is no tree
+
+WRONG = {
+    "{": "bad-tree",
+    "NaN": "bad-tree",
+    '"\\ud800"': "bad-tree",
+    "[" * 9000 + "]" * 9000: "bad-tree",
+    "{}": "bad-tree",
+    '{"array":1}': "bad-tree",
+    '{"array":-1}': "bad-tree",
+    '{"array":true}': "bad-tree",
+    '{"array":0.0}': "bad-tree",
+    '{"array":0,"dict":{}}': "bad-tree",
+    '{"dict":[]}': "bad-tree",
+    '{"graph":{"nodes":null}}': "bad-tree",
+    '{"graph":{"nodes":null,"edges":null,"edge_links":null,"x":1}}': "bad-tree",
+    '{"dict":{"a":{"b":1}}}': "bad-tree",
+    "9007199254740992": "bad-value",
+    "-1e999": "bad-value",
+    "123456789012345678901234567890": "bad-value",
+}
+
+
+def test_what_is_no_tree_is_refused_by_both(program):
+    arrays = [Array("uint8", (0,), b"")]
+    lines = "\n".join(hexadecimal(text, arrays) for text in WRONG)
+    done = subprocess.run([*program, "trees"], input=lines, capture_output=True, text=True, timeout=60)
+    said = [line.removeprefix("error ") for line in done.stdout.splitlines()]
+    # There it is the reader of a header that finds what is no JSON.
+    assert [code.replace("bad-json", "bad-tree") for code in said] == list(WRONG.values())
+    for text, code in WRONG.items():
+        with pytest.raises(MessageError) as refusal:
+            tree.read(text, arrays)
+        assert refusal.value.code == code, text
+        assert len(str(refusal.value)) < 200
+
+
+@pytest.mark.parametrize(
+    ("value", "code"),
+    [
+        (float("nan"), "bad-value"),
+        (2**53, "bad-value"),
+        ({1: 2}, "bad-tree"),
+        ({"a": object()}, "bad-tree"),
+        (b"x", "bad-tree"),
+        (np.zeros(1, np.uint64), "bad-dtype"),
+        (np.array(["x"]), "bad-dtype"),
+    ],
+    ids=repr,
+)
+def test_what_no_message_takes_is_refused_before_it_is_sent(value, code):
+    with pytest.raises(MessageError) as refusal:
+        tree.write(value, [])
+    assert refusal.value.code == code
+
+
+@pytest.mark.parametrize(
+    ("space", "value", "said"),
+    [
+        (spaces.Box(0, 1, (2,)), np.zeros(3, np.float32), "x: float32 [3] array([0., 0., 0.]"),
+        (spaces.Box(0, 1, (2,)), [0, float("nan")], "x: list [0, nan] is not in Box(0.0, 1.0, (2,), float32)"),
+        (spaces.Box(0, 1, (2,)), "text", "x: str 'text' is not in Box"),
+        (spaces.Box(0, 255, (1,), np.uint8), [300], "x: list [300] is not in Box(0, 255, (1,), uint8)"),
+        (spaces.Discrete(3), 3, "x: int 3 is not in Discrete(3)"),
+        (spaces.Discrete(3), 0.5, "x: float 0.5 is not in Discrete(3)"),
+        (spaces.Text(2), "abc", "x: str 'abc' is not in Text"),
+        (spaces.Dict(a=spaces.Discrete(2)), {"a": 2}, "x['a']: int 2 is not in Discrete(2)"),
+        (spaces.Dict(a=spaces.Discrete(2)), {"a": 1, "b": 1}, "x: dict {'a': 1, 'b': 1} is not in Dict"),
+        (spaces.Tuple([spaces.Discrete(2)]), [1, 1], "x: list [1, 1] is not in Tuple"),
+        (spaces.Sequence(spaces.Discrete(2)), [1, 5], "x[1]: int 5 is not in Discrete(2)"),
+        (spaces.Sequence(spaces.Discrete(2)), "10", "x: str '10' is not in Sequence"),
+        (spaces.Graph(spaces.Discrete(2), None), [1], "x: list [1] is not in Graph"),
+        (
+            spaces.Graph(spaces.Discrete(2), spaces.Discrete(2)),
+            spaces.GraphInstance([1], [1], [[0, 1]]),
+            "x: GraphInstance GraphInstance(nodes=[1], edges=[1], edge_links=[[0, 1]]) is not in Graph",
+        ),
+    ],
+)
+def test_what_does_not_fit_its_space_is_named_with_its_place(space, value, said):
+    with pytest.raises(MessageError) as refusal:
+        fit.fitted(space, value, "x")
+    assert str(refusal.value).startswith(f"not-in-space: {said}")
+    assert "\n" not in str(refusal.value)
+
+
+# What C# makes of its own types
+
+
+@pytest.fixture(scope="session")
+def seen(program):
+    done = subprocess.run([*program, "attributes"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def test_every_member_is_seen_as_its_attribute_says(seen):
+    found = {}
+    for line in seen:
+        if " : " in line and "@" in line:
+            locator, frames = line.split(" : ")
+            value = tree.read(*spoken(frames))
+            found.setdefault(re.sub(r"^'it\\'s'@|^@@|['\[\]]| = \$$", "", locator), value)
+    floats, graph = np.float32, spaces.GraphInstance
+    expected = {
+        "hidden": 8,  # Of a member that hides another one, the derived class's.
+        "old": 1.0,
+        "Says": "not this",
+        "Gear": -1,
+        "yes": True,
+        "tenth": 0.1,
+        "single": float(floats(1 / 3)),
+        "money": 1.25,
+        "text": "naïve \U0001f697",
+        "nothing": None,
+        "ofbytes": np.array([[1, 2, 3], [4, 5, 6]], np.uint8),
+        "whole": np.array([1, -2], np.int32),
+        "bits": np.array([1, 0], np.uint8),
+        "small": np.array([-5], np.int32),
+        "mixed": [1, "two", np.array([3.5], floats)],
+        "parts": {"a": 1, "b": np.array([2])},
+        "graph": graph(np.zeros((2, 1), floats), None, None),
+        "place": np.array([1, 2, 3], floats),
+        "turn": np.array([0.5, 0.25, 0.125, 1], floats),  # x, y, z, w
+        "way": np.array([[1, 2, 3], [4, 5, 6]], floats),
+        "rows": np.array([[1, 2], [3, 4]], floats),
+        "wheels(0)": np.array(3.0),
+        "letters": np.array([97, 223], np.uint16),
+        "picture": np.array([0, 255], np.uint8),
+        "colour": np.array([1, 2, 3, 4], np.uint8),
+        "cell": np.array([-1, 1], np.int32),
+        "gear": 1,
+        "round": 2,
+        "spelled": "0.5",
+        "corners": {"left": np.array([1, 2], floats)},
+        "seen": [1, 2],
+        "queue": ["x"],
+        "said": "one",
+        "said = $0": ["two"],
+        "Edges": graph(np.zeros(2, np.int64), np.zeros(1, np.int64), np.zeros((1, 2), np.int32)),
+    }
+    assert found.keys() == expected.keys()
+    assert [name for name, value in expected.items() if not equal(found[name], value)] == []
+
+
+def test_what_is_wrong_with_a_member_is_named_with_its_class(seen):
+    for line in (
+        """ArgumentException WrongLocator.speed, locator ".speed[": column 8: expected a key, a number""",
+        "ArgumentException Unreadable.Speed cannot be read: give it a get",
+        "ArgumentException OnePlace.a and OnePlace.b go to one place: 'car'@['a'] = $",
+        "MessageException bad-value: NaN.speed: NaN is not finite",
+        "MessageException no-space: Strange.version: no space takes a Version",
+        "MessageException bad-shape: Ragged.rows: its rows are not equally long",
+        "MessageException bad-value: TooBig.speed: 300 would become another number as uint8",
+        "MessageException no-space: Half.speed: 0.5 is no whole number",
+        "MessageException bad-dtype: NoDtype.speed: dtype float128 is none of uint8, uint16, int32, int64, float32",
+        "MessageException no-space: OddKeys.speeds: Dictionary`2 is no dictionary of texts",
+        "MessageException error-in-property: Broken.Speed: System.InvalidOperationException: no gearbox",
+    ):
+        assert [one for one in seen if one.startswith(line)], line
+    assert "nothing is wrong" not in seen
+
+
+def test_reflection_finds_the_members_once_and_not_in_each_step(seen):
+    """A thousand agents of one class, and two thousand steps: each attribute was made once."""
+    assert "made 1 times" in seen
+    (line,) = [line for line in seen if "bytes a step" in line]
+    print(f"\n{line}")
+    allocated, members = re.match(r"(\d+) bytes a step for (\d+) members", line).groups()
+    assert int(allocated) < 600 * int(members), json.dumps(line)

@@ -1,0 +1,120 @@
+// Lesson 11 in Unity: derive from this, mark the fields that an agent sees, and say what it does with an action.
+//
+// Use: put your component on a game object, and a GymManager anywhere in the scene.
+//
+//     public sealed class Runner : Agent
+//     {
+//         [Box] private Vector3 velocity;
+//         [Discrete] private int lives = 3;
+//         public override void OnReset() => transform.position = Vector3.zero;
+//         public override void OnAction(object action) { … }
+//     }
+//
+// Take home: this file, UnityValues.cs and GymManager.cs, with AgentSimulator.cs and what that needs.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Somebody who sees and acts. It is there while it is enabled, and may come late and leave early.</summary>
+    [DisallowMultipleComponent]
+    public abstract class Agent : MonoBehaviour, IAgent
+    {
+        [SerializeField, Tooltip("What Python calls it")] private string agentName = "agent";
+        [SerializeField, Min(1), Tooltip("How many ticks one of its steps takes")] private int stepPeriod = 1;
+
+        private AgentState state;
+
+        /// <summary>All that are enabled now. For the main thread.</summary>
+        public static List<IAgent> All { get; } = new List<IAgent>();
+
+        /// <summary>What Python calls it.</summary>
+        public string Name => agentName;
+
+        /// <summary>How many ticks one of its steps takes.</summary>
+        public int StepPeriod => stepPeriod;
+
+        /// <inheritdoc/>
+        public AgentState State => state ??= MakeState();
+
+        /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
+        protected Chance Chance => State.Chance;
+
+        /// <summary>The source that a sensor is: where its locator puts it, below the agents above it.</summary>
+        /// <param name="at">Where the sensor is. Without a locator its key is the names of the game objects from the
+        /// agent to here.</param>
+        /// <param name="name">For a person who must mend something.</param>
+        /// <param name="locator">As it was declared.</param>
+        /// <param name="standard">The key for a sensor on the agent's own game object.</param>
+        /// <param name="read">What it senses now.</param>
+        /// <exception cref="ArgumentException">The locator is wrong, or nobody is meant.</exception>
+        public static Source Below(Transform at, string name, string locator, string standard, Func<object> read)
+        {
+            var (scopes, keys) = (new List<string>(), "");
+            if (at.GetComponent<Agent>() == null) standard = "";
+            for (; at != null; at = at.parent)
+            {
+                var agent = at.GetComponent<Agent>();
+                if (agent != null) scopes.Add($"{LocatorMapping.Quoted(agent.Name)}@{keys}");
+                keys = $"[{LocatorMapping.Quoted(at.name)}]{keys}";
+            }
+            var scope = scopes.Count > 0 ? Locator.Parse(string.Join(" & ", scopes)) : null;
+            var source = AgentState.Make(name, locator, standard, scope, read);
+            return source.Locator.Absolute
+                ? source
+                : throw new ArgumentException($"{name} has no agent above it, and its locator names none");
+        }
+
+        /// <inheritdoc/>
+        public abstract void OnReset();
+
+        /// <inheritdoc/>
+        public abstract void OnAction(object action);
+
+        /// <inheritdoc/>
+        public virtual void OnInfo(object info) { }
+
+        /// <inheritdoc/>
+        public virtual void OnTick(double dt) { }
+
+        /// <summary>Reads the attributes of its class, once.</summary>
+        protected virtual AgentState MakeState() => new AgentState(Name, this, stepPeriod);
+
+        /// <summary>Adds to the reward that goes with the next answer.</summary>
+        protected void AddReward(double more) => State.AddReward(more);
+
+        /// <summary>Replaces the reward that goes with the next answer.</summary>
+        protected void SetReward(double all) => State.SetReward(all);
+
+        /// <summary>The episode is over for it: it has reached an end of the world.</summary>
+        protected void Terminate() => State.Terminate();
+
+        /// <summary>The episode is over for it, for another reason, such as the time.</summary>
+        protected void Truncate() => State.Truncate();
+
+        /// <summary>Tells Python something, with the next answer.</summary>
+        protected void SendInfo(object info) => State.SendInfo(info);
+
+        /// <summary>Comes. Whoever overrides it calls base.OnEnable().</summary>
+        protected virtual void OnEnable()
+        {
+            Observed.Engine = UnityValues.Numbers;
+            try
+            {
+                if (All.Any(other => other.State.Name == State.Name))
+                    throw new ArgumentException($"two agents are named '{Name}': each needs a name of its own");
+                All.Add(this);
+            }
+            catch (ArgumentException e)
+            {
+                Debug.LogError($"gave up: {e.Message}");
+                enabled = false;
+            }
+        }
+
+        /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
+        protected virtual void OnDisable() => All.Remove(this);
+    }
+}

@@ -1,0 +1,134 @@
+// Lesson 11, an agent: what it is told, and what is known of it between two answers to Python.
+//
+// Take home: this file and AgentSimulator.cs, with Obs.cs and Simulator.cs (lesson 09) and what they need. Without
+// UnityEngine: a component is Agent.cs.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Somebody who sees and acts.</summary>
+    public interface IAgent
+    {
+        /// <summary>Its name, its rewards and what it sees.</summary>
+        AgentState State { get; }
+
+        /// <summary>An episode begins.</summary>
+        void OnReset();
+
+        /// <summary>Python's action: long, double, bool, string, MessageArray, List&lt;object&gt;,
+        /// Dictionary&lt;string, object&gt;, or MessageGraph.</summary>
+        void OnAction(object action);
+
+        /// <summary>One step of the world's time.</summary>
+        /// <param name="dt">Seconds.</param>
+        void OnTick(double dt);
+
+        /// <summary>Python's send_info, of the same types as an action.</summary>
+        void OnInfo(object info);
+    }
+
+    /// <summary>One place where a value comes from, and where it goes.</summary>
+    public sealed class Source
+    {
+        /// <summary>With its locator already put where it belongs.</summary>
+        public Source(string name, Locator locator, Func<object> read) => (Name, Locator, Read) = (name, locator, read);
+
+        /// <summary>For a person who must mend something.</summary>
+        public string Name { get; }
+
+        /// <summary>Where it goes; it names agents.</summary>
+        public Locator Locator { get; }
+
+        /// <summary>Its value now.</summary>
+        public Func<object> Read { get; }
+    }
+
+    /// <summary>The part of an agent that needs no engine.</summary>
+    public sealed class AgentState
+    {
+        private readonly List<object> infos = new List<object>();
+        private double reward;
+        private bool terminated, truncated;
+
+        /// <summary>Reads the attributes of an object's class.</summary>
+        /// <param name="name">The agent's; two agents of a scene have two.</param>
+        /// <param name="observed">Whose members are seen.</param>
+        /// <param name="period">How many ticks a step of this agent takes.</param>
+        /// <exception cref="ArgumentException">A locator is wrong; the message names class, member and column.</exception>
+        public AgentState(string name, object observed, int period = 1)
+        {
+            (Name, Period) = (name, Math.Max(1, period));
+            Scope = Locator.Parse(LocatorMapping.Quoted(name) + "@");
+            foreach (var member in Observed.Members(observed.GetType()))
+                Sources.Add(Make(member.FullName, member.Locator, member.Name, Scope, () => member.Read(observed)));
+            var twice = Sources.GroupBy(source => source.Locator.ToString())
+                .FirstOrDefault(group => group.Count() > 1 && !group.First().Locator.Mappings.Any(one => one.Appends));
+            if (twice != null)
+                throw new ArgumentException(
+                    $"{string.Join(" and ", twice.Select(source => source.Name))} go to one place: {twice.Key}");
+        }
+
+        /// <summary>What Python calls it.</summary>
+        public string Name { get; }
+
+        /// <summary>How many ticks a step of this agent takes.</summary>
+        public int Period { get; }
+
+        /// <summary>Where its relative locators begin.</summary>
+        public Locator Scope { get; }
+
+        /// <summary>Where what it sees comes from.</summary>
+        public List<Source> Sources { get; } = new List<Source>();
+
+        /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
+        public Chance Chance { get; internal set; } = new Chance(0);
+
+        /// <summary>What Python gave to reset as options.</summary>
+        public IReadOnlyDictionary<string, object> Options { get; internal set; } = new Dictionary<string, object>();
+
+        /// <summary>A source whose locator is read here, once.</summary>
+        /// <exception cref="ArgumentException">The locator is wrong; the message names the source and the column.</exception>
+        public static Source Make(string name, string locator, string standard, Locator scope, Func<object> read)
+        {
+            try { return new Source(name, Locator.Parse(locator, standard, scope), read); }
+            catch (LocatorException e) { throw new ArgumentException($"{name}, locator \"{locator}\": {e.Message}"); }
+        }
+
+        /// <summary>Adds to the reward that goes with the next answer.</summary>
+        public void AddReward(double more) => reward += more;
+
+        /// <summary>Replaces the reward that goes with the next answer.</summary>
+        public void SetReward(double all) => reward = all;
+
+        /// <summary>The episode is over for it: it has reached an end of the world.</summary>
+        public void Terminate() => terminated = true;
+
+        /// <summary>The episode is over for it, for another reason, such as the time.</summary>
+        public void Truncate() => truncated = true;
+
+        /// <summary>Tells Python something, with the next answer.</summary>
+        /// <exception cref="MessageException">It has no place in a message.</exception>
+        public void SendInfo(object info) => infos.Add(Observed.Of(info));
+
+        internal void Begin()
+        {
+            (reward, terminated, truncated) = (0, false, false);
+            infos.Clear();
+        }
+
+        // What Python is told is told once.
+        internal Dictionary<string, object> Take()
+        {
+            var said = new Dictionary<string, object>
+            {
+                ["reward"] = reward, ["terminated"] = terminated, ["truncated"] = truncated,
+                ["infos"] = new List<object>(infos),
+            };
+            reward = 0;
+            infos.Clear();
+            return said;
+        }
+    }
+}

@@ -1,0 +1,110 @@
+// Lesson 11, boxes: numbers of C# as an array of a message.
+//
+// Arrays of numbers, with one dimension or more, are copied as they are. All else that has numbers in it goes one by
+// one: lists, Vector3[], arrays in arrays. A dtype that a message lacks becomes the next larger one.
+// Take home: this file, with Obs.cs.
+using System;
+using System.Collections;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Makes arrays.</summary>
+    public static class BoxOf
+    {
+        // Those whose memory is already what a message has.
+        private static readonly Dictionary<Type, string> Same = new Dictionary<Type, string>
+        {
+            [typeof(byte)] = "uint8", [typeof(bool)] = "uint8", [typeof(ushort)] = "uint16", [typeof(char)] = "uint16",
+            [typeof(int)] = "int32", [typeof(long)] = "int64", [typeof(float)] = "float32", [typeof(double)] = "float64",
+        };
+
+        private static readonly Dictionary<Type, string> Wider = new Dictionary<Type, string>
+        {
+            [typeof(sbyte)] = "int32", [typeof(short)] = "int32", [typeof(uint)] = "int64", [typeof(ulong)] = "int64",
+            [typeof(decimal)] = "float64",
+        };
+
+        private static readonly Dictionary<string, Type> Types = Same
+            .Where(pair => pair.Key != typeof(bool) && pair.Key != typeof(char))
+            .ToDictionary(pair => pair.Value, pair => pair.Key);
+
+        /// <summary>Whether these items are nothing but numbers, by their type: float[], List&lt;int&gt;.</summary>
+        public static bool IsNumbers(IEnumerable items)
+        {
+            var type = items.GetType();
+            var item = type.IsArray ? type.GetElementType() : type.IsGenericType ? type.GetGenericArguments()[0] : null;
+            return item != null && (Same.ContainsKey(item) || Wider.ContainsKey(item)) && item != typeof(char);
+        }
+
+        /// <summary>An array of whatever has numbers in it.</summary>
+        /// <param name="value">A number, or items, or items in items, all equally many.</param>
+        /// <param name="dtype">What it becomes; if empty, what its numbers are.</param>
+        /// <exception cref="MessageException">It is no array of numbers, or one of them would become another.</exception>
+        public static MessageArray Value(object value, string dtype = "")
+        {
+            value = Observed.Engine(value);
+            if (value is MessageArray ready && (dtype == "" || dtype == ready.Dtype)) return ready;
+            if (value is string text) value = text.ToCharArray();
+            if (value is Array array && Same.TryGetValue(array.GetType().GetElementType(), out var own)
+                && (dtype == "" || dtype == own))
+                return Copy(own, array, Enumerable.Range(0, array.Rank).Select(array.GetLength).ToArray());
+            var numbers = new List<object>();
+            var shape = Flatten(value, numbers);
+            if (dtype == "") dtype = Natural(numbers.Count == 0 ? typeof(float) : numbers[0].GetType());
+            if (!Types.TryGetValue(dtype, out var type))
+                throw new MessageException("bad-dtype", $"dtype {dtype} is none of {string.Join(", ", Types.Keys)}");
+            var items = Array.CreateInstance(type, numbers.Count);
+            for (var i = 0; i < items.Length; i++) items.SetValue(Exactly(numbers[i], type), i);
+            return Copy(dtype, items, shape);
+        }
+
+        private static string Natural(Type type) => type.IsEnum ? "int64"
+            : Same.TryGetValue(type, out var dtype) || Wider.TryGetValue(type, out dtype) ? dtype
+            : throw new MessageException("no-space", $"a Box has numbers, and no {type.Name}");
+
+        private static MessageArray Copy(string dtype, Array items, int[] shape)
+        {
+            var data = new byte[Buffer.ByteLength(items)];
+            Buffer.BlockCopy(items, 0, data, 0, data.Length);
+            return new MessageArray(dtype, data, shape);
+        }
+
+        private static int[] Flatten(object value, List<object> numbers)
+        {
+            value = Observed.Engine(value);
+            if (value is Array array && array.Rank > 1)
+            {
+                foreach (var item in array) Flatten(item, numbers);
+                return Enumerable.Range(0, array.Rank).Select(array.GetLength).ToArray();
+            }
+            if (!(value is IEnumerable items) || value is string)
+            {
+                if (!(value is IConvertible) || value is string)
+                    throw new MessageException("no-space", $"a Box has numbers, and no {value?.GetType().Name ?? "null"}");
+                numbers.Add(value is char unit ? (ushort)unit : value);
+                return new int[0];
+            }
+            var shapes = items.Cast<object>().Select(item => Flatten(item, numbers)).ToList();
+            if (shapes.Any(shape => !shape.SequenceEqual(shapes[0])))
+                throw new MessageException("bad-shape", "its rows are not equally long");
+            return shapes.Take(1).SelectMany(shape => shape).Prepend(shapes.Count).ToArray();
+        }
+
+        // A whole number stays what it is, or is refused: 300 is no uint8, and 1.5 neither.
+        private static object Exactly(object number, Type type)
+        {
+            try
+            {
+                var cast = Convert.ChangeType(number, type, CultureInfo.InvariantCulture);
+                var whole = type != typeof(float) && type != typeof(double);
+                if (!whole || Convert.ToDecimal(cast) == Convert.ToDecimal(number)) return cast;
+            }
+            catch (Exception e) when (e is OverflowException || e is InvalidCastException || e is FormatException) { }
+            throw new MessageException("bad-value", FormattableString.Invariant(
+                $"{number} would become another number as {Same[type]}"));
+        }
+    }
+}

@@ -1,0 +1,110 @@
+// Lesson 11, the world: a car that collects coins on a field of 10 by 10 m. The twin of coin_car.py.
+//
+// Its members say what is seen of them. At home your own agent takes its place.
+using System;
+using System.Collections.Generic;
+
+namespace NetMQExample
+{
+    /// <summary>Where the car and the coins are.</summary>
+    public class CoinCar : IAgent
+    {
+        /// <summary>How long and wide the field is, in metres.</summary>
+        public const double Field = 10;
+
+        private const int Coins = 3;
+        private const double Reach = 0.5, Speed = 3;
+
+        [Obs(".last.push")] private float[] push = new float[2];
+        [Discrete(".last.boost")] private long boost;
+        [Text] private string says = "";
+        private double x, y;
+        private int steps;
+
+        /// <summary>An agent of this name.</summary>
+        /// <param name="name">What Python calls it.</param>
+        public CoinCar(string name) => State = new AgentState(name, this);
+
+        /// <inheritdoc/>
+        public AgentState State { get; }
+
+        /// <summary>Where the coins are that are left.</summary>
+        public List<(double X, double Y)> Spots { get; } = new List<(double X, double Y)>();
+
+        /// <summary>Where the car is.</summary>
+        public (double X, double Y) Spot => (x, y);
+
+        [Box] private float[] place => new[] { (float)x, (float)y };
+
+        [Discrete] private int left => Spots.Count;
+
+        [List] private List<float[]> coins => Spots.ConvertAll(spot => new[] { (float)spot.X, (float)spot.Y });
+
+        /// <inheritdoc/>
+        public void OnReset()
+        {
+            (x, y) = (Field / 2, Field / 2);
+            Spots.Clear();
+            for (var i = 0; i < Coins; i++) Spots.Add((1 + 8 * State.Chance.Next(), 1 + 8 * State.Chance.Next()));
+            (push, boost, says, steps) = (new float[2], 0, "", 0);
+        }
+
+        /// <inheritdoc/>
+        public void OnAction(object action)
+        {
+            var parts = (Dictionary<string, object>)action;
+            push = ((MessageArray)parts["push"]).Items<float>().ToArray();
+            boost = (long)parts["boost"];
+            steps++;
+        }
+
+        /// <inheritdoc/>
+        public void OnTick(double dt)
+        {
+            var metres = Speed * (1 + boost) * dt;
+            x = Math.Min(Field, Math.Max(0, x + push[0] * metres));
+            y = Math.Min(Field, Math.Max(0, y + push[1] * metres));
+            State.AddReward(-0.01);
+            foreach (var (coinX, coinY) in Spots.ToArray())
+            {
+                if ((coinX - x) * (coinX - x) + (coinY - y) * (coinY - y) >= Reach * Reach) continue;
+                Spots.Remove((coinX, coinY));
+                State.AddReward(1);
+                says = FormattableString.Invariant($"coin {Coins - Spots.Count} after {steps} steps");
+                State.SendInfo(says);
+            }
+            if (Spots.Count == 0) State.Terminate();
+        }
+
+        /// <inheritdoc/>
+        public void OnInfo(object info) { }
+    }
+
+    /// <summary>Where no camera is, it draws what one would see from above.</summary>
+    public sealed class DrawnCoinCar : CoinCar
+    {
+        private static readonly byte[] Grass = { 40, 80, 40 }, Coin = { 240, 200, 40 }, Car = { 200, 30, 30 };
+
+        /// <inheritdoc/>
+        public DrawnCoinCar(string name) : base(name) { }
+
+        [Box(".camera")] private byte[,,] picture => Draw();
+
+        // Uint8 [24, 32, 3], the highest row first.
+        private byte[,,] Draw()
+        {
+            var pixels = new byte[24, 32, 3];
+            void Fill(int row, int column, int height, int width, byte[] colour)
+            {
+                for (var i = 0; i < height * width * 3; i++)
+                    pixels[row + i / 3 / width, column + i / 3 % width, i % 3] = colour[i % 3];
+            }
+            void Point((double X, double Y) spot, byte[] colour) =>
+                Fill((int)((Field - spot.Y) / Field * 22), (int)(spot.X / Field * 30), 2, 2, colour);
+            Fill(0, 0, 24, 32, Grass);
+            foreach (var spot in Spots) Point(spot, Coin);
+            Point(Spot, Car);
+            return pixels;
+        }
+    }
+}

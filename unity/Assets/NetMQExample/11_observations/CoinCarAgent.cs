@@ -1,0 +1,67 @@
+// Lesson 11 in Unity, the example: a car that collects coins, and a camera above the field.
+//
+// Use: it stands in the lesson's scene, with a GymManager and a CameraSensor. At home your own agent takes its place: one
+// whose own fields have the attributes, which here are CoinCar's, because the terminal client sees with them as well.
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>CoinCar.cs in a scene, with cubes for the car and the coins.</summary>
+    [RequireComponent(typeof(CameraSensor))]
+    public sealed class CoinCarAgent : Agent
+    {
+        private readonly List<Transform> coins = new List<Transform>();
+        private CoinCar car;
+        private Transform body;
+
+        /// <inheritdoc/>
+        protected override AgentState MakeState() => (car = new CoinCar(Name)).State;
+
+        /// <inheritdoc/>
+        public override void OnReset()
+        {
+            car.OnReset();
+            Show();
+        }
+
+        /// <inheritdoc/>
+        public override void OnAction(object action) => car.OnAction(action);
+
+        /// <inheritdoc/>
+        public override void OnTick(double dt)
+        {
+            car.OnTick(dt);
+            Show();
+        }
+
+        private void Awake()
+        {
+            Cube(new Color32(40, 80, 40, 255), (float)CoinCar.Field).position = Ground(5, 5, -5);
+            body = Cube(new Color32(200, 30, 30, 255), 1);
+            var eye = new GameObject("Eye").AddComponent<Camera>();
+            // The whole field: half of it is 5 m, and 60 degrees from edge to edge.
+            eye.transform.SetPositionAndRotation(Ground(5, 5, 8.7f), Quaternion.Euler(90, 0, 0));
+            GetComponent<CameraSensor>().Camera = eye;
+        }
+
+        // Before the answer, so that the camera sees this moment.
+        private void Show()
+        {
+            body.position = Ground(car.Spot.X, car.Spot.Y, 0.5f);
+            while (coins.Count < car.Spots.Count) coins.Add(Cube(new Color32(240, 200, 40, 255), 0.6f));
+            for (var i = 0; i < coins.Count; i++)
+                coins[i].position = i < car.Spots.Count ? Ground(car.Spots[i].X, car.Spots[i].Y, 0.3f) : Ground(5, 5, -9);
+        }
+
+        private static Vector3 Ground(double x, double y, float up) => new Vector3((float)x, up, (float)y);
+
+        private static Transform Cube(Color32 colour, float size)
+        {
+            var cube = GameObject.CreatePrimitive(PrimitiveType.Cube);
+            cube.transform.localScale = Vector3.one * size;
+            cube.GetComponent<Renderer>().material.color = colour;
+            return cube.transform;
+        }
+    }
+}

@@ -1,0 +1,130 @@
+// Lesson 11, observed values: what a member holds, as a message can have it; and which members a class has declared.
+//
+// Reflection is used once for each class: it finds the members and reads their attributes. After that a step costs one
+// FieldInfo.GetValue or PropertyInfo.GetValue for each member, which work everywhere; IL2CPP compiles no code at run
+// time that could replace them.
+// Take home: this file, with Obs.cs.
+using System;
+using System.Collections;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.Linq;
+using System.Reflection;
+
+namespace NetMQExample
+{
+    /// <summary>A member of a class that has an attribute of Obs.cs.</summary>
+    public sealed class Observed
+    {
+        private const BindingFlags Own =
+            BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
+
+        private static readonly ConcurrentDictionary<Type, Observed[]> Known =
+            new ConcurrentDictionary<Type, Observed[]>();
+
+        private readonly MemberInfo member;
+        private readonly ObsAttribute attribute;
+
+        private Observed(Type type, MemberInfo member, ObsAttribute attribute)
+        {
+            (this.member, this.attribute) = (member, attribute);
+            FullName = $"{type.Name}.{member.Name}";
+        }
+
+        /// <summary>Makes what an engine has, such as a Vector3, numbers or lists. Agent.cs sets it for Unity.</summary>
+        public static Func<object, object> Engine { get; set; } = value => value;
+
+        /// <summary>Class and member, for a person who must mend something.</summary>
+        public string FullName { get; }
+
+        /// <summary>The member alone: the key where its locator says none.</summary>
+        public string Name => member.Name;
+
+        /// <summary>As it was declared.</summary>
+        public string Locator => attribute.Locator;
+
+        /// <summary>All that a class and its base classes have declared, the base classes' first.</summary>
+        public static IReadOnlyList<Observed> Members(Type type) => Known.GetOrAdd(type, Find);
+
+        /// <summary>The value that an object has here now.</summary>
+        /// <exception cref="MessageException">It has no place in a message; the text names class and member.</exception>
+        public object Read(object from)
+        {
+            try
+            {
+                return attribute.Read(
+                    member is FieldInfo field ? field.GetValue(from) : ((PropertyInfo)member).GetValue(from));
+            }
+            catch (MessageException e)
+            {
+                throw new MessageException(e.Code, $"{FullName}: {e.Message.Substring(e.Code.Length + 2)}");
+            }
+            catch (TargetInvocationException e)
+            {
+                throw new MessageException("error-in-property", $"{FullName}: {e.InnerException}");
+            }
+        }
+
+        /// <summary>A value of any kind as its own kind says.</summary>
+        public static object Of(object value)
+        {
+            switch (value = Engine(value))
+            {
+                case null:
+                case bool _:
+                case string _:
+                case MessageArray _:
+                case MessageGraph _: return value;
+                case float _:
+                case double _:
+                case decimal _: return Finite(Convert.ToDouble(value));
+                case Enum _:
+                case IConvertible it when it.GetTypeCode() >= TypeCode.SByte && it.GetTypeCode() <= TypeCode.UInt64:
+                    return Whole(value);
+                case IDictionary _: return Dict(value);
+                case IEnumerable items: return BoxOf.IsNumbers(items) ? (object)BoxOf.Value(items) : List(items);
+            }
+            throw new MessageException("no-space", $"no space takes a {value.GetType().Name}");
+        }
+
+        /// <summary>A dictionary with keys of text, whose values are of any kind.</summary>
+        public static object Dict(object value)
+        {
+            if (!(value is IDictionary parts) || parts.Keys.Cast<object>().Any(key => !(key is string)))
+                throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} is no dictionary of texts");
+            return parts.Keys.Cast<string>().ToDictionary(key => key, key => Of(parts[key]));
+        }
+
+        /// <summary>Whatever has items, as a list of values of any kind.</summary>
+        public static object List(object value) => value is IEnumerable items && !(value is string)
+            ? items.Cast<object>().Select(Of).ToList()
+            : throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} has no items");
+
+        private static object Finite(double value) => Math.Abs(value) < double.PositiveInfinity
+            ? value
+            : throw new MessageException("bad-value", FormattableString.Invariant($"{value} is not finite"));
+
+        private static object Whole(object value)
+        {
+            try { return Convert.ToInt64(value); }
+            catch (OverflowException) { throw new MessageException("bad-value", $"{value} is too large to be exact"); }
+        }
+
+        // DeclaredOnly, class by class: private members of base classes are not found otherwise.
+        private static Observed[] Find(Type type)
+        {
+            var found = type.BaseType == null ? new List<Observed>() : Members(type.BaseType).ToList();
+            foreach (var member in type.GetFields(Own).Cast<MemberInfo>().Concat(type.GetProperties(Own)))
+            {
+                var attribute = member.GetCustomAttribute<ObsAttribute>(false);
+                if (attribute == null) continue;
+                if (member is PropertyInfo property && !property.CanRead)
+                    throw new ArgumentException($"{type.Name}.{member.Name} cannot be read: give it a get");
+                // What overrides another one, or hides it at the same place, stands for it.
+                found.RemoveAll(other => other.Name == member.Name && other.Locator == attribute.Locator);
+                found.Add(new Observed(type, member, attribute));
+            }
+            return found.ToArray();
+        }
+    }
+}
