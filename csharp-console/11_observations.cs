@@ -23,7 +23,7 @@ namespace NetMQExample.Terminal
             var patience = arguments.Seconds("patience", 30);
             arguments.RefuseTheRest();
 
-            var simulator = new AgentSimulator("Coins", 0.1, new[] { new DrawnCoinCar("agent") });
+            var simulator = new SceneSimulator("Coins", 0.1, new[] { new DrawnCoinCar("agent") });
             using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());

@@ -3,7 +3,7 @@
     python python/11_observations/client.py                a car collects coins, until the environment closes it
     python python/11_observations/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: messages of lesson 05, see agent_simulator.py and tree.py. Take home: this file, agent_simulator.py, tree.py,
+Bytes: messages of lesson 05, see scene_simulator.py and tree.py. Take home: this file, scene_simulator.py, tree.py,
 locator.py, mapping.py and reader.py, with environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09
 and messages.py of lesson 05; coin_car.py stands for your agents.
 """
@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
-from agent_simulator import AgentSimulator
+from scene_simulator import SceneSimulator
 from coin_car import CoinCar
 
 # In its own lesson's folder; at home it lies beside this file.
@@ -55,7 +55,7 @@ def main() -> None:
     if options.count < 0 or not 0 < options.patience < 86400:
         parser.error("--count takes whole numbers from 0, --patience seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
-    simulator = AgentSimulator("Coins", 0.1, [CoinCar("agent")])
+    simulator = SceneSimulator("Coins", 0.1, [CoinCar("agent")])
     client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
     try:
         client.run(simulator, options.count)

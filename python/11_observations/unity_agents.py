@@ -8,7 +8,7 @@ An answer is complete: whoever is asked for several agents waits for all of them
 it was; what it writes must fit the spaces. Observations are copies. `info` is {"env": [...], "agent": [...]}, what the
 scene and the agent had to say since the last answer; if the simulator is lost, or the agent has left, `lost` says so.
 Take home: this file, fit.py, merge.py, tree.py and the locators' three, with lesson 09's connection.py, simulators.py
-and spaces.py, and messages.py of lesson 05. The C# side is AgentSimulator.cs.
+and spaces.py, and messages.py of lesson 05. The C# side is SceneSimulator.cs.
 """
 
 import functools

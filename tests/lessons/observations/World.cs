@@ -22,7 +22,7 @@ namespace NetMQExample.Tests
         public static void Run(string endpoint)
         {
             foreach (var name in new[] { "a", "b", "c" }) Agents.Add(new Told(name));
-            var simulator = new AgentSimulator("World", 0.5, Agents, Others);
+            var simulator = new SceneSimulator("World", 0.5, Agents, Others);
             simulator.OnInfo += info => simulator.SendInfo($"heard {info}");
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
             client.Run(simulator, 0, answer => answer());

@@ -27,7 +27,7 @@ namespace NetMQExample
 
         /// <summary>The infos in a text that somebody sent, each for an agent.</summary>
         /// <exception cref="MessageException">They are none.</exception>
-        public static IEnumerable<(string Agent, IReadOnlyDictionary<string, object> Info)> Unpack(object text)
+        public static IEnumerable<(string Whom, IReadOnlyDictionary<string, object> Info)> Unpack(object text)
         {
             var json = text as string ?? throw Bad("it is no text");
             var list = MessageJson.Read(Encoding.UTF8.GetBytes(json)) as List<object> ?? throw Bad("it is no list");

@@ -10,7 +10,7 @@
 //         public override void OnAction(object action) { … }
 //     }
 //
-// Take home: this file, UnityValues.cs and GymManager.cs, with AgentSimulator.cs and what that needs.
+// Take home: this file, UnityValues.cs and GymManager.cs, with SceneSimulator.cs and what that needs.
 using System;
 using System.Collections.Generic;
 using System.Linq;

@@ -25,13 +25,13 @@ namespace NetMQExample
         private volatile bool launched;
 
         /// <summary>What the environment itself says and hears: SendInfo and OnInfo. Another one after each enable.</summary>
-        public AgentSimulator Simulator { get; private set; }
+        public SceneSimulator Simulator { get; private set; }
 
         /// <inheritdoc/>
         protected override void Begin()
         {
             (before, Physics.simulationMode) = (Physics.simulationMode, SimulationMode.Script);
-            Simulator = new AgentSimulator(
+            Simulator = new SceneSimulator(
                 envName, dt, Agent.All, CameraSensor.All, () => Physics.Simulate((float)dt));
             base.Begin();
         }

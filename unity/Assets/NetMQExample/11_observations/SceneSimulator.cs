@@ -13,7 +13,7 @@ using System.Linq;
 namespace NetMQExample
 {
     /// <summary>Answers reset, step and info; lesson 09's EnvironmentClient brings it to Python.</summary>
-    public sealed class AgentSimulator : SimulatorBase
+    public sealed class SceneSimulator : SimulatorBase
     {
         private readonly double dt;
         private readonly IReadOnlyList<IAgent> agents;
@@ -27,7 +27,7 @@ namespace NetMQExample
         /// <param name="agents">All agents of the world.</param>
         /// <param name="sensors">What is seen besides; they may come and go as well.</param>
         /// <param name="tick">One tick of whatever moves besides the agents.</param>
-        public AgentSimulator(string name, double dt, IReadOnlyList<IAgent> agents,
+        public SceneSimulator(string name, double dt, IReadOnlyList<IAgent> agents,
             IReadOnlyList<Source> sensors = null, Action tick = null)
         {
             Name = name;

@@ -1,4 +1,4 @@
-"""Lesson 11, the simulator of agents: answers for all of them in one message. The twin of AgentSimulator.cs, and of
+"""Lesson 11, the simulator of agents: answers for all of them in one message. The twin of SceneSimulator.cs, and of
 the attributes.
 
     class Car(Agent):
@@ -64,7 +64,7 @@ def declared(kind: type, name: str) -> list[tuple[str, str]]:
     return [(parse(mark.locator, field, scope).text, field) for field, mark in marks.items() if isinstance(mark, Obs)]
 
 
-class AgentSimulator(SimulatorBase):
+class SceneSimulator(SimulatorBase):
     """For an environment of this name. Each agent has a name of its own."""
 
     def __init__(self, name: str, dt: float, agents: list[Agent]) -> None:
