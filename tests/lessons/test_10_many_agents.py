@@ -304,16 +304,23 @@ def test_what_the_clock_has_seen_is_made_up_for():
     from pursuit import Pursuit
     from real_time import RealTime
 
-    now, inner = [0.0], Pursuit()
+    class Counted(Pursuit):
+        def apply(self, actions):
+            ticks.append(actions)
+            super().apply(actions)
+
+    ticks, now, inner = [], [0.0], Counted()
     shell = RealTime(inner, lambda: now[0])
     shell.reset(iter([0.5] * 10), {"real_time": True})
     left, right = dict.fromkeys(shell.agents, 1), dict.fromkeys(shell.agents, 2)
     inner.place = {name: (0.0, -1.0 if name.startswith("hunter") else 1.0) for name in inner.place}
     now[0] = 0.105
     shell.apply(left)
+    assert ticks == [left]
     assert (inner.place["hunter_0"][0], shell.judge("hunter_0")["reward"]) == pytest.approx((-0.05, -0.01))
     now[0] = 0.505
     shell.apply(right)
+    assert ticks == [left, left, left, left, right]
     assert inner.place["hunter_0"][0] == pytest.approx(-0.05 * 4 + 0.05)
     assert shell.judge("hunter_0")["reward"] == pytest.approx(-0.04)
     now[0] = 1000
