@@ -4,9 +4,9 @@
     python python/10_many_agents/client.py --world CartPole --areas 16    sixteen poles on sixteen carts
     python python/10_many_agents/client.py --count 3                      leave after so many games
 
-Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Take home: this file, agents.py, areas.py and
-infos.py, with environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09, and messages.py of 05;
-pursuit.py, and cart_pole.py of 09, stand for your simulation.
+Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Take home: this file, agents.py, areas.py,
+real_time.py and infos.py, with environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09, and
+messages.py of 05; pursuit.py, and cart_pole.py of 09, stand for your simulation.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from areas import AreaSimulator
 from cart_pole import CartPole
 from environment_client import EnvironmentClient
 from pursuit import Pursuit
+from real_time import RealTime
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 
@@ -60,7 +61,7 @@ def main() -> None:
         parser.error("--count takes whole numbers from 0, --areas 1 to 1024, --patience seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     areas = [CartPole() for _ in range(options.areas)]
-    simulator = AgentSimulator(Pursuit()) if options.world == "Pursuit" else AreaSimulator(areas)
+    simulator = AgentSimulator(RealTime(Pursuit())) if options.world == "Pursuit" else AreaSimulator(areas)
     client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
     try:
         client.run(simulator, options.count)

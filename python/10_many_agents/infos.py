@@ -24,6 +24,8 @@ LIMIT = 12_000
 def pack(infos: list[tuple[Any, dict[str, Any]]]) -> str:
     """ValueError says what has no place in an info."""
     for who, info in infos:
+        if type(who) not in (str, int):
+            raise ValueError(f"{who!a:.40} is no name and no number")
         for name, value in info.items():
             if type(name) is not str or type(value) not in (str, int, float, bool):
                 raise ValueError(f"info {name!a:.40} of {who!a:.40} must be text, a number, true or false")

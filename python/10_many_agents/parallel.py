@@ -6,11 +6,13 @@
 
 Who ends leaves `agents`. A simulator that is lost ends the episode of all: they are truncated, and each one's info has
 `lost`; the next reset waits for another one. What the game has said meanwhile is `told` in each one's info: lists of
-infos by agent, those of the environment as `env`. `send_info` is the other way, at any time.
+infos by agent, those of the environment as `env`. `send_info` is the other way, at any time. With `real_time=True` the
+world goes on while Python thinks, and a step waits for the next tick.
 Take home: this file, remote_agents.py and infos.py, with connection.py, simulators.py and spaces.py of lesson 09, and
 messages.py of 05. They need pettingzoo.
 """
 
+import time
 import weakref
 from typing import Any
 
@@ -26,8 +28,10 @@ from spaces import to_array
 class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
     """The game of one simulator. `where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
 
-    def __init__(self, name: str = "Pursuit", render_mode: str | None = None, **where: Any) -> None:
-        self.agents, self.render_mode = list[str](), render_mode
+    def __init__(
+        self, name: str = "Pursuit", render_mode: str | None = None, real_time: bool = False, **where: Any
+    ) -> None:
+        self.agents, self.render_mode, self.real_time, self.next = list[str](), render_mode, real_time, 0.0
         self.random, _ = seeding.np_random()
         self.remote = RemoteAgents(name, **where)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
@@ -52,7 +56,8 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
             self.random, _ = seeding.np_random(seed)
         # The simulator gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.random.integers(2**53)) if seed is None else seed
-        state = self.remote.begin({**(options or {}), "seed": seed})
+        state = self.remote.begin({"real_time": self.real_time, **(options or {}), "seed": seed})
+        self.next = time.monotonic() + self.remote.dt
         self.agents = self.possible_agents[:]
         self.seen, *_, infos = self.remote.read(state, self.agents)
         return self.seen, infos
@@ -63,6 +68,9 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         for agent, action in actions.items():
             if action not in self.action_space(agent):
                 raise ValueError(f"action {action!r:.80} of {agent} is not in {self.action_space(agent)}")
+        if self.real_time:
+            time.sleep(max(0.0, self.next - time.monotonic()))
+            self.next = time.monotonic() + self.remote.dt
         try:
             arrays = [to_array(actions[agent], self.action_space(agent).dtype) for agent in self.agents]
             state = self.remote.read(self.remote.ask("step", {}, arrays), self.agents)

@@ -91,5 +91,7 @@ class RemoteAreas:
         terminated, truncated = (from_array(self.flags, flag).astype(bool) for flag in flags)
         infos = [dict[str, Any]() for _ in range(self.count)]
         for area, info in unpack(state.values.get("infos", "[]")):
+            if area not in range(self.count):
+                raise MessageError("bad-infos", f"an info for area {area!a:.40}, but there are {self.count}")
             infos[area].update(info)
         return self.seen, rewards, terminated, truncated, infos

@@ -35,15 +35,6 @@ def table():
     return [(key, *(re.findall(r"`(\w+\.\w+)`", cell) for cell in cells)) for key, *cells in rows]
 
 
-def test_the_readme_says_how_many_files_to_copy():
-    """One server or client, or a class with all that it needs."""
-    names = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"]
-    words = dict(enumerate(names, 1)) | {16: "sixteen"}
-    counts = [len(files) for row in table() for files in row[1:]]
-    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"copy a lesson's files, {words[min(counts)]} to {words[max(counts)]} on each side" in readme
-
-
 def scripts(names):
     return [next(PACKAGE.glob(f"*/{name}")) for name in names]
 

@@ -261,6 +261,73 @@ def test_the_queue_of_infos_is_bounded_and_says_so():
         queue.send("", {"list": [1]})
 
 
+# Real time
+
+
+def rest(env, seen):
+    """A step in which all rest; and how many ticks passed: resting costs a hunter 0.01 of its energy."""
+    before = seen["hunter_0"][2]
+    seen, rewards, *_ = env.step(dict.fromkeys(env.agents, 0))
+    ticks = round(float(before - seen["hunter_0"][2]) / 0.01)
+    assert rewards["hunter_1"] == pytest.approx(-0.01 * ticks), "rewards are summed"
+    return seen, ticks
+
+
+@each_client
+def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, pursuit):
+    """A thinker's second is ten ticks at least; how many more it becomes on a busy machine nobody knows."""
+    env = pursuit(kind, real_time=True)
+    # In this one no rabbit is near a hunter.
+    seen, _ = env.reset(seed=10)
+    begin = time.monotonic()
+    for _ in range(3):
+        seen, ticks = rest(env, seen)
+        assert ticks >= 1
+    assert time.monotonic() - begin >= 0.2, "a step waits for its tick"
+    time.sleep(1.05)
+    seen, ticks = rest(env, seen)
+    assert ticks >= 10
+
+
+@each_client
+def test_else_it_stands_still(kind, pursuit):
+    env = pursuit(kind)
+    seen, _ = env.reset(seed=10)
+    for pause in (0.3, 0, 0.3):
+        time.sleep(pause)
+        seen, ticks = rest(env, seen)
+        assert ticks == 1
+
+
+def test_what_the_clock_has_seen_is_made_up_for():
+    """With the actions from before, and those of a step only in the tick that is due."""
+    from pursuit import Pursuit
+    from real_time import RealTime
+
+    class Counted(Pursuit):
+        def apply(self, actions):
+            ticks.append(actions)
+            super().apply(actions)
+
+    ticks, now, inner = [], [0.0], Counted()
+    shell = RealTime(inner, lambda: now[0])
+    shell.reset(iter([0.5] * 10), {"real_time": True})
+    left, right = dict.fromkeys(shell.agents, 1), dict.fromkeys(shell.agents, 2)
+    inner.place = {name: (0.0, -1.0 if name.startswith("hunter") else 1.0) for name in inner.place}
+    now[0] = 0.105
+    shell.apply(left)
+    assert ticks == [left]
+    assert (inner.place["hunter_0"][0], shell.judge("hunter_0")["reward"]) == pytest.approx((-0.05, -0.01))
+    now[0] = 0.505
+    shell.apply(right)
+    assert ticks == [left, left, left, left, right]
+    assert inner.place["hunter_0"][0] == pytest.approx(-0.05 * 4 + 0.05)
+    assert shell.judge("hunter_0")["reward"] == pytest.approx(-0.04)
+    now[0] = 1000
+    shell.catch_up(now[0])
+    assert shell.judge("hunter_0")["terminated"] and inner.energy["hunter_0"] == 0, "and not after the end"
+
+
 # The game by its path
 
 

@@ -78,7 +78,8 @@ namespace NetMQExample
             if (launched && Done) Application.Quit();
         }
 
-        private void FixedUpdate()
+        /// <summary>Plays by hand.</summary>
+        protected virtual void FixedUpdate()
         {
             since += Time.fixedDeltaTime;
             // At the speed of the world. As floats both are not quite what they are called.

@@ -14,13 +14,14 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";
 
+        private volatile RealTime realTime;
         private readonly List<string> living = new List<string>();
 
         /// <inheritdoc/>
         protected override string Endpoint => endpoint;
 
         /// <inheritdoc/>
-        protected override SimulatorBase MakeSimulator() => new AgentSimulator(this);
+        protected override SimulatorBase MakeSimulator() => new AgentSimulator(realTime = new RealTime(this));
 
         /// <inheritdoc/>
         public abstract string Name { get; }
@@ -63,6 +64,14 @@ namespace NetMQExample
         {
             Act(actions);
             Physics.Simulate((float)Dt);
+        }
+
+        /// <inheritdoc/>
+        protected override void FixedUpdate()
+        {
+            base.FixedUpdate();
+            // If Python wants real time the scene moves on while it thinks; else this does nothing.
+            realTime?.CatchUp();
         }
 
         /// <inheritdoc/>

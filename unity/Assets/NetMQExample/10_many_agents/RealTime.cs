@@ -1,0 +1,111 @@
+// Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. The twin of real_time.py.
+//
+// A game in this shell is stepped as ever, until a reset has the option real_time. From then on each step first makes
+// up for the ticks that the clock has seen since the last one, with the actions from then; rewards are summed. It is
+// Python that keeps the pace: it sends no more than one step for each tick.
+// Take home: this file, AgentSimulation.cs and Infos.cs, with Simulation.cs and GymSpace.cs (lesson 09), Message.cs and
+// MessageJson.cs (05).
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Another game around a game.</summary>
+    public sealed class RealTime : IAgentSimulation
+    {
+        // Seconds. Who slept longer, as a computer does, has not that much made up for.
+        private const double Most = 10;
+
+        private readonly IAgentSimulation game;
+        private readonly Stopwatch clock = Stopwatch.StartNew();
+        private readonly Dictionary<string, Verdict> verdicts = new Dictionary<string, Verdict>();
+        private List<string> living = new List<string>();
+        private IReadOnlyDictionary<string, double[]> actions;
+        private bool real;
+        private double next;
+
+        /// <summary>Around a game, which from then on nobody else steps.</summary>
+        public RealTime(IAgentSimulation game) => this.game = game;
+
+        /// <inheritdoc/>
+        public string Name => game.Name;
+
+        /// <inheritdoc/>
+        public double Dt => game.Dt;
+
+        /// <inheritdoc/>
+        public IReadOnlyList<(string Name, GymSpace Observation, GymSpace Action)> Agents => game.Agents;
+
+        /// <inheritdoc/>
+        public InfoQueue Infos => game.Infos;
+
+        /// <inheritdoc/>
+        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options)
+        {
+            game.ResetWorld(chance, options);
+            real = options.TryGetValue("real_time", out var value) && value is true;
+            next = clock.Elapsed.TotalSeconds + Dt;
+            (living, actions) = (Agents.Select(agent => agent.Name).ToList(), new Dictionary<string, double[]>());
+            verdicts.Clear();
+        }
+
+        /// <inheritdoc/>
+        public void Apply(IReadOnlyDictionary<string, double[]> actions)
+        {
+            // The tick that is due now has the new actions, those before it the old ones.
+            CatchUp(Dt);
+            this.actions = actions;
+            Tick();
+        }
+
+        /// <summary>Brings the world up to the clock. A scene does so in each FixedUpdate, and so moves on.</summary>
+        /// <param name="but">All but so many seconds.</param>
+        public void CatchUp(double but = 0)
+        {
+            var until = clock.Elapsed.TotalSeconds - but;
+            for (next = Math.Max(next, until - Most); real && living.Count > 0 && until >= next;) Tick();
+        }
+
+        private void Tick()
+        {
+            next += Dt;
+            if (living.Count == 0) return;
+            game.Apply(living.Where(actions.ContainsKey).ToDictionary(agent => agent, agent => actions[agent]));
+            foreach (var agent in living)
+            {
+                var info = new Dictionary<string, object>();
+                var (reward, terminated, truncated) = game.Judge(agent, info);
+                if (verdicts.TryGetValue(agent, out var before)) reward += before.Reward;
+                verdicts[agent] = new Verdict
+                { Reward = reward, Terminated = terminated, Truncated = truncated, Info = info };
+            }
+            living = living.Where(agent => !verdicts[agent].Terminated && !verdicts[agent].Truncated).ToList();
+        }
+
+        /// <inheritdoc/>
+        public MessageArray Observe(string agent) => game.Observe(agent);
+
+        /// <inheritdoc/>
+        public (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info)
+        {
+            verdicts.Remove(agent, out var verdict);
+            foreach (var value in verdict.Info) info[value.Key] = value.Value;
+            return (verdict.Reward, verdict.Terminated, verdict.Truncated);
+        }
+
+        /// <inheritdoc/>
+        public void OnInfo(string agent, IReadOnlyDictionary<string, object> info) => game.OnInfo(agent, info);
+
+        /// <inheritdoc/>
+        public MessageArray Render() => game.Render();
+
+        private struct Verdict
+        {
+            public double Reward;
+            public bool Terminated, Truncated;
+            public Dictionary<string, object> Info;
+        }
+    }
+}
