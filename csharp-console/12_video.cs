@@ -1,6 +1,6 @@
 // Lesson 12 in a terminal: the terminal client of FilmedDrive.cs, with the same ViewSender, and cameras that draw.
 //
-//     dotnet run --project csharp-console -- 12                 a car drives six seconds, and may be filmed
+//     dotnet run --project csharp-console -- 12                 a car drives six seconds or more, and may be filmed
 //     dotnet run --project csharp-console -- 12 --count 3000    for a minute
 using System;
 using System.Diagnostics;
@@ -29,7 +29,8 @@ namespace NetMQExample.Terminal
                     sender.Run(new[] { front, map }, over.Token);
             });
             while (sender?.Connected != true && !network.IsCompleted) Thread.Sleep(10);
-            for (var clock = Stopwatch.StartNew(); !network.IsCompleted && (count == 0 || drive.Steps < count);)
+            bool GoesOn() => count == 0 || drive.Steps < count || front.Filming || map.Filming;
+            for (var clock = Stopwatch.StartNew(); !network.IsCompleted && GoesOn();)
             {
                 drive.Step();
                 if (front.Due() is Picture seen) { drive.DrawFront(seen); front.Take(seen); }

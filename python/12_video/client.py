@@ -1,6 +1,6 @@
 """Lesson 12, the client in Python: the twin of FilmedDrive, and it prints the same lines.
 
-    python python/12_video/client.py                 a car drives six seconds by itself, and may be filmed
+    python python/12_video/client.py                 a car drives six seconds or more, and may be filmed
     python python/12_video/client.py --count 3000    for a minute
 
 Bytes: as in server.py. Take home: this file, view_sender.py and film_view.py, with messages.py of lesson 05;
@@ -33,7 +33,8 @@ def play(sender: ViewSender, count: int) -> str:
             while not sender.connected and not network.done():
                 time.sleep(0.01)
             began = time.monotonic()
-            while not network.done() and not 0 < count <= drive.steps:
+            # Not in the middle of a film.
+            while not network.done() and (not 0 < count <= drive.steps or any(view.film for view in views)):
                 drive.step()
                 for view, draw in views.items():
                     if picture := view.due():
@@ -70,7 +71,7 @@ def main() -> None:
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Drives a car whose views can be filmed.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="where Python films")
-    parser.add_argument("--count", type=int, default=300, help="end after so many steps of 0.02 s; 0: never")
+    parser.add_argument("--count", type=int, default=300, help="end after so many steps, and the films; 0: never")
     parser.add_argument("--patience", type=float, default=30, help="seconds to wait for Python")
     options = parser.parse_args()
     if options.count < 0 or not 0 < options.patience < 86400:

@@ -111,5 +111,6 @@ class FilmView:
         # What a camera still has is waited for, but not for ever.
         if film and film.ending and (film.sent + film.skipped == film.number or film.now() > film.seconds + 1):
             values = {"view": self.name, "frames": film.sent, "skipped": film.skipped, "time": film.seconds}
-            self.film = None
             yield Message("ended", film.ending.id, values)
+            # Not before it is sent: a game may end when it is not filmed any more.
+            self.film = None

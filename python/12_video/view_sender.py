@@ -65,6 +65,8 @@ class ViewSender:
         try:
             while not stop.is_set():
                 self.serve(socket, views)
+            # So many milliseconds for what was sent last; without them it would be dropped.
+            socket.linger = 200
         except (MessageError, TimeoutError, zmq.Again) as error:
             self.report(f"trouble: {error}: no more pictures are taken")
             raise

@@ -16,7 +16,7 @@ from tests.programs import LIMIT, ROOT
 
 np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
 Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
-from tests.lessons.test_12_video import shown  # noqa: E402
+from tests.lessons.test_12_video import is_whole, shown  # noqa: E402
 
 sys.path += [str(ROOT / "python" / folder) for folder in ("12_video", "05_messages")]
 from film_view import FilmView  # noqa: E402
@@ -49,6 +49,7 @@ def test_a_film_has_its_pictures_and_their_times(end, tmp_path):
         film.add(picture(number), seen)
         # As if it was killed now.
         assert len(shown(tmp_path / f"film{end}")[0]) == number + 1
+        assert is_whole(tmp_path / f"film{end}")
     film.close(END)
     pictures, times = shown(tmp_path / f"film{end}")
     # GIF counts in hundredths.
@@ -284,7 +285,7 @@ def test_a_game_that_sends_nonsense_gets_errors_and_the_film_goes_on(films, cont
         id, values = message["id"], {"view": "a b", "width": 8, "height": 8}
         peer.send_multipart(Message("begun", id, values).frames())
         begin.join()
-        shapes = [(8, 8, 3), (8, 9, 3), (8, 8), (8, 8, 4), (8, 8, 3)]
+        shapes = [(8, 8, 3), (8, 8, 4), (8, 9, 3), (8, 8), (8, 8, 4)]
         for number, shape in enumerate(shapes, 1):
             values = {"view": "a b", "number": number, "time": number / 10, "bottom_up": False}
             data = Array("uint8", shape, bytes(int(np.prod(shape))))
@@ -293,7 +294,8 @@ def test_a_game_that_sends_nonsense_gets_errors_and_the_film_goes_on(films, cont
         time.sleep(0.01)
     film = films.end_render("a b")
     assert [line for line in films.lines if "bad-picture" in line and line.startswith("trouble: film")]
-    assert len(shown(film.path)[0]) == film.frames
+    assert len(shown(film.path)[0]) == film.frames == 2
+    assert film.newest.shape == (8, 8, 3), "without alpha"
 
 
 # Gymnasium's render modes, which lesson 09's environment has

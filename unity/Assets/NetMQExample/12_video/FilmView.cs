@@ -46,6 +46,9 @@ namespace NetMQExample
         /// <summary>In pixels.</summary>
         public int Height { get; }
 
+        /// <summary>Whether a film of it is made. For any thread.</summary>
+        public bool Filming => film != null;
+
         /// <summary>The picture to be taken now; null if there is none to take.</summary>
         public Picture Due() => film?.Due();
 
@@ -71,8 +74,9 @@ namespace NetMQExample
         {
             for (var message = film?.Next(); message != null; message = film?.Next())
             {
-                if (message.Kind == "ended") film = null;
                 yield return message;
+                // Not before it is sent: a game may end when it is not filmed any more.
+                if (message.Kind == "ended") film = null;
             }
         }
 

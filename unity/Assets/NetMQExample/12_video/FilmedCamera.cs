@@ -37,7 +37,7 @@ namespace NetMQExample
         /// <summary>Takes what has come, and a new picture if one is due. Call it in each LateUpdate.</summary>
         public void Look()
         {
-            if (camera == null) return;
+            if (camera == null || (begun.Count == 0 && !View.Filming)) return;
             var before = camera.targetTexture;
             if (begun.Count > 0) camera.targetTexture = texture;
             while (begun.Count > 0 && readbacks[begun.Peek()].Look())

@@ -10,7 +10,7 @@ namespace NetMQExample
     [RequireComponent(typeof(ViewRecorder))]
     public sealed class FilmedDrive : MonoBehaviour
     {
-        [SerializeField, Min(0), Tooltip("End after so many steps of 0.02 s; 0: never")] private int count = 300;
+        [SerializeField, Min(0), Tooltip("End after so many steps, and the films; 0: never")] private int count = 300;
 
         private readonly SelfDriving drive = new SelfDriving();
         private ViewRecorder recorder;
@@ -41,7 +41,7 @@ namespace NetMQExample
             var ahead = new Vector3((float)drive.Car.AheadX, 0, (float)drive.Car.AheadY);
             var place = new Vector3((float)drive.Car.X, 0, (float)drive.Car.Y);
             transform.SetPositionAndRotation(place, Quaternion.LookRotation(ahead));
-            if (drive.Steps != count) return;
+            if (count == 0 || drive.Steps < count || recorder.Filming) return;
             Debug.Log($"done: {drive.Steps} steps");
             recorder.enabled = false;
         }

@@ -71,6 +71,9 @@ namespace NetMQExample
             return null;
         }
 
+        /// <summary>What was sent last may still go out when the socket is closed, for a moment.</summary>
+        public void Flush() => connection.Socket.Options.Linger = TimeSpan.FromMilliseconds(200);
+
         /// <summary>The next message has a new socket.</summary>
         public void Close() => connection.Close();
 

@@ -52,7 +52,11 @@ namespace NetMQExample
             for (silence.Restart(); silence.Elapsed < patience && !stop.IsCancellationRequested; dealer.Close())
             {
                 try { Talk(views, stop); }
-                catch (OperationCanceledException) { return; }
+                catch (OperationCanceledException)
+                {
+                    dealer.Flush();
+                    return;
+                }
                 catch (Exception e) when (e is TimeoutException || e is MessageException)
                 {
                     why = e.Message;
