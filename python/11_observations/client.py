@@ -14,8 +14,8 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
-from scene_simulator import SceneSimulator
 from coin_car import CoinCar
+from scene_simulator import SceneSimulator
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))

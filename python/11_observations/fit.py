@@ -4,7 +4,8 @@
     fitted(space, value, "'car'@")      a fresh copy, cast to the space's dtype; what does not fit is refused:
                                         'car'@['speed']: float32 [3] is not in Box(0.0, 1.0, (2,), float32)
 
-All of Gymnasium's fundamental and composite spaces but OneOf. Take home: this file with merge.py and tree.py.
+All of Gymnasium's fundamental and composite spaces but OneOf.
+Take home: this file with merge.py, locator.py, mapping.py and reader.py, and messages.py of lesson 05.
 """
 
 import sys

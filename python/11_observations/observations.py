@@ -4,7 +4,9 @@
     env = gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", observation_space=…, action_space=…)
 
 Without `launch=["Build/Coins.exe"]`, or `file_name`, it waits for Play. The spaces are declared here, what is in them
-is declared in C#, at the fields that hold it. Take home: this file and unity_agents.py, with what that needs.
+is declared in C#, at the fields that hold it.
+Take home: this file, unity_agents.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py,
+simulators.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
 import weakref

@@ -5,8 +5,8 @@ the attributes.
         speed: Annotated[float, Obs(".speed")] = 0.0            seen under the key speed
         place: Annotated[Any, Obs()] = np.zeros(2)              without a locator the field's name is the key
 
-Take home: this file with tree.py and the locators' three, and lesson 09's simulator.py, simulation.py and spaces.py,
-with messages.py of lesson 05.
+Take home: this file with tree.py, locator.py, mapping.py and reader.py, and simulator.py, simulation.py and spaces.py
+of lesson 09, with messages.py of lesson 05.
 """
 
 import sys

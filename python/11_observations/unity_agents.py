@@ -7,8 +7,8 @@
 An answer is complete: whoever is asked for several agents waits for all of them. What a message does not write stays as
 it was; what it writes must fit the spaces. Observations are copies. `info` is {"env": [...], "agent": [...]}, what the
 scene and the agent had to say since the last answer; if the simulator is lost, or the agent has left, `lost` says so.
-Take home: this file, fit.py, merge.py, tree.py and the locators' three, with lesson 09's connection.py, simulators.py
-and spaces.py, and messages.py of lesson 05. The C# side is SceneSimulator.cs.
+Take home: this file, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py, simulators.py
+and spaces.py of lesson 09 and messages.py of lesson 05. The C# side is SceneSimulator.cs.
 """
 
 import functools
@@ -41,9 +41,8 @@ def known(locator: str) -> Locator:
 def program(file_name: str | None) -> list[str]:
     """The words that start a build of Unity's, with or without what its file is called on this system at the end."""
     path = Path(file_name or ".").resolve()
-    names = [path, *(path.with_name(path.name + end) for end in (".exe", ".x86_64")), *path.glob("Contents/MacOS/*")]
-    names += path.with_name(path.name + ".app").glob("Contents/MacOS/*")
-    found = [str(name) for name in names if name.is_file()]
+    names = [path, *(path.with_name(path.name + end) for end in (".exe", ".x86_64", ".app"))]
+    found = [str(file) for name in names for file in (name, *name.glob("Contents/MacOS/*")) if file.is_file()]
     if file_name and not found:
         raise FileNotFoundError(f"there is no game {path}; without file_name, launch and Play it is waited for")
     return found[:1]

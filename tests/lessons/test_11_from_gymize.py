@@ -83,14 +83,15 @@ def scene(tmp_path_factory, console):
 
 @pytest.fixture
 def run(scene, start, tmp_path):
-    """The page's script, with more of it, and the scene: what it prints, and the scene as a program."""
+    """The page's script, and the scene: what the script prints, and the scene as a program."""
 
-    def run(how="", more="", code=0):
+    def run(how="", before_close="", code=0):
         endpoint = f"tcp://127.0.0.1:{free_port()}"
         script = tmp_path / "script.py"
-        text = PARTS["python"].replace('env_name="Runner",', f'env_name="Runner", endpoint="{endpoint}",') + more
-        folders = [str(ROOT / "python" / name) for name in ("11_observations",)]
-        script.write_text(f"import sys\nsys.path += {folders}\n{text}", encoding="utf-8")
+        text = PARTS["python"].replace('env_name="Runner",', f'env_name="Runner", endpoint="{endpoint}",')
+        text = text.replace("env.close()", f"{before_close}env.close()")
+        folder = str(ROOT / "python" / "11_observations")
+        script.write_text(f"import sys\nsys.path.append({folder!r})\n{text}", encoding="utf-8")
         player = start(*scene, endpoint, how)
         done = subprocess.run([PYTHON, script], capture_output=True, text=True, timeout=100)
         assert done.returncode == code, done.stderr + player.output
@@ -114,10 +115,7 @@ def test_only_marked_lines_are_new():
 
 
 def test_the_environment_hears_what_is_sent_to_nobody(run):
-    more = (
-        'env = gym.make("NetMQExample/Unity-v0", **env.spec.kwargs)\nenv.unwrapped.send_info("all", "")\nenv.close()\n'
-    )
-    _, _, player = run(more=more)
+    _, _, player = run(before_close='env.unwrapped.send_info("all", "")\n')
     player.wait_for("^heard all$")
 
 

@@ -82,7 +82,8 @@ def test_both_languages_see_the_same_to_the_last_bit(make, launch):
             assert same(pictures[0], pictures[1]) or len(CLIENTS) < 3
             assert all(same(seen[0], other) for other in seen[1:])
             action = collector.policy(seen[0])
-            seen, *said = zip(*(env.step(action) for env in envs), strict=True)
+            said = list(zip(*(env.step(action) for env in envs), strict=True))
+            seen = list(said.pop(0))
             assert all(other == one for one, *others in said for other in others)
             over = said[1][0]
     assert said[3][0]["agent"] == [seen[0]["says"]] and re.fullmatch(r"coin 3 after \d+ steps", seen[0]["says"])

@@ -18,7 +18,7 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>Somebody who sees and acts. It is there while it is enabled, and may come late and leave early.</summary>
+    /// <summary>Somebody who sees and acts. While it is enabled it takes part: it may come late.</summary>
     [DisallowMultipleComponent]
     public abstract class Agent : MonoBehaviour, IAgent
     {

@@ -56,7 +56,7 @@ namespace NetMQExample
         /// <param name="name">The agent's; two agents of a scene have two.</param>
         /// <param name="observed">Whose members are seen.</param>
         /// <param name="period">How many ticks a step of this agent takes.</param>
-        /// <exception cref="ArgumentException">A locator is wrong; the message names class, member and column.</exception>
+        /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
         public AgentState(string name, object observed, int period = 1)
         {
             (Name, Period) = (name, Math.Max(1, period));
@@ -89,7 +89,7 @@ namespace NetMQExample
         public IReadOnlyDictionary<string, object> Options { get; internal set; } = new Dictionary<string, object>();
 
         /// <summary>A source whose locator is read here, once.</summary>
-        /// <exception cref="ArgumentException">The locator is wrong; the message names the source and the column.</exception>
+        /// <exception cref="ArgumentException">The locator is wrong; the message says where.</exception>
         public static Source Make(string name, string locator, string standard, Locator scope, Func<object> read)
         {
             try { return new Source(name, Locator.Parse(locator, standard, scope), read); }

@@ -18,7 +18,8 @@ namespace NetMQExample
         private static readonly Dictionary<Type, string> Same = new Dictionary<Type, string>
         {
             [typeof(byte)] = "uint8", [typeof(bool)] = "uint8", [typeof(ushort)] = "uint16", [typeof(char)] = "uint16",
-            [typeof(int)] = "int32", [typeof(long)] = "int64", [typeof(float)] = "float32", [typeof(double)] = "float64",
+            [typeof(int)] = "int32", [typeof(long)] = "int64",
+            [typeof(float)] = "float32", [typeof(double)] = "float64",
         };
 
         private static readonly Dictionary<Type, string> Wider = new Dictionary<Type, string>
@@ -42,7 +43,7 @@ namespace NetMQExample
         /// <summary>An array of whatever has numbers in it.</summary>
         /// <param name="value">A number, or items, or items in items, all equally many.</param>
         /// <param name="dtype">What it becomes; if empty, what its numbers are.</param>
-        /// <exception cref="MessageException">It is no array of numbers, or one of them would become another.</exception>
+        /// <exception cref="MessageException">It is no array of numbers, or one would become another.</exception>
         public static MessageArray Value(object value, string dtype = "")
         {
             value = Observed.Engine(value);
@@ -82,8 +83,9 @@ namespace NetMQExample
             }
             if (!(value is IEnumerable items) || value is string)
             {
+                var type = value?.GetType().Name ?? "null";
                 if (!(value is IConvertible) || value is string)
-                    throw new MessageException("no-space", $"a Box has numbers, and no {value?.GetType().Name ?? "null"}");
+                    throw new MessageException("no-space", $"a Box has numbers, and no {type}");
                 numbers.Add(value is char unit ? (ushort)unit : value);
                 return new int[0];
             }

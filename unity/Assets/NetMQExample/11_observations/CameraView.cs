@@ -10,7 +10,7 @@ using Object = UnityEngine.Object;
 
 namespace NetMQExample
 {
-    /// <summary>Has a camera look when it is asked to, and only then. For the main thread, which waits for it.</summary>
+    /// <summary>Has a camera look when it is asked to. For the main thread, which waits for it.</summary>
     public sealed class CameraView : IDisposable
     {
         private readonly Camera camera;

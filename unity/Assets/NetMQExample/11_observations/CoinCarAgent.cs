@@ -1,7 +1,7 @@
 // Lesson 11 in Unity, the example: a car that collects coins, and a camera above the field.
 //
-// Use: it stands in the lesson's scene, with a GymManager and a CameraSensor. At home your own agent takes its place: one
-// whose own fields have the attributes, which here are CoinCar's, because the terminal client sees with them as well.
+// Use: it stands in the lesson's scene, with a GymManager and a CameraSensor. At home your own agent takes its place:
+// one whose own fields have the attributes, which here are CoinCar's, because the terminal client sees with them too.
 using System.Collections.Generic;
 using UnityEngine;
 
@@ -51,7 +51,11 @@ namespace NetMQExample
             body.position = Ground(car.Spot.X, car.Spot.Y, 0.5f);
             while (coins.Count < car.Spots.Count) coins.Add(Cube(new Color32(240, 200, 40, 255), 0.6f));
             for (var i = 0; i < coins.Count; i++)
-                coins[i].position = i < car.Spots.Count ? Ground(car.Spots[i].X, car.Spots[i].Y, 0.3f) : Ground(5, 5, -9);
+            {
+                // What was collected lies below the ground.
+                var (x, y) = i < car.Spots.Count ? car.Spots[i] : car.Spot;
+                coins[i].position = Ground(x, y, i < car.Spots.Count ? 0.3f : -1);
+            }
         }
 
         private static Vector3 Ground(double x, double y, float up) => new Vector3((float)x, up, (float)y);

@@ -1,10 +1,10 @@
 // Lesson 11 in Unity: what an agent sees is said where it is declared. This brings all agents of the scene to Python.
 //
 // Use: start python/11_observations/server.py, open this lesson's scene, press Play. For your own scene: add this
-// component to any GameObject, and agents (Agent.cs) and camera sensors wherever they belong. A game that Python launches
-// takes the endpoint from its command line, and quits when Python closes it.
-// Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. What a script
-// does in FixedUpdate, it does in OnTick from now on.
+// component to any GameObject, and agents (Agent.cs) and camera sensors wherever they belong. A game that Python
+// launches takes the endpoint from its command line, and quits when Python closes it.
+// Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. What a
+// script does in FixedUpdate, it does in OnTick from now on.
 using System;
 using System.Threading;
 using UnityEngine;
@@ -24,15 +24,14 @@ namespace NetMQExample
         private SimulationMode before;
         private volatile bool launched;
 
-        /// <summary>What the environment itself says and hears: SendInfo and OnInfo. Another one after each enable.</summary>
+        /// <summary>What the environment itself says and hears: SendInfo, OnInfo. New after each enable.</summary>
         public SceneSimulator Simulator { get; private set; }
 
         /// <inheritdoc/>
         protected override void Begin()
         {
             (before, Physics.simulationMode) = (Physics.simulationMode, SimulationMode.Script);
-            Simulator = new SceneSimulator(
-                envName, dt, Agent.All, CameraSensor.All, () => Physics.Simulate((float)dt));
+            Simulator = new SceneSimulator(envName, dt, Agent.All, CameraSensor.All, Simulate);
             base.Begin();
         }
 
@@ -55,6 +54,8 @@ namespace NetMQExample
             client.Run(Simulator, count, FromUpdate, stop);
             Log($"done: {Simulator.Episodes} episodes, {Simulator.Steps} steps");
         }
+
+        private void Simulate() => Physics.Simulate((float)dt);
 
         /// <inheritdoc/>
         protected override void Update()

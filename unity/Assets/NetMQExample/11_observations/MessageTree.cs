@@ -83,7 +83,7 @@ namespace NetMQExample
                 && graph.TryGetValue("nodes", out var nodes) && graph.TryGetValue("edges", out var edges)
                 && graph.TryGetValue("edge_links", out var links))
                 return new MessageGraph(Value(nodes, arrays), Value(edges, arrays), Value(links, arrays));
-            throw new MessageException("bad-tree", $"what is in {{ }} is no array of {arrays.Count}, no dict, no graph");
+            throw new MessageException("bad-tree", $"a {{ }} is no array of {arrays.Count}, no dict, no graph");
         }
 
         private static object Checked(object value)

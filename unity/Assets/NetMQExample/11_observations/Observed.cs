@@ -31,7 +31,7 @@ namespace NetMQExample
             FullName = $"{type.Name}.{member.Name}";
         }
 
-        /// <summary>Makes what an engine has, such as a Vector3, numbers or lists. Agent.cs sets it for Unity.</summary>
+        /// <summary>Makes numbers or lists of what an engine has, such as a Vector3. Agent.cs sets it.</summary>
         public static Func<object, object> Engine { get; set; } = value => value;
 
         /// <summary>Class and member, for a person who must mend something.</summary>
@@ -47,7 +47,7 @@ namespace NetMQExample
         public static IReadOnlyList<Observed> Members(Type type) => Known.GetOrAdd(type, Find);
 
         /// <summary>The value that an object has here now.</summary>
-        /// <exception cref="MessageException">It has no place in a message; the text names class and member.</exception>
+        /// <exception cref="MessageException">It has no place in a message; the text names the member.</exception>
         public object Read(object from)
         {
             try
