@@ -5,8 +5,8 @@
 
 Without `launch=["Build/Coins.exe"]`, or `file_name`, it waits for Play. The spaces are declared here, what is in them
 is declared in C#, at the fields that hold it.
-Take home: this file, unity_agents.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py,
-simulators.py and spaces.py of lesson 09 and messages.py of lesson 05.
+Take home: this file, unity_agents.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
+connection.py, simulators.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
 import weakref
