@@ -169,7 +169,7 @@ def test_what_is_no_tree_is_refused_by_both(program):
         (float("nan"), "bad-value"),
         (2**53, "bad-value"),
         ({1: 2}, "bad-tree"),
-        ({"a": object()}, "bad-tree"),
+        ({"a": object}, "bad-tree"),
         (b"x", "bad-tree"),
         (np.zeros(1, np.uint64), "bad-dtype"),
         (np.array(["x"]), "bad-dtype"),
