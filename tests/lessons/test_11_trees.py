@@ -174,7 +174,7 @@ def test_what_is_no_tree_is_refused_by_both(program):
         (np.zeros(1, np.uint64), "bad-dtype"),
         (np.array(["x"]), "bad-dtype"),
     ],
-    ids=repr,
+    ids=["NaN", "2**53", "a number as key", "an object", "bytes", "uint64", "an array of texts"],
 )
 def test_what_no_message_takes_is_refused_before_it_is_sent(value, code):
     with pytest.raises(MessageError) as refusal:
