@@ -12,10 +12,14 @@ Take home: this file, remote_agents.py and infos.py, with connection.py, simulat
 messages.py of 05. They need pettingzoo.
 """
 
+import sys
 import time
 import weakref
+from pathlib import Path
 from typing import Any
 
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
 from connection import Lost
 from gymnasium.spaces import Space
 from gymnasium.utils import seeding

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import json
 import shutil
 import subprocess
@@ -321,3 +323,24 @@ def test_gymnasiums_render_modes_become_films(mode, make, launch, tmp_path):
     again, times = shown(tmp_path / "episode.gif")
     assert times == [20] * 9
     assert all(np.array_equal(*pair) for pair in zip(again, pictures, strict=True))
+
+
+def test_a_game_of_hunters_and_rabbits_becomes_a_film(launch, tmp_path):
+    """Lesson 10's agents: the pictures of a whole game, in the world's own time, read by Pillow and in its order."""
+    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
+    sys.path.append(str(ROOT / "python" / "10_many_agents"))
+    parallel, players = importlib.import_module("parallel"), importlib.import_module("players")
+    env = parallel.ZmqParallelEnv("Pursuit", launch=launch("python", key="10_many_agents"), render_mode="rgb_array")
+    with contextlib.closing(env):
+        seen, _ = env.reset(seed=1)
+        film, pictures, second = open_film(tmp_path / "pursuit.gif"), [env.render()], 1 / env.metadata["render_fps"]
+        film.add(pictures[0], 0)
+        while env.agents:
+            seen, *_ = env.step({agent: players.policy(agent, seen[agent]) for agent in env.agents})
+            pictures.append(env.render())
+            film.add(pictures[-1], second * (len(pictures) - 1))
+        film.close(second * len(pictures))
+    again, times = shown(tmp_path / "pursuit.gif")
+    assert len(again) == len(pictures) > 20 and sum(times) == pytest.approx(1000 * second * len(pictures), abs=10)
+    assert all(np.array_equal(*pair) for pair in zip(again, pictures, strict=True))
+    assert len({picture.tobytes() for picture in pictures}) > len(pictures) / 2, "they move"
