@@ -7,6 +7,7 @@ Take home: this file and recording.py.
 """
 
 import math
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,7 +26,8 @@ def watch(device: int, model: Path, persons: int) -> Iterator[People]:
         import cv2
         import mediapipe
     except ImportError as error:
-        raise SourceError(f"no {error.name}: pip install mediapipe opencv-python, or leave out --camera") from None
+        cure = f"{sys.executable} -m pip install mediapipe opencv-python"
+        raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
     if not model.is_file():
         raise SourceError(f"there is no model {model.name!r:.80}: take one from {MODELS}, and name it with --model")
     webcam = cv2.VideoCapture(device)
