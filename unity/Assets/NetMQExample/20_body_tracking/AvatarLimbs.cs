@@ -30,11 +30,13 @@ namespace NetMQExample
         /// <summary>Where the shoulders look.</summary>
         public static Quaternion Chest(BodyTracker body) => Axes(body.Place(12) - body.Place(11), Spine(body));
 
-        /// <summary>Where the face looks, from between the ears to the nose.</summary>
+        /// <summary>Where the face looks: from between the ears to the middle of nose and eyes, which is as high.
+        /// </summary>
         public static Quaternion Head(BodyTracker body)
         {
             var right = body.Place(8) - body.Place(7);
-            return Axes(right, Vector3.Cross(body.Place(0) - (body.Place(7) + body.Place(8)) / 2, right));
+            var face = (body.Place(0) + body.Place(2) + body.Place(5)) / 3;
+            return Axes(right, Vector3.Cross(face - (body.Place(7) + body.Place(8)) / 2, right));
         }
 
         private static Vector3 Spine(BodyTracker body) =>
