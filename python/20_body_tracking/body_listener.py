@@ -63,8 +63,10 @@ class BodyListener:
     def receive(self, patience: float) -> BodyPose:
         """Wait for a pose; TimeoutError if none comes."""
         end = time.monotonic() + patience
-        while not (pose := parse(self.listener.newest(max(0.0, end - time.monotonic())))):
-            pass
+        while not (pose := parse(self.listener.newest(patience))):
+            # However much of something else comes.
+            if time.monotonic() >= end:
+                raise TimeoutError(f"no pose from {self.listener.endpoint} within {patience:g} s; is that this server?")
         # Numbers and seconds begin anew with each start of the server.
         self.restarted = pose.number <= self.number
         if self.restarted:

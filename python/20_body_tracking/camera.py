@@ -3,7 +3,7 @@
     pip install mediapipe opencv-python     and a model: MODELS says where it is
     python python/20_body_tracking/server.py --camera --model pose_landmarker_lite.task
 
-Take home: this file and recording.py.
+Take home: this file and people.py.
 """
 
 import math
@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from recording import LANDMARKS, Landmark, People, SourceError
+from people import LANDMARKS, Landmark, People, SourceError
 
 MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision/pose_landmarker"
 # Where a person is in the picture, from 0 to 1; None before that is known.

@@ -9,7 +9,7 @@ that MediaPipe numbers: in metres from the middle of the hips, x to the right of
 camera, with a decimal point. PERSON counts from 0, NUMBER from 1, SECONDS from the start of the server. Where no
 landmarks follow, nobody is there.
 Trouble on command: a client with `--work 0.1` is too slow; stop this server while a client listens, and start it
-again. Take home: this file, recording.py, walk.csv and camera.py.
+again. Take home: this file, people.py, walk.csv and camera.py.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from pathlib import Path
 
 import zmq
 from camera import watch
-from recording import Landmark, Pictures, SourceError, play, read
+from people import Landmark, Pictures, SourceError, play, read
 
 # What listeners send are subscriptions, and those are short.
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5570", zmq.PUB, 1000

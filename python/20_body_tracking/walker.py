@@ -3,13 +3,13 @@
     python python/20_body_tracking/walker.py     writes walk.csv beside this file: 3 seconds, 30 poses a second
 
 Person 0 walks on the spot, turned half to the side. Person 1 faces the camera, raises its arms and bends its knees.
-A recording of your own: write it with `write`. Take home: this file and recording.py.
+A recording of your own: write it with `write`. Take home: this file and people.py.
 """
 
 import math
 from pathlib import Path
 
-from recording import Landmark, write
+from people import Landmark, write
 
 RATE, SECONDS = 30, 3
 # A place in metres from the middle of the hips: forward, to the person's left, up.

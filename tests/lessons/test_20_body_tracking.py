@@ -19,12 +19,12 @@ KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
 import body_listener  # noqa: E402
-import recording  # noqa: E402
+import people  # noqa: E402
 
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = pytest.mark.parametrize("kind", ["python", "csharp"])
 each_client = pytest.mark.parametrize("kind", CLIENTS)
-WALK = recording.read(LESSON / "walk.csv")
+WALK = people.read(LESSON / "walk.csv")
 
 
 @pytest.fixture
@@ -42,8 +42,8 @@ def message(number, body, person=0, seconds=1.5):
 
 def knee(number, person):
     """The right knee's angle in the pose of this number, whole degrees."""
-    _, people = WALK[(number - 1) % len(WALK)]
-    return f"{body_listener.parse(message(number, people[person])).angle(24, 26, 28):.0f}"
+    _, there = WALK[(number - 1) % len(WALK)]
+    return f"{body_listener.parse(message(number, there[person])).angle(24, 26, 28):.0f}"
 
 
 # The recorded persons
@@ -68,7 +68,7 @@ def test_a_person_is_seen_to_move(kind, person, environment, serve, listen):
 
 
 def test_the_recording_is_what_the_walker_makes(start, tmp_path):
-    for name in ("walker.py", "recording.py"):
+    for name in ("walker.py", "people.py"):
         shutil.copy(LESSON / name, tmp_path)
     walker = start(PYTHON, tmp_path / "walker.py")
     assert walker.wait() == 0, walker.output
@@ -78,7 +78,7 @@ def test_the_recording_is_what_the_walker_makes(start, tmp_path):
 
 def test_the_recorded_persons_are_of_human_size_and_begin_where_they_end():
     for person in (0, 1):
-        bodies = [people[person] for _, people in WALK]
+        bodies = [there[person] for _, there in WALK]
         for before, body in zip([bodies[-1], *bodies], bodies, strict=False):
             steps = [
                 abs(a - b) for one, other in zip(before, body, strict=True) for a, b in zip(one, other, strict=True)
@@ -89,14 +89,14 @@ def test_the_recorded_persons_are_of_human_size_and_begin_where_they_end():
             )
             assert body[23][:3] == pytest.approx([-x for x in body[24][:3]]), "the origin is between the hips"
     # Person 1 looks into the camera: the left hand is on the right of the picture.
-    assert all(people[1][11][0] > 0 > people[1][12][0] for _, people in WALK)
+    assert all(there[1][11][0] > 0 > there[1][12][0] for _, there in WALK)
 
 
 def test_a_recording_of_ones_own_is_played_over_and_over(serve, listen, tmp_path):
     """With a person who is not there at first: nobody is something else than silence."""
     body = WALK[0][1][0]
-    recording.write(tmp_path / "mine.csv", [(0.0, [body, []]), (0.02, [body, body])])
-    assert recording.read(tmp_path / "mine.csv") == [(0.0, [body, []]), (0.02, [body, body])]
+    people.write(tmp_path / "mine.csv", [(0.0, [body, []]), (0.02, [body, body])])
+    assert people.read(tmp_path / "mine.csv") == [(0.0, [body, []]), (0.02, [body, body])]
     _, endpoint = serve(KEY, "--recording", str(tmp_path / "mine.csv"))
     client = listen("python", endpoint, "--person", "1", "--count", "20", "--every", "1")
     assert client.wait() == 0, client.output
@@ -105,7 +105,7 @@ def test_a_recording_of_ones_own_is_played_over_and_over(serve, listen, tmp_path
         assert ("nobody is there" in line) == (number % 2 == 1), line
 
 
-HEADER = ",".join(recording.HEADER) + "\n"
+HEADER = ",".join(people.HEADER) + "\n"
 
 
 @pytest.mark.parametrize(
@@ -221,7 +221,7 @@ def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
     while client.process.poll() is None:
         stream.send_string("pose/0/ something else")
     assert client.wait() == 1
-    assert "gave up: nothing from" in client.lines[-1]
+    assert client.lines[-1] == f"gave up: no pose from {endpoint} within 0.5 s; is that this server?"
 
 
 # The webcam, with a stand-in for MediaPipe and OpenCV: what camera.py uses of them, as their documentation has it

@@ -19,7 +19,7 @@ from tests.unity.test_unity_play import RUNTIMES, needs_mono
 LESSON = ROOT / "python" / "20_body_tracking"
 sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
 import body_listener  # noqa: E402
-import recording  # noqa: E402
+import people  # noqa: E402
 
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
@@ -50,7 +50,7 @@ def message(number: int, body: Any, person: int = 0) -> str:
 
 
 def walk(person: int = 0) -> list[Any]:
-    return [people[person] for _, people in recording.read(LESSON / "walk.csv")]
+    return [there[person] for _, there in people.read(LESSON / "walk.csv")]
 
 
 class Filter:

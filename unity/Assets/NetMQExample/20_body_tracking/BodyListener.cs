@@ -15,6 +15,7 @@ namespace NetMQExample
         private const int RightHip = 24, RightKnee = 26, RightAnkle = 28;
         private readonly TopicListener listener;
         private readonly Stopwatch clock = Stopwatch.StartNew();
+        private readonly string endpoint;
         private readonly int person;
         private double ahead = double.PositiveInfinity, behind;
         private long number;
@@ -25,7 +26,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public BodyListener(string endpoint, int person)
         {
-            this.person = person;
+            (this.endpoint, this.person) = (endpoint, person);
             listener = new TopicListener(endpoint, FormattableString.Invariant($"pose/{person}/"));
         }
 
@@ -44,13 +45,12 @@ namespace NetMQExample
         public BodyPose Receive(TimeSpan patience, CancellationToken stop = default)
         {
             BodyPose pose;
-            var begun = clock.Elapsed;
-            do
-            {
-                var left = patience - (clock.Elapsed - begun);
-                pose = BodyPose.Parse(listener.Newest(left > TimeSpan.Zero ? left : TimeSpan.Zero, stop));
-            }
-            while (pose == null);
+            var end = clock.Elapsed + patience;
+            while ((pose = BodyPose.Parse(listener.Newest(patience, stop))) == null)
+                // However much of something else comes.
+                if (clock.Elapsed >= end)
+                    throw new TimeoutException(FormattableString.Invariant(
+                        $"no pose from {endpoint} within {patience.TotalSeconds} s; is that this server?"));
             // Numbers and seconds begin anew with each start of the server.
             Restarted = pose.Number <= number;
             if (Restarted) ahead = double.PositiveInfinity;

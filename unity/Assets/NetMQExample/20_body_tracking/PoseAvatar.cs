@@ -13,7 +13,8 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The character; its Rig must be Humanoid")] private Animator character;
 
-        private static readonly HumanBodyBones[] Trunk = { HumanBodyBones.Hips, HumanBodyBones.Spine, HumanBodyBones.Head };
+        private static readonly HumanBodyBones[] Trunk =
+            { HumanBodyBones.Hips, HumanBodyBones.Spine, HumanBodyBones.Head };
         private BodyTracker tracker;
         private AvatarBone[] trunk, limbs;
 
