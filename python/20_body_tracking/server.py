@@ -37,9 +37,11 @@ def pose(person: int, number: int, seconds: float, body: list[Landmark]) -> str:
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """Send never waits: whoever is not there yet, or listens too slowly, does not get it."""
-    webcam = options.camera is not None
     try:
-        source = watch(options.camera, options.model, options.persons) if webcam else play(options.recording)
+        if options.camera is not None:
+            source = watch(options.camera, options.model, options.persons)
+        else:
+            source = play(options.recording or read(Path(__file__).with_name("walk.csv")))
         start = time.monotonic()
         for number, people in enumerate(source, 1):
             for person, body in enumerate(people):
@@ -56,8 +58,7 @@ def recording(text: str) -> Pictures:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    walk = str(Path(__file__).with_name("walk.csv"))
-    parser.add_argument("--recording", type=recording, default=walk, help="the persons that are played")
+    parser.add_argument("--recording", type=recording, help="the persons that are played; if left out, walk.csv")
     parser.add_argument("--camera", type=int, nargs="?", const=0, help="a webcam instead; 0 is the first one")
     parser.add_argument("--model", type=Path, default=Path("pose_landmarker_lite.task"), help="for --camera")
     parser.add_argument("--persons", type=int, choices=range(1, 10), default=2, help="for --camera: how many at most")
