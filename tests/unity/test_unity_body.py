@@ -133,7 +133,7 @@ def publish(stream: zmq.Socket[bytes], bodies: list[Any], first: int, program: P
     for number, body in enumerate(bodies, first):
         begin = len(program.lines)
         stream.send_string(message(number, body))
-        program.wait_for(f"^person 0: pose {number}, ", start=max(0, begin - 1))
+        program.wait_for(f"^person 0: pose {number}, ", start=begin)
 
 
 @on_each_runtime
@@ -188,6 +188,22 @@ def test_a_restart_of_the_server_makes_no_jump(
     assert program.lines.count("person 0: the server was started again") == 1
     fastest = float(program.wait_for(r"^fastest ([\d.]+) m/s$")[1])
     assert 1 < fastest <= FASTEST * 1.01
+
+
+def test_a_server_that_is_away_is_waited_for(
+    play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
+) -> None:
+    """And when it is back, the body moves on."""
+    stream, endpoint = stage
+    program = play(".net", endpoint, "count=2", "every=1", "patience=0.3", "tries=200")
+    assert stream.poll(20_000)
+    publish(stream, [walk()[0]], 1, program)
+    for _ in range(2):
+        begin = len(program.lines)
+        program.wait_for("^trouble: nothing from .* within 0.3 s; is the server running[?]$", start=begin)
+    publish(stream, [walk()[1]], 1, program)
+    assert program.wait() == 0, program.output
+    assert "done: 2 poses, 0 skipped" in program.lines
 
 
 @pytest.mark.xdist_group("times")

@@ -3,6 +3,7 @@
 //
 // Use: start python/20_body_tracking/server.py, add this component and one of those to an object, press Play. A second
 // person is a second object.
+using System;
 using System.Threading;
 using UnityEngine;
 
@@ -16,6 +17,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count = 150;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 25;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
+        [SerializeField, Min(1), Tooltip("Times in a row to wait without a pose")] private int tries = 20;
 
         private readonly OneEuroFilter filter = new OneEuroFilter(3 * BodyPose.Landmarks);
         private volatile BodyPose newest;
@@ -34,8 +36,7 @@ namespace NetMQExample
         protected override void Update()
         {
             base.Update();
-            var pose = newest;
-            if (pose?.Places != null) filter.Step(pose.Places, Time.deltaTime);
+            if (newest?.Places is double[] places) filter.Step(places, Time.deltaTime);
         }
 
         /// <inheritdoc/>
@@ -43,11 +44,17 @@ namespace NetMQExample
         {
             Log($"listening to 'pose/{person}/' from {endpoint}");
             using var listener = new BodyListener(endpoint, person);
-            for (var i = 0; i < count || count == 0; i++)
+            for (int i = 0, lost = 0; i < count || count == 0;)
             {
-                newest = listener.Receive(Seconds(patience), stop);
-                if (listener.Restarted) Log($"person {person}: the server was started again");
-                if (every > 0 && i % every == 0) Log(listener.Line(newest));
+                try
+                {
+                    newest = listener.Receive(Seconds(patience), stop);
+                    if (listener.Restarted) Log($"person {person}: the server was started again");
+                    if (every > 0 && i % every == 0) Log(listener.Line(newest));
+                    (i, lost) = (i + 1, 0);
+                }
+                // The body stands still meanwhile.
+                catch (TimeoutException e) when (++lost < tries) { Log($"trouble: {e.Message}"); }
             }
             Log($"done: {count} poses, {listener.Skipped} skipped");
         }
