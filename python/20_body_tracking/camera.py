@@ -37,9 +37,13 @@ def watch(device: int, model: Path, persons: int) -> Iterator[People]:
         running_mode=vision.RunningMode.VIDEO,
         num_poses=persons,
     )
+    try:
+        landmarker = vision.PoseLandmarker.create_from_options(options)
+    except (RuntimeError, ValueError) as error:
+        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {error!s:.80}") from None
     places: list[Place] = [None] * persons
     start = time.monotonic()
-    with vision.PoseLandmarker.create_from_options(options) as landmarker:
+    with landmarker:
         while True:
             there, picture = webcam.read()
             if not there:

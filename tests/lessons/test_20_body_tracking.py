@@ -257,7 +257,8 @@ class PoseLandmarker:
     @classmethod
     def create_from_options(cls, options):
         assert options.num_poses == 2 and options.running_mode == "VIDEO", options
-        assert options.base_options.model_asset_path.endswith("model.task"), options
+        with open(options.base_options.model_asset_path) as model:
+            if model.read() == "a web page": raise RuntimeError("Unable to open zip archive.")
         return cls()
     def __enter__(self): return self
     def __exit__(self, *error): pass
@@ -339,9 +340,15 @@ def test_without_a_webcam_it_says_what_is_missing(words, there, says, webcam):
     assert "Traceback" not in server.output
 
 
-def test_without_a_model_it_says_where_to_get_one(webcam, tmp_path, start):
+def test_without_a_model_it_says_what_is_wrong(webcam, tmp_path, start):
     webcam().kill()
-    command = [PYTHON, LESSON / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--camera", "--model", "none.task"]
-    server = start(*command, PYTHONPATH=str(tmp_path))
-    assert server.wait() == 1
-    assert "no poses: there is no model 'none.task': take one from https://" in server.lines[-1]
+    (tmp_path / "page.task").write_text("a web page", encoding="utf-8")
+    for model, says in (
+        ("none.task", "there is no model 'none.task': take one from https://"),
+        ("page.task", "MediaPipe does not take the model 'page.task': Unable to open zip archive."),
+    ):
+        command = [PYTHON, LESSON / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--camera", "--model", model]
+        server = start(*command, folder=tmp_path, PYTHONPATH=str(tmp_path))
+        assert server.wait() == 1
+        assert f"no poses: {says}" in server.lines[-1], server.output
+        assert "Traceback" not in server.output
