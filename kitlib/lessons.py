@@ -108,7 +108,12 @@ class Lesson:
     @property
     def title(self) -> str:
         """Its first line, without the lesson's number."""
-        return re.sub(r"^Lesson \d+, ", "", self.header.splitlines()[0])
+        return re.sub(r"^(Lesson|Application) \d+, ", "", self.header.splitlines()[0])
+
+    @property
+    def is_application(self) -> bool:
+        """It teaches nothing new: it shows what people build, with files of the lessons before it."""
+        return self.number >= 20
 
     @property
     def also(self) -> list[list[str]]:

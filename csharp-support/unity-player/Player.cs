@@ -82,6 +82,9 @@ namespace UnityPlayer
             Input.Pressed.UnionWith(keys);
         }
 
+        /// <summary>Gives a character a bone, as the import of a model with the rig Humanoid does.</summary>
+        public static void MakeHuman(Animator character, HumanBodyBones bone, Transform part) => character.Bones[bone] = part;
+
         /// <summary>What OnGUI has drawn last.</summary>
         public static string Drawn => GUI.Drawn;
 

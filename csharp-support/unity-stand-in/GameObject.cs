@@ -27,7 +27,9 @@ namespace UnityEngine
         public static GameObject CreatePrimitive(PrimitiveType type)
         {
             MainThread.Only(nameof(CreatePrimitive));
-            if (type != PrimitiveType.Cube) throw new NotSupportedException("the player has only cubes");
+            // The player draws a sphere as a cube.
+            if (type != PrimitiveType.Cube && type != PrimitiveType.Sphere)
+                throw new NotSupportedException("the player has only cubes and spheres");
             var thing = new GameObject($"{type}");
             thing.AddComponent<MeshRenderer>();
             return thing;

@@ -8,6 +8,11 @@ namespace UnityEngine
         Script,
     }
 
+    // Nothing here has one.
+    public class Collider : Component
+    {
+    }
+
     public class Physics
     {
         private static SimulationMode mode;

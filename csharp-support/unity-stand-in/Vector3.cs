@@ -33,6 +33,10 @@ namespace UnityEngine
 
         public static float Distance(Vector3 a, Vector3 b) => (a - b).magnitude;
 
+        // Unity's axes are left-handed, and so to the right times up is forward.
+        public static Vector3 Cross(Vector3 lhs, Vector3 rhs) =>
+            new Vector3((lhs.y * rhs.z) - (lhs.z * rhs.y), (lhs.z * rhs.x) - (lhs.x * rhs.z), (lhs.x * rhs.y) - (lhs.y * rhs.x));
+
         public static Vector3 Lerp(Vector3 a, Vector3 b, float t) => a + ((b - a) * Math.Min(Math.Max(t, 0), 1));
 
         public static Vector3 operator +(Vector3 a, Vector3 b) => new Vector3(a.x + b.x, a.y + b.y, a.z + b.z);
@@ -98,6 +102,25 @@ namespace UnityEngine
             return Euler((float)(-Math.Atan2(forward.y, level) * degrees), (float)(Math.Atan2(forward.x, forward.z) * degrees), 0);
         }
 
+        // With its own up as near to this one as can be.
+        public static Quaternion LookRotation(Vector3 forward, Vector3 upwards)
+        {
+            var right = Vector3.Cross(upwards, forward);
+            // Where there is no such up, Unity takes the shortest way.
+            if (right.sqrMagnitude < 1e-12f) return forward.sqrMagnitude == 0 ? LookRotation(forward) : FromToRotation(Vector3.forward, forward);
+            var first = FromToRotation(Vector3.right, right);
+            return FromToRotation(first * Vector3.forward, forward, right) * first;
+        }
+
+        // The shortest way.
+        public static Quaternion FromToRotation(Vector3 fromDirection, Vector3 toDirection)
+        {
+            var any = Math.Abs(fromDirection.x) < Math.Abs(fromDirection.y) ? Vector3.right : Vector3.up;
+            return FromToRotation(fromDirection, toDirection, Vector3.Cross(fromDirection, any));
+        }
+
+        public static Quaternion Inverse(Quaternion rotation) => rotation.Back;
+
         public static Quaternion operator *(Quaternion lhs, Quaternion rhs) => new Quaternion(
             (lhs.w * rhs.x) + (lhs.x * rhs.w) + (lhs.y * rhs.z) - (lhs.z * rhs.y),
             (lhs.w * rhs.y) + (lhs.y * rhs.w) + (lhs.z * rhs.x) - (lhs.x * rhs.z),
@@ -111,6 +134,18 @@ namespace UnityEngine
         }
 
         internal Quaternion Back => new Quaternion(-x, -y, -z, w);
+
+        // Around this axis, where the two are opposite and every way is as short as the others.
+        private static Quaternion FromToRotation(Vector3 from, Vector3 to, Vector3 axis)
+        {
+            double lengths = Math.Sqrt((double)from.sqrMagnitude * to.sqrMagnitude);
+            if (lengths == 0) return identity;
+            var half = Vector3.Cross(from, to);
+            var w = lengths + ((double)from.x * to.x) + ((double)from.y * to.y) + ((double)from.z * to.z);
+            if (w < 1e-7 * lengths) (half, w) = (axis, 0);
+            var length = Math.Sqrt((double)half.sqrMagnitude + (w * w));
+            return new Quaternion((float)(half.x / length), (float)(half.y / length), (float)(half.z / length), (float)(w / length));
+        }
 
         private static Quaternion About(Vector3 axis, float degrees)
         {

@@ -22,7 +22,14 @@ SECTIONS = (
     "Next",
 )
 # Pure reference: nothing to run, to break or to ask.
-REFERENCE = {"11_locators.md", "from_gymize.md", "glossary.md", "questions.md", "where_to_go_next.md"}
+REFERENCE = {
+    "11_locators.md",
+    "from_gymize.md",
+    "from_udp_receive.md",
+    "glossary.md",
+    "questions.md",
+    "where_to_go_next.md",
+}
 # What PowerShell 5.1, cmd, bash and zsh all take as it stands: programs, words, and text in double quotes.
 PROGRAMS = ("python3", "python", "dotnet", "git", "cd")
 WORD = r"[\w./:=,-]"

@@ -25,17 +25,18 @@ from kitlib.setup import dotnet
 from kitlib.terminal import COLOURS
 from tests.conftest import PYTHON
 from tests.docs import guide_checks as checks
-from tests.programs import ROOT
+from tests.programs import ROOT, steady_port
 
 GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
 # Blocks that nothing compares, all pages together. One more wants a reason better than haste.
-BY_HAND = 36
+BY_HAND = 41
 EXPECTED_PAGES = {
     *(f"{lesson.key}.md" for lesson in lessons()),
     "11_locators.md",
     "from_gymize.md",
+    "from_udp_receive.md",
     "start_here.md",
     "unity_project.md",
     "without_unity.md",
@@ -314,6 +315,55 @@ def test_a_script_of_yours_plays(tmp_path, console, serve):
     # One at once, one after a second, one after two; and no error at Stop.
     assert said == ["where to?"] * len(said), said
     assert 2 <= len(said) <= 3
+
+
+# Until the second joint is where the publisher says.
+HANDS = """
+using System;
+using System.Reflection;
+using UnityEngine;
+class Hands
+{
+    static void Main(string[] args)
+    {
+        var player = new UnityPlayer.Player(typeof(HandReceiver).Assembly);
+        var joints = new Transform[2];
+        player.Begin(() =>
+        {
+            for (var i = 0; i < 2; i++) joints[i] = new GameObject("joint").transform;
+            var thing = new GameObject("hand");
+            thing.SetActive(false);
+            var script = (MonoBehaviour)thing.AddComponent(typeof(HandReceiver));
+            UnityPlayer.Inspector.Set(new[] { script }, "endpoint", args[0]);
+            var field = typeof(HandReceiver).GetField("joints", BindingFlags.NonPublic | BindingFlags.Instance);
+            field.SetValue(script, joints);
+            thing.SetActive(true);
+        });
+        player.Run(TimeSpan.FromSeconds(20), () => joints[1].localPosition.z != 0);
+        Console.WriteLine($"{joints[0].localPosition} {joints[1].localPosition}");
+        player.Stop();
+    }
+}
+"""
+
+
+def test_the_way_from_udp(tmp_path, console, start):
+    """The publisher and the component that the page for whoever comes from UDPReceive.cs gives, against each other."""
+    publisher, component = (block.body for block in BLOCKS if "test_the_way_from_udp" in block.source)
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    loop = "import time\nfor i in range(5000):\n    send([(0.5, 1, 2), (-1.25, 0, 3)], i)\n    time.sleep(0.02)\n"
+    program = publisher.replace("tcp://127.0.0.1:5052", endpoint) + loop
+    (tmp_path / "publisher.py").write_text(program, encoding="utf-8")
+    start(PYTHON, tmp_path / "publisher.py")
+    usings = "".join(line + "\n" for line in SURROUNDINGS.splitlines() if line.startswith("using"))
+    (tmp_path / "HandReceiver.cs").write_text(usings + component, encoding="utf-8")
+    (tmp_path / "Hands.cs").write_text(HANDS, encoding="utf-8")
+    done = build(tmp_path, console, "<OutputType>Exe</OutputType>")
+    assert done.returncode == 0, done.stdout + done.stderr
+    done = subprocess.run(
+        ["dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), endpoint], capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout.splitlines()[-1:] == ["(0.50, 1.00, 2.00) (-1.25, 0.00, 3.00)"], done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,35 @@
+// Application 20 in a terminal: the terminal client of BodyTracker.cs, with the same BodyListener.
+//
+//     dotnet run --project csharp-console -- 20                 150 poses of person 0, one in 25 is printed
+//     dotnet run --project csharp-console -- 20 --person 1      the other one
+//     dotnet run --project csharp-console -- 20 --work 0.1      too slow: what it skips is not waited for
+using System;
+using System.Threading;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson20
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5570");
+            var person = arguments.Whole("person", 0);
+            var count = arguments.Whole("count", 150);
+            var every = arguments.Whole("every", 25);
+            var patience = arguments.Seconds("patience", 5);
+            var work = arguments.Seconds("work", 0);
+            arguments.RefuseTheRest();
+
+            using var listener = new BodyListener(endpoint, person);
+            Console.WriteLine($"listening to 'pose/{person}/' from {endpoint}");
+            for (var i = 0; i < count || count == 0; i++)
+            {
+                var pose = listener.Receive(patience);
+                if (listener.Restarted) Console.WriteLine($"person {person}: the server was started again");
+                if (every > 0 && i % every == 0) Console.WriteLine(listener.Line(pose));
+                Thread.Sleep(work);
+            }
+            Console.WriteLine($"done: {count} poses, {listener.Skipped} skipped");
+        }
+    }
+}

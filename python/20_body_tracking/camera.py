@@ -1,0 +1,82 @@
+"""Application 20, persons in front of a webcam: MediaPipe finds them. Nothing else here needs MediaPipe or OpenCV.
+
+    pip install mediapipe opencv-python     and a model: MODELS says where it is
+    python python/20_body_tracking/server.py --camera --model pose_landmarker_lite.task
+
+Take home: this file and people.py.
+"""
+
+import math
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from people import LANDMARKS, Landmark, People, SourceError
+
+MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision/pose_landmarker"
+# Where a person is in the picture, from 0 to 1; None before that is known.
+Place = tuple[float, float] | None
+
+
+def watch(device: int, model: Path, persons: int) -> Iterator[People]:
+    """The persons of each of the webcam's pictures, each always in the same place of the list."""
+    try:
+        import cv2
+        import mediapipe
+    except ImportError as error:
+        cure = f"{sys.executable} -m pip install mediapipe opencv-python"
+        raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
+    if not model.is_file():
+        raise SourceError(f"there is no model {model.name!r:.80}: take one from {MODELS}, and name it with --model")
+    webcam = cv2.VideoCapture(device)
+    vision = mediapipe.tasks.vision
+    options = vision.PoseLandmarkerOptions(
+        base_options=mediapipe.tasks.BaseOptions(model_asset_path=str(model)),
+        running_mode=vision.RunningMode.VIDEO,
+        num_poses=persons,
+    )
+    try:
+        landmarker = vision.PoseLandmarker.create_from_options(options)
+    except (RuntimeError, ValueError) as error:
+        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {error!s:.80}") from None
+    places: list[Place] = [None] * persons
+    start = time.monotonic()
+    with landmarker:
+        while True:
+            there, picture = webcam.read()
+            if not there:
+                raise SourceError(
+                    f"webcam {device} gives no picture: is it plugged in, or does another program use it?"
+                )
+            # OpenCV has blue first.
+            colours = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+            image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=colours)
+            result = landmarker.detect_for_video(image, int(1000 * (time.monotonic() - start)))
+            people, places = in_order(result, places)
+            yield people
+
+
+def in_order(result: Any, places: list[Place]) -> tuple[People, list[Place]]:
+    """MediaPipe lists the persons in any order: each is the one who was nearest to that place in the picture before."""
+    people: People = [[] for _ in places]
+    after = list(places)
+    free = set(range(len(places)))
+    for body, picture in zip(result.pose_world_landmarks, result.pose_landmarks, strict=True):
+        # The middle of the hips. Of world landmarks it is always 0.
+        middle = ((picture[23].x + picture[24].x) / 2, (picture[23].y + picture[24].y) / 2)
+        if free:
+            person = min(free, key=lambda i: (distance(middle, places[i]), i))
+            free.remove(person)
+            people[person], after[person] = read_landmarks(body), middle
+    return people, after
+
+
+def distance(place: tuple[float, float], before: Place) -> float:
+    # A place that nobody had yet is taken before one that is far from where its person was.
+    return math.dist(place, before) if before else 0.3
+
+
+def read_landmarks(body: Any) -> list[Landmark]:
+    return [(mark.x, mark.y, mark.z, mark.visibility) for mark in body[:LANDMARKS]]

@@ -1,0 +1,76 @@
+"""Application 20, a recording of persons: a CSV file, one line for each pose of each person.
+
+    seconds,person,x0,y0,z0,v0,x1,…,v32      33 landmarks, numbered and in metres as MediaPipe has them; v: visibility
+
+Take home: this file. `write` makes a recording of your own.
+"""
+
+import csv
+import itertools
+import math
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+# x, y, z, and how sure it is that this landmark is seen, from 0 to 1.
+Landmark = tuple[float, float, float, float]
+# The persons of one picture: 33 landmarks each, and none for one who is not there.
+People = list[list[Landmark]]
+# With the time of each, in seconds.
+Pictures = list[tuple[float, People]]
+LANDMARKS = 33
+HEADER = ["seconds", "person", *(f"{name}{i}" for i in range(LANDMARKS) for name in "xyzv")]
+
+
+class SourceError(Exception):
+    """Why there are no persons to be had: one line for the user."""
+
+
+def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEADER)
+        for seconds, people in pictures:
+            for person, body in enumerate(people):
+                numbers = [f"{number:.3f}" for landmark in body for number in landmark]
+                writer.writerow([f"{seconds:.3f}", person, *(numbers or [""] * 4 * LANDMARKS)])
+
+
+def read(path: Path) -> Pictures:
+    """Each picture's time and persons. In a picture each person has a line, in order; it is empty for nobody."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+    except (OSError, ValueError, csv.Error) as error:
+        raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}") from None
+    if len(rows) < 2 or rows[0] != HEADER:
+        raise SourceError(
+            f"{path.name!r:.80} is no recording: it must begin with the line seconds,person,x0,y0,z0,v0,…"
+        )
+    pictures = []
+    for seconds, lines in itertools.groupby(enumerate(rows[1:], start=2), key=lambda line: line[1][:1]):
+        people = [read_body(number, row, person) for person, (number, row) in enumerate(lines)]
+        pictures.append((float(seconds[0]), people))
+    return pictures
+
+
+def read_body(number: int, row: list[str], person: int) -> list[Landmark]:
+    try:
+        float(row[0])
+        values = [] if not any(row[2:]) else [float(word) for word in row[2:]]
+        if len(row) == len(HEADER) and int(row[1]) == person and all(map(math.isfinite, values)):
+            return [(x, y, z, v) for x, y, z, v in zip(*(values[i::4] for i in range(4)), strict=True)]
+    except (ValueError, IndexError):
+        pass
+    raise SourceError(f"line {number} of the recording must be seconds, person {person} and {4 * LANDMARKS} numbers")
+
+
+def play(pictures: Pictures) -> Iterator[People]:
+    """Each picture when it is due, over and over."""
+    due = time.monotonic()
+    # The last picture is shown as long as the one before it; then comes the first.
+    gaps = [later[0] - earlier[0] for earlier, later in itertools.pairwise(pictures)] or [1.0]
+    for (_, people), gap in itertools.cycle(zip(pictures, [*gaps, gaps[-1]], strict=False)):
+        yield people
+        due += min(max(gap, 0.001), 1)
+        time.sleep(max(0, due - time.monotonic()))

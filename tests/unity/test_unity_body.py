@@ -1,0 +1,224 @@
+"""Application 20 in the player: axes and smoothing to the bit on each runtime, the avatar, and what a frame costs."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zmq
+
+from kitlib.setup import dotnet
+from tests.programs import ROOT, Program
+from tests.unity.test_unity_play import RUNTIMES, needs_mono
+
+LESSON = ROOT / "python" / "20_body_tracking"
+sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
+import body_listener  # noqa: E402
+import people  # noqa: E402
+
+GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
+on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
+# As in OneEuroFilter.cs.
+CUTOFF, BETA, FASTEST = 1.5, 5.0, 6.0
+
+
+@pytest.fixture(scope="session")
+def harness(engine: dotnet.Engine) -> Path:
+    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+
+
+@pytest.fixture
+def play(engine: dotnet.Engine, harness: Path, start: Callable[..., Program]) -> Callable[..., Program]:
+    """play(".net", "count=60", …) starts tests/unity/play/Bodies.cs."""
+
+    def start_play(runtime: str, *words: str, **environment: str) -> Program:
+        if runtime == "mono":
+            needs_mono(engine)
+        return start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "body", *words, **environment)
+
+    return start_play
+
+
+def message(number: int, body: Any, person: int = 0) -> str:
+    numbers = [f"{value:.3f}" for landmark in body for value in landmark]
+    return " ".join([f"pose/{person}/ {number} {number / 30:.3f}", *numbers])
+
+
+def walk(person: int = 0) -> list[Any]:
+    return [there[person] for _, there in people.read(LESSON / "walk.csv")]
+
+
+class Filter:
+    """The One Euro filter as its paper has it, with a limit of speed: written for this test, number by number."""
+
+    def __init__(self) -> None:
+        self.values: list[float] = []
+        self.speeds: list[float] = []
+
+    def step(self, target: list[float], dt: float) -> list[float]:
+        if not self.values:
+            self.values, self.speeds = list(target), [0.0] * len(target)
+        for i, wanted in enumerate(target):
+            way = wanted - self.values[i]
+            self.speeds[i] += share(1, dt) * (way / dt - self.speeds[i])
+            move = share(CUTOFF + BETA * abs(self.speeds[i]), dt) * way
+            self.values[i] += max(-FASTEST * dt, min(FASTEST * dt, move))
+        return self.values
+
+
+def share(frequency: float, dt: float) -> float:
+    turned = 2 * math.pi * frequency * dt
+    return turned / (turned + 1)
+
+
+@on_each_runtime
+def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
+    runtime: str, play: Callable[..., Program], tmp_path: Path
+) -> None:
+    """To the bit, but for the angle, whose arc cosine each runtime has its own of; and on a German machine."""
+    corner = [(0.001 * i, 0.25, -0.5, 0.75) for i in range(33)]
+    corner[24], corner[26], corner[28] = (0, 0, 0, 1), (0, 0.4, 0, 1), (0, 0.4, -0.3, 1)
+    odd = ["pose/0/ 1 0.0 1", "pose/0/ x 0.0", message(5, corner).replace(" 0.750", " nan", 1), "news/ 1 0.0"]
+    odd += [message(5, corner).replace(" 0.750", " 0,750", 1), message(5, corner) + " 1"]
+    # The last body is half a metre away, which the limit of speed makes a way of several frames.
+    bodies = [corner, *walk()[:4], [(x + 0.5, y, z, v) for x, y, z, v in walk()[4]]]
+    file = tmp_path / "messages.txt"
+    said = [*odd, "pose/0/ 8 0.2", *(message(i, body) for i, body in enumerate(bodies, 1))]
+    file.write_text("\n".join(said), encoding="utf-8")
+    program = play(runtime, f"numbers={file}", **GERMAN)
+    assert program.wait() == 0, program.output
+    lines = [(line.split()[0], [float(word) for word in line.split()[1:]]) for line in program.lines]
+    assert lines[: len(odd)] == [("pose", [])] * len(odd)
+    assert [body_listener.parse(each) for each in odd] == [None] * len(odd)
+    assert lines[len(odd)] == ("pose", [8.0, 0.2])
+    assert body_listener.parse(said[len(odd)]) == (8, 0.2, [])
+    told, model = iter(lines[len(odd) + 1 :]), Filter()
+    knees = []
+    for number, body in enumerate(bodies, 1):
+        pose = body_listener.parse(message(number, body))
+        places = [value for landmark in pose.landmarks for value in landmark[:3]]
+        assert places[1] == -round(body[0][1], 3), "up is up"
+        assert next(told) == ("pose", [pose.number, pose.seconds])
+        assert next(told) == ("places", places)
+        assert next(told) == ("visibility", [landmark[3] for landmark in pose.landmarks])
+        name, knee = next(told)
+        assert (name, knee) == ("knee", [pytest.approx(pose.angle(24, 26, 28), abs=1e-6)])
+        knees += knee
+        before = model.values[0] if model.values else 0
+        for _ in range(2):
+            smooth = model.step(places, 1 / 60)
+        assert next(told) == ("smooth", smooth)
+    assert knees[0] == pytest.approx(90, abs=1e-6)
+    assert list(told) == []
+    # Worked out by hand: two steps of a sixtieth of a second at the limit of 6 m/s, while half a metre was to go.
+    assert smooth[0] - before == pytest.approx(0.2, abs=1e-9)
+
+
+@pytest.fixture
+def stage() -> Iterator[tuple[zmq.Socket[bytes], str]]:
+    """A publisher of the test's own, which sees subscriptions come; and where it is."""
+    with zmq.Context() as context, context.socket(zmq.XPUB) as stream:
+        stream.linger = 0
+        port = stream.bind_to_random_port("tcp://127.0.0.1")
+        yield stream, f"endpoint=tcp://127.0.0.1:{port}"
+
+
+def publish(stream: zmq.Socket[bytes], bodies: list[Any], first: int, program: Program) -> None:
+    """One pose after the other, each once the script has logged the one before it: so none is skipped."""
+    for number, body in enumerate(bodies, first):
+        begin = len(program.lines)
+        stream.send_string(message(number, body))
+        program.wait_for(f"^person 0: pose {number}, ", start=begin)
+
+
+@on_each_runtime
+def test_an_avatar_does_what_the_person_does(
+    runtime: str, play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
+) -> None:
+    """Each limb points where its landmarks say; hips, chest and face look where the person's do, and the knees too."""
+    stream, endpoint = stage
+    # Turned half to the side in mid-step, and as it comes.
+    body = walk()[7]
+    # The smoothing needs some frames to get there: it stands still meanwhile.
+    program = play(runtime, endpoint, "count=40", "every=1")
+    assert stream.poll(20_000) and stream.recv() == b"\x01pose/0/"
+    publish(stream, [body] * 40, 1, program)
+    assert program.wait() == 0, program.output
+    said = {
+        match[1]: tuple(map(float, match[2].split()))
+        for line in program.lines
+        if (match := re.match(r"(\w+ (?:points|looks)) (.+)", line))
+    }
+    places = [(x, -y, z) for x, y, z, _ in body]
+
+    def between(a: int, b: int) -> Any:
+        way = [there - here for here, there in zip(places[a], places[b], strict=True)]
+        return pytest.approx([part / math.hypot(*way) for part in way], abs=2e-3)
+
+    for side, shift in (("Left", 0), ("Right", 1)):
+        for bone, a, b in (("UpperArm", 11, 13), ("LowerArm", 13, 15), ("UpperLeg", 23, 25), ("LowerLeg", 25, 27)):
+            assert said[f"{side}{bone} points"] == between(a + shift, b + shift), f"{side}{bone}"
+    assert said["LeftFoot points"] == between(27, 31)
+    assert "RightFoot points" not in said, "a character without toes"
+    # The walker is turned by 0.9 from looking into the camera, which in Unity is to look along -z.
+    ahead = (math.sin(0.9), 0, -math.cos(0.9))
+    assert said["Hips looks"] == pytest.approx(ahead, abs=5e-3)
+    assert said["Spine looks"] == pytest.approx(ahead, abs=5e-3)
+    assert said["Head looks"] == pytest.approx(ahead, abs=0.05), "eyes and nose are not quite as high as the ears"
+    shin = said["LeftLowerLeg looks"]
+    assert shin[0] * math.sin(0.9) - shin[2] * math.cos(0.9) > 0.5, "the knee bends ahead"
+
+
+def test_a_restart_of_the_server_makes_no_jump(
+    play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
+) -> None:
+    """After it the person stands two metres away: the body gets there, and no joint is faster than the limit."""
+    stream, endpoint = stage
+    body = walk()[0]
+    program = play(".net", endpoint, "count=60", "every=1")
+    assert stream.poll(20_000)
+    publish(stream, [body] * 10, 1, program)
+    publish(stream, [[(x + 2, y, z, v) for x, y, z, v in body]] * 50, 1, program)
+    assert program.wait() == 0, program.output
+    assert program.lines.count("person 0: the server was started again") == 1
+    fastest = float(program.wait_for(r"^fastest ([\d.]+) m/s$")[1])
+    assert 1 < fastest <= FASTEST * 1.01
+
+
+def test_a_server_that_is_away_is_waited_for(
+    play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
+) -> None:
+    """And when it is back, the body moves on."""
+    stream, endpoint = stage
+    program = play(".net", endpoint, "count=2", "every=1", "patience=0.3", "tries=200")
+    assert stream.poll(20_000)
+    publish(stream, [walk()[0]], 1, program)
+    for _ in range(2):
+        begin = len(program.lines)
+        program.wait_for("^trouble: nothing from .* within 0.3 s; is the server running[?]$", start=begin)
+    publish(stream, [walk()[1]], 1, program)
+    assert program.wait() == 0, program.output
+    assert "done: 2 poses, 0 skipped" in program.lines
+
+
+@pytest.mark.xdist_group("times")
+def test_what_a_frame_costs(
+    play: Callable[..., Program],
+    serve: Callable[..., Any],
+    capsys: pytest.CaptureFixture[str],
+    pytestconfig: pytest.Config,
+) -> None:
+    """Two seconds of a person as avatar and skeleton at once, 60 frames a second; with --long a minute."""
+    frames = 3600 if pytestconfig.getoption("--long") else 120
+    _, endpoint = serve("20_body_tracking")
+    program = play(".net", f"endpoint={endpoint}", "count=0", "every=0", f"frames={frames}")
+    assert program.wait(120) == 0, program.output
+    cost = program.wait_for("^cost: .*")[0]
+    with capsys.disabled():
+        print(f"\nbody: {cost}")
+    assert cost.endswith(", 0 bytes allocated"), cost

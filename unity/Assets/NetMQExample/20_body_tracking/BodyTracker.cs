@@ -1,0 +1,62 @@
+// Application 20 in Unity: a thread takes the newest pose of a person, and Update smooths it. PoseSkeleton and
+// PoseAvatar show it.
+//
+// Use: start python/20_body_tracking/server.py, add this component and one of those to an object, press Play. A second
+// person is a second object.
+using System;
+using System.Threading;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Where the landmarks of a person are.</summary>
+    public sealed class BodyTracker : NetworkBehaviour
+    {
+        [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5570";
+        [SerializeField, Min(0), Tooltip("Which person; they count from 0")] private int person;
+        [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count = 150;
+        [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 25;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
+        [SerializeField, Min(1), Tooltip("Times in a row to wait without a pose")] private int tries = 20;
+
+        private readonly OneEuroFilter filter = new OneEuroFilter(3 * BodyPose.Landmarks);
+        private volatile BodyPose newest;
+
+        /// <summary>False before the first pose, and while nobody is there.</summary>
+        public bool Present => newest?.Places != null;
+
+        /// <summary>Where a landmark is, from the middle of the hips, in Unity's axes.</summary>
+        public Vector3 Place(int landmark)
+        {
+            var (values, x) = (filter.Values, 3 * landmark);
+            return new Vector3((float)values[x], (float)values[x + 1], (float)values[x + 2]);
+        }
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            base.Update();
+            if (newest?.Places is double[] places) filter.Step(places, Time.deltaTime);
+        }
+
+        /// <inheritdoc/>
+        protected override void Talk(CancellationToken stop)
+        {
+            Log($"listening to 'pose/{person}/' from {endpoint}");
+            using var listener = new BodyListener(endpoint, person);
+            for (int i = 0, lost = 0; i < count || count == 0;)
+            {
+                try
+                {
+                    newest = listener.Receive(Seconds(patience), stop);
+                    if (listener.Restarted) Log($"person {person}: the server was started again");
+                    if (every > 0 && i % every == 0) Log(listener.Line(newest));
+                    (i, lost) = (i + 1, 0);
+                }
+                // The body stands still meanwhile.
+                catch (TimeoutException e) when (++lost < tries) { Log($"trouble: {e.Message}"); }
+            }
+            Log($"done: {count} poses, {listener.Skipped} skipped");
+        }
+    }
+}

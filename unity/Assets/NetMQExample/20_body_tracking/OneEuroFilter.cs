@@ -1,0 +1,60 @@
+// Application 20, smoothing: what a webcam sees trembles, and comes 30 times a second where Unity shows 60 frames.
+//
+// The One Euro filter (Casiez, Roussel, Vogel 2012) is a low-pass filter whose cutoff frequency rises with the speed:
+// who stands still does not tremble, who moves is not followed late. An average of the last poses can be only one of
+// both. Added to it is a limit of speed: when the server is started again, or two persons are mixed up, the body gets
+// there within some frames and does not jump. Take home: this file. It needs neither NetMQ nor UnityEngine.
+using System;
+
+namespace NetMQExample
+{
+    /// <summary>Smooths numbers that change together. Step it once in each frame.</summary>
+    public sealed class OneEuroFilter
+    {
+        private readonly double cutoff, beta, fastest;
+        private readonly double[] speeds;
+        private bool begun;
+
+        /// <summary>Made for landmarks in metres; other units want other numbers.</summary>
+        /// <param name="count">How many numbers.</param>
+        /// <param name="cutoff">In Hz, at rest: a lower one trembles less.</param>
+        /// <param name="beta">How much the cutoff rises with the speed, in Hz for each metre a second: a higher one
+        /// follows sooner.</param>
+        /// <param name="fastest">No number changes faster, in metres a second.</param>
+        public OneEuroFilter(int count, double cutoff = 1.5, double beta = 5, double fastest = 6)
+        {
+            (this.cutoff, this.beta, this.fastest) = (cutoff, beta, fastest);
+            (Values, speeds) = (new double[count], new double[count]);
+        }
+
+        /// <summary>The smoothed numbers.</summary>
+        public double[] Values { get; }
+
+        /// <summary>Moves the values towards the target.</summary>
+        /// <param name="target">The newest numbers; the same ones again, where nothing newer has come.</param>
+        /// <param name="dt">Seconds since the step before.</param>
+        public void Step(double[] target, double dt)
+        {
+            // Unity shows a frame of no time while the game is paused.
+            if (dt <= 0 && begun) return;
+            for (var i = 0; i < Values.Length; i++)
+            {
+                if (!begun) Values[i] = target[i];
+                var way = target[i] - Values[i];
+                if (way == 0 && speeds[i] == 0) continue;
+                // The speed is smoothed too, with 1 Hz.
+                speeds[i] += Share(1, dt) * (way / dt - speeds[i]);
+                var move = Share(cutoff + beta * Math.Abs(speeds[i]), dt) * way;
+                Values[i] += Math.Max(-fastest * dt, Math.Min(fastest * dt, move));
+            }
+            begun = true;
+        }
+
+        // How much of the way a low-pass filter of this frequency goes in one step.
+        private static double Share(double frequency, double dt)
+        {
+            var turned = 2 * Math.PI * frequency * dt;
+            return turned / (turned + 1);
+        }
+    }
+}
