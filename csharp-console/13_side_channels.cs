@@ -19,7 +19,7 @@ namespace NetMQExample.Terminal
             var trouble = arguments.Text("trouble", "none");
             arguments.RefuseTheRest();
 
-            using var rounds = new SideChannelRounds(count, trouble, Console.WriteLine);
+            using var rounds = new SideChannelRounds(count, trouble, patience * 2, Console.WriteLine);
             Academy.Instance.Begin((kind, values) =>
                 Console.WriteLine(EngineConfigurationChannel.Describe(kind, values)));
             using var carrier = new SideChannelCarrier(endpoint, patience);

@@ -61,7 +61,8 @@ def main() -> None:
     if options.count < 0 or not 0 < options.patience < 86400:
         parser.error("--count takes a whole number from 0, --patience seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
-    rounds = Rounds(options.count, options.trouble, lambda line: print(printable(line), flush=True))
+    limit = 2 * options.patience
+    rounds = Rounds(options.count, options.trouble, limit, lambda line: print(printable(line), flush=True))
     with zmq.Context() as context:
         carrier = ClientCarrier(context, options.endpoint, options.patience, LARGEST_EXCHANGE)
         try:

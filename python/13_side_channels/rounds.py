@@ -5,6 +5,7 @@ seen that.
 """
 
 import struct
+import time
 import uuid
 from collections.abc import Callable
 
@@ -13,7 +14,7 @@ from raw_bytes_channel import RawBytesChannel
 from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException
 from side_channel_manager import SideChannelManager
 from stats_side_channel import StatsAggregationMethod
-from unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder
+from unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
 
 # What goes wrong on command.
 TROUBLES = ("none", "unknown", "cut", "throw")
@@ -38,8 +39,11 @@ class StringLogChannel(SideChannel):
 
 
 class Rounds:
-    def __init__(self, count: int, trouble: str, log: Callable[[str], None]) -> None:
-        self.count, self.trouble, self.log, self.round = count, trouble, log, 0
+    """`limit` is how many seconds a round may take."""
+
+    def __init__(self, count: int, trouble: str, limit: float, log: Callable[[str], None]) -> None:
+        self.count, self.trouble, self.limit, self.log, self.round = count, trouble, limit, log, 0
+        self.began = time.monotonic()
         self.string_log = StringLogChannel(log, trouble == "throw")
         self.parameters, self.stats, self.properties = (
             EnvironmentParameters(),
@@ -47,7 +51,13 @@ class Rounds:
             FloatPropertiesChannel(),
         )
         self.parameters.register_callback("gravity", lambda value: log(f"gravity is now {value:.2f}"))
-        channels = [self.string_log, self.properties, EngineSettings(self.apply), self.parameters, self.stats]
+        channels = [
+            self.string_log,
+            self.properties,
+            EngineSettings(lambda *setting: log(describe(*setting))),
+            self.parameters,
+            self.stats,
+        ]
         self.manager = SideChannelManager(channels, lambda line: log(f"trouble: {line}"))
 
     @property
@@ -67,8 +77,13 @@ class Rounds:
             except UnitySideChannelException as error:
                 self.log(f"trouble: {error}")
         if self.seen and self.round < self.count:
-            self.round += 1
+            self.round, self.began = self.round + 1, time.monotonic()
             self.begin_round()
+        elif not self.seen and time.monotonic() > self.began + self.limit:
+            raise TimeoutError(f"round {self.round} was not seen within {self.limit:g} s; is that lesson 13's server?")
+        elif received and not self.seen:
+            # A server that was started again has not heard of this round.
+            self.properties.set_property("round", self.round)
         data = bytes(self.manager.generate_side_channel_messages())
         if self.trouble == "cut" and data:
             # Nine bytes are announced, and six come.
@@ -89,9 +104,3 @@ class Rounds:
             self.manager.register_side_channel(stranger)
             stranger.send_raw_data(b"is anybody there?")
         self.properties.set_property("round", self.round)
-
-    def apply(self, name: str, values: tuple[float, ...]) -> None:
-        self.log(
-            f"engine: {name} "
-            + " x ".join(f"{value:.1f}" if isinstance(value, float) else f"{value}" for value in values)
-        )

@@ -11,14 +11,14 @@ from collections import deque
 
 from side_channel_messages import IncomingMessage, OutgoingMessage, UnitySideChannelException
 
-__all__ = ["IncomingMessage", "OutgoingMessage", "SideChannel", "UnitySideChannelException"]
+__all__ = ["Channel", "IncomingMessage", "OutgoingMessage", "SideChannel", "UnitySideChannelException"]
 
 # An exchange is at most this large, with the 20 bytes in front of each message.
 LARGEST_EXCHANGE = 16 * 1024 * 1024
 
 
-class SideChannel(ABC):
-    """One conversation. Give it an id that no other has: uuid.uuid4() makes one."""
+class Channel(ABC):
+    """What the manager knows of a conversation: its id, what it has to say, and that it takes bytes."""
 
     def __init__(self, channel_id: uuid.UUID) -> None:
         self._channel_id = channel_id
@@ -27,6 +27,19 @@ class SideChannel(ABC):
     @property
     def channel_id(self) -> uuid.UUID:
         return self._channel_id
+
+    @abstractmethod
+    def process_message(self, message: bytes) -> None: ...
+
+    def queue_bytes(self, data: bytes | bytearray) -> None:
+        if len(data) > LARGEST_EXCHANGE - 20:
+            raise UnitySideChannelException(f"a message of {len(data)} bytes is too large: send it in parts")
+        # A copy: who writes on in the message does not change what was queued.
+        self.message_queue.append(bytes(data))
+
+
+class SideChannel(Channel):
+    """One conversation. Give it an id that no other has: uuid.uuid4() makes one."""
 
     @abstractmethod
     def on_message_received(self, msg: IncomingMessage) -> None:
@@ -38,9 +51,3 @@ class SideChannel(ABC):
 
     def process_message(self, message: bytes) -> None:
         self.on_message_received(IncomingMessage(message))
-
-    def queue_bytes(self, data: bytes | bytearray) -> None:
-        if len(data) > LARGEST_EXCHANGE - 20:
-            raise UnitySideChannelException(f"a message of {len(data)} bytes is too large: send it in parts")
-        # A copy: who writes on in the message does not change what was queued.
-        self.message_queue.append(bytes(data))

@@ -13,9 +13,9 @@ import struct
 import sys
 import traceback
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from side_channel import LARGEST_EXCHANGE, SideChannel, UnitySideChannelException
+from side_channel import LARGEST_EXCHANGE, Channel, UnitySideChannelException
 
 # How much is kept for channels that nobody has registered yet: messages, and bytes of each.
 MOST_KEPT, LARGEST_KEPT = 100, 65_536
@@ -29,21 +29,23 @@ class SideChannelManager:
     """The channels of one exchange. `report` gets a line about what could not be delivered, or not yet."""
 
     def __init__(
-        self, side_channels: list[SideChannel] | None = None, report: Callable[[str], None] = to_standard_error
+        self, side_channels: Sequence[Channel] = (), report: Callable[[str], None] = to_standard_error
     ) -> None:
-        self.channels: dict[uuid.UUID, SideChannel] = {}
-        self.unknown: list[tuple[uuid.UUID, bytes]] = []
+        # By the bytes on the wire: to make a UUID of each message's would take longer than the rest.
+        self.channels: dict[bytes, Channel] = {}
+        self.unknown: list[tuple[bytes, bytes]] = []
         self.report = report
-        for channel in side_channels or []:
+        for channel in side_channels:
             self.register_side_channel(channel)
 
-    def register_side_channel(self, channel: SideChannel) -> None:
+    def register_side_channel(self, channel: Channel) -> None:
         """At any time: what came for it before is delivered now."""
-        if channel.channel_id in self.channels:
+        channel_id = channel.channel_id.bytes_le
+        if channel_id in self.channels:
             raise UnitySideChannelException(f"channel {channel.channel_id} is registered already: give each its own id")
-        self.channels[channel.channel_id] = channel
-        early = [message for channel_id, message in self.unknown if channel_id == channel.channel_id]
-        self.unknown = [kept for kept in self.unknown if kept[0] != channel.channel_id]
+        self.channels[channel_id] = channel
+        early = [message for known, message in self.unknown if known == channel_id]
+        self.unknown = [kept for kept in self.unknown if kept[0] != channel_id]
         for message in early:
             self._deliver(channel, message)
 
@@ -56,7 +58,7 @@ class SideChannelManager:
             queue = channel.message_queue
             while queue and len(data) + 20 + len(queue[0]) <= LARGEST_EXCHANGE:
                 message = queue.popleft()
-                data += channel_id.bytes_le + struct.pack("<i", len(message)) + message
+                data += channel_id + struct.pack("<i", len(message)) + message
         return data
 
     def process_side_channel_message(self, data: bytes) -> None:
@@ -65,12 +67,12 @@ class SideChannelManager:
         while offset < len(data):
             if len(data) - offset < 20:
                 raise UnitySideChannelException(f"an exchange that ends with {len(data) - offset} bytes of a header")
-            channel_id = uuid.UUID(bytes_le=bytes(data[offset : offset + 16]))
+            channel_id = bytes(data[offset : offset + 16])
             (length,) = struct.unpack_from("<i", data, offset + 16)
             offset += 20
             if not 0 <= length <= len(data) - offset:
                 here = f"{length} bytes, of which {len(data) - offset} are there"
-                raise UnitySideChannelException(f"a message to channel {channel_id} of {here}")
+                raise UnitySideChannelException(f"a message to channel {uuid.UUID(bytes_le=channel_id)} of {here}")
             message = bytes(data[offset : offset + length])
             offset += length
             if channel := self.channels.get(channel_id):
@@ -78,7 +80,7 @@ class SideChannelManager:
             else:
                 self._keep(channel_id, message)
 
-    def _deliver(self, channel: SideChannel, message: bytes) -> None:
+    def _deliver(self, channel: Channel, message: bytes) -> None:
         """What goes wrong in one conversation is not the others' business."""
         try:
             channel.process_message(message)
@@ -88,10 +90,11 @@ class SideChannelManager:
             traceback.print_exc()
             self.report(f"channel {channel.channel_id}: its handler raised {error!r:.200}")
 
-    def _keep(self, channel_id: uuid.UUID, message: bytes) -> None:
+    def _keep(self, channel_id: bytes, message: bytes) -> None:
+        name = uuid.UUID(bytes_le=channel_id)
         if len(self.unknown) == MOST_KEPT or len(message) > LARGEST_KEPT:
-            self.report(f"unknown channel {channel_id}: dropped, too much is kept")
+            self.report(f"unknown channel {name}: dropped, too much is kept")
             return
         if channel_id not in [known for known, _ in self.unknown]:
-            self.report(f"unknown channel {channel_id}: kept until it is registered")
+            self.report(f"unknown channel {name}: kept until it is registered")
         self.unknown.append((channel_id, message))

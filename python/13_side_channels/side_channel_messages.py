@@ -13,6 +13,9 @@ from typing import Any
 MOST_MISSING = 65_536
 
 
+BOOL, INT32, FLOAT32 = struct.Struct("?"), struct.Struct("<i"), struct.Struct("<f")
+
+
 class UnitySideChannelException(Exception):
     """What is wrong with a message, a channel or a setting."""
 
@@ -24,13 +27,13 @@ class IncomingMessage:
         self.buffer, self.offset = bytes(buffer), offset
 
     def read_bool(self, default_value: bool = False) -> bool:
-        return bool(self._read("?", default_value))
+        return bool(self._read(BOOL, default_value))
 
     def read_int32(self, default_value: int = 0) -> int:
-        return int(self._read("<i", default_value))
+        return int(self._read(INT32, default_value))
 
     def read_float32(self, default_value: float = 0.0) -> float:
-        return float(self._read("<f", default_value))
+        return float(self._read(FLOAT32, default_value))
 
     def read_float32_list(self, default_value: list[float] | None = None) -> list[float]:
         if self._left() <= 0:
@@ -65,13 +68,13 @@ class IncomingMessage:
             raise UnitySideChannelException(f"a length of {length}")
         return length
 
-    def _read(self, kind: str, default_value: Any) -> Any:
+    def _read(self, kind: struct.Struct, default_value: Any) -> Any:
         if self._left() <= 0:
             return default_value
-        if self._left() < struct.calcsize(kind):
+        if self._left() < kind.size:
             raise UnitySideChannelException(f"a number of which only {self._left()} bytes are there")
-        self.offset += struct.calcsize(kind)
-        return struct.unpack_from(kind, self.buffer, self.offset - struct.calcsize(kind))[0]
+        self.offset += kind.size
+        return kind.unpack_from(self.buffer, self.offset - kind.size)[0]
 
 
 class OutgoingMessage:
@@ -81,13 +84,13 @@ class OutgoingMessage:
         self.buffer = bytearray()
 
     def write_bool(self, b: bool) -> None:
-        self.buffer += struct.pack("?", b)
+        self.buffer += BOOL.pack(b)
 
     def write_int32(self, i: int) -> None:
-        self.buffer += struct.pack("<i", i)
+        self.buffer += INT32.pack(i)
 
     def write_float32(self, f: float) -> None:
-        self.buffer += struct.pack("<f", f)
+        self.buffer += FLOAT32.pack(f)
 
     def write_float32_list(self, float_list: list[float]) -> None:
         # At once: when one of them is no number, nothing is written.
@@ -97,7 +100,7 @@ class OutgoingMessage:
         if not utf8 and not s.isascii():
             raise UnitySideChannelException("text that is not ASCII: write it with utf8=True")
         data = s.encode(errors="replace")
-        self.buffer += struct.pack("<i", len(data)) + data
+        self.buffer += INT32.pack(len(data)) + data
 
     def set_raw_bytes(self, buffer: bytes | bytearray) -> None:
         """The whole message, in place of what was written."""

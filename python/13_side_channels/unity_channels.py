@@ -15,6 +15,13 @@ from side_channel import IncomingMessage, OutgoingMessage, UnitySideChannelExcep
 from stats_side_channel import StatsAggregationMethod, StatsSideChannel
 
 
+def describe(name: str, values: tuple[float, ...]) -> str:
+    """A setting in words: `engine: time scale 2.0`."""
+    return f"engine: {name} " + " x ".join(
+        f"{value:.1f}" if isinstance(value, float) else f"{value}" for value in values
+    )
+
+
 class EngineSettings(EngineConfigurationChannel):
     """Hands each setting to `apply`, with its name and what it is to be."""
 
@@ -88,6 +95,9 @@ class EnvironmentParameters(EnvironmentParametersChannel):
 
 class StatsRecorder(StatsSideChannel):
     """Sends what the trainer is to show."""
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        raise UnitySideChannelException("statistics came from Python, which is to receive them")
 
     def add(
         self, key: str, value: float, aggregation_method: StatsAggregationMethod = StatsAggregationMethod.AVERAGE

@@ -15,6 +15,9 @@ namespace NetMQExample.SideChannels
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5563";
         [SerializeField, Min(0.01f), Tooltip("Seconds that the server may be silent")] private float patience = 5;
 
+        /// <summary>How long the server may be silent.</summary>
+        protected System.TimeSpan Patience => Seconds(patience);
+
         /// <summary>True when there is nothing more to say.</summary>
         protected virtual bool Over => false;
 
@@ -44,7 +47,7 @@ namespace NetMQExample.SideChannels
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var carrier = new SideChannelCarrier(endpoint, Seconds(patience));
+            using var carrier = new SideChannelCarrier(endpoint, Patience);
             for (var data = new byte[0]; !Over;)
             {
                 var received = carrier.Exchange(data, NetMQConnection.Slice, stop);

@@ -4,6 +4,7 @@
 // seen that. The Python side is rounds.py, with the same lines and numbers.
 using System;
 using System.Collections.Generic;
+using System.Diagnostics;
 using System.Linq;
 
 namespace NetMQExample.SideChannels
@@ -14,6 +15,8 @@ namespace NetMQExample.SideChannels
         private static readonly string[] Troubles = { "none", "unknown", "cut", "throw" };
 
         private readonly int count;
+        private readonly TimeSpan limit;
+        private readonly Stopwatch began = Stopwatch.StartNew();
         private readonly Action<string> log;
         private readonly FloatPropertiesChannel properties = new FloatPropertiesChannel();
         private readonly RawBytesChannel stranger = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
@@ -23,13 +26,14 @@ namespace NetMQExample.SideChannels
         /// <summary>Registers its channels.</summary>
         /// <param name="count">How many rounds.</param>
         /// <param name="trouble">What goes wrong: none, unknown, cut or throw.</param>
+        /// <param name="limit">How long a round may take.</param>
         /// <param name="log">Gets each line.</param>
         /// <exception cref="ArgumentException">There is no such trouble.</exception>
-        public SideChannelRounds(int count, string trouble, Action<string> log)
+        public SideChannelRounds(int count, string trouble, TimeSpan limit, Action<string> log)
         {
             if (!Troubles.Contains(trouble))
                 throw new ArgumentException($"trouble is one of {string.Join(", ", Troubles)}, not '{trouble}'");
-            (this.count, this.trouble) = (count, trouble);
+            (this.count, this.trouble, this.limit) = (count, trouble, limit);
             this.log = line => log(NetMQLifetime.Printable(line));
             StringLog = new StringLogChannel(this.log, trouble == "throw");
             SideChannelManager.Report = line => this.log($"trouble: {line}");
@@ -49,10 +53,16 @@ namespace NetMQExample.SideChannels
         private bool Seen => properties.GetWithDefault("seen", -1) == round;
 
         /// <summary>What has come goes to the channels, and what these have to say is the result.</summary>
+        /// <exception cref="TimeoutException">Nobody sees this round.</exception>
         public byte[] Exchange(List<byte[]> received)
         {
             SideChannelManager.Receive(received);
             if (Seen && round < count) BeginRound();
+            else if (!Seen && began.Elapsed > limit)
+                throw new TimeoutException(FormattableString.Invariant(
+                    $"round {round} was not seen within {limit.TotalSeconds} s; is that lesson 13's server?"));
+            // A server that was started again has not heard of this round.
+            else if (!Seen && received.Count > 0) properties.Set("round", round);
             var data = SideChannelManager.GetSideChannelMessage();
             if (trouble != "cut" || data.Length == 0) return data;
             trouble = "none";
@@ -74,6 +84,7 @@ namespace NetMQExample.SideChannels
         private void BeginRound()
         {
             round++;
+            began.Restart();
             var (mass, wind, light) = (Draw("mass"), Draw("wind"), Draw("light"));
             log(FormattableString.Invariant($"{round}: mass {mass:F4}, wind {wind:F4}, light {light:F4}"));
             Academy.Instance.StatsRecorder.Add("mass", mass);
