@@ -5,7 +5,7 @@
     python python/13_side_channels/client.py --trouble cut         sends a message without its end
     python python/13_side_channels/client.py --trouble throw       has a handler that throws
 
-Bytes: as in server.py. Take home: this file and all others of this folder but server.py and carrier.py.
+Bytes: as in server.py. To take home: client_carrier.py.
 """
 
 import argparse

@@ -83,10 +83,10 @@ namespace NetMQExample.SideChannels
             foreach (var slice in NetMQConnection.Slices(wait, stop))
             {
                 // Several frames are no exchange.
-                for (var next = slice; connection.Socket.TryReceiveMultipartBytes(next, ref frames); next = TimeSpan.Zero)
+                for (var next = slice; received.Count < 100; next = TimeSpan.Zero)
                 {
+                    if (!connection.Socket.TryReceiveMultipartBytes(next, ref frames)) break;
                     if (frames.Count == 1) received.Add(frames[0]);
-                    if (received.Count == 100) break;
                 }
                 if (received.Count > 0) break;
             }

@@ -23,7 +23,7 @@ namespace NetMQExample.SideChannels
 
         // A list: they send in the order of their registration.
         private static readonly List<SideChannel> Channels = new List<SideChannel>();
-        private static readonly List<(Guid Id, byte[] Message)> Unknown = new List<(Guid, byte[])>();
+        private static readonly List<(Guid Id, byte[] Data)> Unknown = new List<(Guid, byte[])>();
 
         /// <summary>Gets a line about what could not be delivered, or not yet.</summary>
         public static Action<string> Report { get; set; } = Console.Error.WriteLine;

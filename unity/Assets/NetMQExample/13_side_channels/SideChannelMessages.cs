@@ -41,7 +41,8 @@ namespace NetMQExample.SideChannels
         public bool ReadBoolean(bool defaultValue = false) => Left <= 0 ? defaultValue : buffer[Advance(1)] != 0;
 
         /// <summary>Four bytes.</summary>
-        public int ReadInt32(int defaultValue = 0) => Left <= 0 ? defaultValue : BitConverter.ToInt32(buffer, Advance(4));
+        public int ReadInt32(int defaultValue = 0) =>
+            Left <= 0 ? defaultValue : BitConverter.ToInt32(buffer, Advance(4));
 
         /// <summary>Four bytes.</summary>
         public float ReadFloat32(float defaultValue = 0) =>

@@ -19,7 +19,8 @@ namespace NetMQExample.SideChannels
         private readonly Stopwatch began = Stopwatch.StartNew();
         private readonly Action<string> log;
         private readonly FloatPropertiesChannel properties = new FloatPropertiesChannel();
-        private readonly RawBytesChannel stranger = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
+        private readonly RawBytesChannel stranger = new RawBytesChannel(
+            new Guid("00112233-4455-6677-8899-aabbccddeeff"));
         private string trouble;
         private int round;
 
