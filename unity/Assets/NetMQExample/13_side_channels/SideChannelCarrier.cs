@@ -83,7 +83,7 @@ namespace NetMQExample.SideChannels
             foreach (var slice in NetMQConnection.Slices(wait, stop))
             {
                 // Several frames are no exchange.
-                for (var next = slice; received.Count < 100; next = TimeSpan.Zero)
+                for (var (next, left) = (slice, 100); left > 0; (next, left) = (TimeSpan.Zero, left - 1))
                 {
                     if (!connection.Socket.TryReceiveMultipartBytes(next, ref frames)) break;
                     if (frames.Count == 1) received.Add(frames[0]);
