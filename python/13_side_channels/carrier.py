@@ -23,6 +23,8 @@ class Peer:
     def __init__(self, manager: SideChannelManager) -> None:
         self.manager = manager
         self.unsent: deque[bytes] = deque()
+        # It has said "I am here", and has to be told something.
+        self.greeted = False
 
 
 class Carrier:
@@ -56,7 +58,7 @@ class Carrier:
         if len(frames) != 1:
             self.report(f"an exchange is one frame, not {len(frames)}")
         elif not frames[0]:
-            peer.unsent.append(b"")
+            peer.greeted = True
         else:
             try:
                 peer.manager.process_side_channel_message(frames[0])
@@ -68,6 +70,9 @@ class Carrier:
         for client, peer in list(self.peers.items()):
             while data := peer.manager.generate_side_channel_messages():
                 peer.unsent.append(bytes(data))
+            if peer.greeted and not peer.unsent:
+                peer.unsent.append(b"")
+            peer.greeted = False
             try:
                 while peer.unsent:
                     self.socket.send_multipart([client, peer.unsent[0]], zmq.NOBLOCK)

@@ -20,7 +20,7 @@ import zmq
 
 from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT
+from tests.programs import ROOT, steady_port
 from tests.tables import rows
 from tests.unity.test_unity_play import needs_mono
 
@@ -335,11 +335,8 @@ def test_what_is_queued_stays_as_it_was():
     message.write_string("one")
     log.queue_message_to_send(message)
     message.write_string("two")
-    other = GameLog()
-    SideChannelManager([other]).process_side_channel_message(
-        bytes(SideChannelManager([log]).generate_side_channel_messages())
-    )
-    assert other.lines == ["one"]
+    exchange = SideChannelManager([log]).generate_side_channel_messages()
+    assert bytes(exchange) == frame(LOG, b"\3\0\0\0one")
 
 
 def test_an_id_is_registered_once_also_by_the_same_channel():
@@ -484,6 +481,26 @@ def test_a_server_that_was_started_again_is_told_again(kind, serve, start, clien
 
 
 @each_client
+def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command):
+    """A server takes it, and is gone before it says that it has."""
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as dying:
+        dying.linger = 0
+        endpoint = f"tcp://127.0.0.1:{steady_port()}"
+        dying.bind(endpoint)
+        client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--patience", "20"))
+        assert dying.poll(60_000)
+        peer, _ = dying.recv_multipart()
+        seen = FloatPropertiesChannel()
+        seen.set_property("seen", 0)
+        dying.send_multipart([peer, bytes(SideChannelManager([seen]).generate_side_channel_messages())])
+        while not (dying.poll(60_000) and b"round" in dying.recv_multipart()[1]):
+            assert client.process.poll() is None, client.output
+    serve(KEY, endpoint=endpoint)
+    assert client.wait() == 0, client.output
+    assert client.lines[-1] == "done: 2 rounds"
+
+
+@each_client
 def test_a_server_of_something_else_is_given_up(kind, start, client_command):
     """One that answers everything, and never what was asked."""
     with zmq.Context() as context, context.socket(zmq.ROUTER) as echo:
@@ -523,8 +540,11 @@ def test_python_knows_so_many_simulators_and_no_more(serve):
             crowd[-1].connect(endpoint)
             crowd[-1].send(b"")
             assert crowd[-1].poll(20_000), "each is welcomed"
-        # The first one was forgotten for others, and is welcomed again.
-        crowd[0].recv_multipart()
+            assert b"Hello" in crowd[-1].recv()
+        # The last one is known; the first one was forgotten for others, and is welcomed again.
+        crowd[-1].send(b"")
+        assert crowd[-1].poll(20_000)
+        assert crowd[-1].recv() == b""
         crowd[0].send(b"")
         assert crowd[0].poll(20_000)
         assert b"Hello" in crowd[0].recv()
