@@ -104,7 +104,10 @@ def process(exchange):
         EnvironmentParameters(),
         FloatPropertiesChannel(),
     )
-    settings = EngineSettings(lambda kind, values: lines.append(describe(kind, values)))
+    # Mono writes no more than 15 digits of a number.
+    settings = EngineSettings(
+        lambda kind, values: lines.append(describe(kind, values) if values[0] < 1e15 else bits(values[0]))
+    )
     log = StringLogChannel(lines.append, False)
     manager = SideChannelManager([log, properties, raw, settings, parameters, StatsRecorder()], lines.append)
     try:

@@ -96,7 +96,8 @@ namespace NetMQExample.Tests
             var channels = new SideChannel[] { new StringLogChannel(Say), new FloatPropertiesChannel(), new RawBytesChannel(new Guid(new byte[16])) };
             foreach (var channel in channels) SideChannelManager.RegisterSideChannel(channel);
             var academy = Academy.Instance;
-            academy.Begin((kind, values) => Say(EngineConfigurationChannel.Describe(kind, values)));
+            // Mono writes no more than 15 digits of a number.
+            academy.Begin((kind, values) => Say(values[0] < 1e15 ? EngineConfigurationChannel.Describe(kind, values) : Bits((float)values[0])));
             SideChannelManager.Receive(new[] { exchange });
             var late = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
             SideChannelManager.RegisterSideChannel(late);
