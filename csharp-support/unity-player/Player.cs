@@ -109,6 +109,7 @@ namespace UnityPlayer
             errorsBefore = Debug.Errors;
             fixedTime = clockBefore = Time.Now = Time.Elapsed = Time.Frames = 0;
             Time.Clock = () => clock.Elapsed.TotalSeconds;
+            Time.BackToNormal();
             Application.QuitAsked = false;
             Application.Playing = true;
             foreach (var moment in BeforeTheScene) CallLoadMethods(moment);
@@ -144,17 +145,19 @@ namespace UnityPlayer
             Scene.RemoveDoomed();
         }
 
-        /// <summary>Frames at 60 a second until everything is done, the time is over or somebody asks to stop.</summary>
+        private static TimeSpan FrameLength => Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate) : FrameTime;
+
+        /// <summary>Frames at 60 a second, or at targetFrameRate, until everything is done, the time is over or somebody asks to stop.</summary>
         public void Run(TimeSpan limit, Func<bool> stopAsked)
         {
-            for (var next = clock.Elapsed; clock.Elapsed < limit && !stopAsked(); next += FrameTime)
+            for (var next = clock.Elapsed; clock.Elapsed < limit && !stopAsked(); next += FrameLength)
             {
                 Frame();
                 if (Done) return;
-                var rest = next + FrameTime - clock.Elapsed;
+                var rest = next + FrameLength - clock.Elapsed;
                 if (rest > TimeSpan.Zero) Thread.Sleep(rest);
                 // A frame that took too long is not made up for by a burst of short ones.
-                else next = clock.Elapsed - FrameTime;
+                else next = clock.Elapsed - FrameLength;
             }
         }
 

@@ -57,6 +57,9 @@ namespace UnityEngine
             set { MainThread.Only("set_runInBackground"); background = value; }
         }
 
+        // Unity's own: as it likes.
+        public static int targetFrameRate { get; set; } = -1;
+
         public static void Quit()
         {
             MainThread.Only(nameof(Quit));
@@ -84,10 +87,15 @@ namespace UnityEngine
 
         internal static Func<double> Clock { get; set; } = () => 0;
 
+        public static float timeScale { get; set; } = 1;
+
+        // More than 0: so many frames make a second of the game's time.
+        public static int captureFramerate { get; set; }
+
         // In FixedUpdate both are those of the step.
         public static float time => (float)Checked("get_time", Fixed ?? Now);
 
-        public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? Math.Min(Elapsed, maximumDeltaTime) : 0.02);
+        public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? OfThisFrame * timeScale : 0.02);
 
         public static float unscaledDeltaTime => (float)Checked("get_unscaledDeltaTime", Elapsed);
 
@@ -100,11 +108,28 @@ namespace UnityEngine
 
         public static int frameCount => (int)Checked("get_frameCount", Frames);
 
+        private static double OfThisFrame => captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);
+
+        internal static void BackToNormal() => (timeScale, captureFramerate, Application.targetFrameRate) = (1, 0, -1);
+
         private static double Checked(string api, double value)
         {
             MainThread.Only(api);
             return value;
         }
+    }
+
+    public sealed class Screen
+    {
+        // There is no window here.
+        public static void SetResolution(int width, int height, bool fullscreen) => MainThread.Only(nameof(SetResolution));
+    }
+
+    public sealed class QualitySettings : Object
+    {
+        private QualitySettings() { }
+
+        public static void SetQualityLevel(int index, bool applyExpensiveChanges) => MainThread.Only(nameof(SetQualityLevel));
     }
 
     /// <summary>The log. Unlike most of Unity it may be called on any thread.</summary>

@@ -1,0 +1,106 @@
+"""Lesson 13, a simulation that uses its channels: the twin of SideChannelRounds.cs, with the same lines and numbers.
+
+In each round it draws its parameters, records statistics and sets a property; the server's property says that it has
+seen that.
+"""
+
+import struct
+import time
+import uuid
+from collections.abc import Callable
+
+from float_properties_channel import FloatPropertiesChannel
+from raw_bytes_channel import RawBytesChannel
+from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException
+from side_channel_manager import SideChannelManager
+from stats_side_channel import StatsAggregationMethod
+from unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
+
+# What goes wrong on command.
+TROUBLES = ("none", "unknown", "cut", "throw")
+
+
+class StringLogChannel(SideChannel):
+    """The twin of StringLogChannel.cs: Python's lines come here, and errors go to Python."""
+
+    def __init__(self, log: Callable[[str], None], throws: bool) -> None:
+        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
+        self.log, self.throws = log, throws
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        if self.throws:
+            raise UnitySideChannelException("thrown on purpose")
+        self.log(f"From Python : {msg.read_string()}")
+
+    def send_debug_statement_to_python(self, text: str) -> None:
+        msg = OutgoingMessage()
+        msg.write_string(text, utf8=True)
+        self.queue_message_to_send(msg)
+
+
+class Rounds:
+    """`limit` is how many seconds a round may take."""
+
+    def __init__(self, count: int, trouble: str, limit: float, log: Callable[[str], None]) -> None:
+        self.count, self.trouble, self.limit, self.log, self.round = count, trouble, limit, log, 0
+        self.began = time.monotonic()
+        self.string_log = StringLogChannel(log, trouble == "throw")
+        self.parameters, self.stats, self.properties = (
+            EnvironmentParameters(),
+            StatsRecorder(),
+            FloatPropertiesChannel(),
+        )
+        self.parameters.register_callback("gravity", lambda value: log(f"gravity is now {value:.2f}"))
+        channels = [
+            self.string_log,
+            self.properties,
+            EngineSettings(lambda *setting: log(describe(*setting))),
+            self.parameters,
+            self.stats,
+        ]
+        self.manager = SideChannelManager(channels, lambda line: log(f"trouble: {line}"))
+
+    @property
+    def done(self) -> bool:
+        return self.round >= self.count and self.seen
+
+    @property
+    def seen(self) -> bool:
+        """Whether the server has said that it knows of this round; before the first one, that it is there."""
+        return self.properties.get_property("seen") == self.round
+
+    def exchange(self, received: list[bytes]) -> bytes:
+        """What has come goes to the channels, and what these have to say is the result."""
+        for data in received:
+            try:
+                self.manager.process_side_channel_message(data)
+            except UnitySideChannelException as error:
+                self.log(f"trouble: {error}")
+        if self.seen and self.round < self.count:
+            self.round, self.began = self.round + 1, time.monotonic()
+            self.begin_round()
+        elif not self.seen and time.monotonic() > self.began + self.limit:
+            raise TimeoutError(f"round {self.round} was not seen within {self.limit:g} s; is that lesson 13's server?")
+        elif received and not self.seen:
+            # A server that was started again has not heard of this round.
+            self.properties.set_property("round", self.round)
+        data = bytes(self.manager.generate_side_channel_messages())
+        if self.trouble == "cut" and data:
+            # Nine bytes are announced, and six come.
+            self.trouble = "none"
+            data += self.string_log.channel_id.bytes_le + struct.pack("<i", 9) + b"\5\0\0\0He"
+        return data
+
+    def begin_round(self) -> None:
+        mass, wind, light = (self.parameters.get_with_default(key, 0.0) for key in ("mass", "wind", "light"))
+        self.log(f"{self.round}: mass {mass:.4f}, wind {wind:.4f}, light {light:.4f}")
+        self.stats.add("mass", mass)
+        self.stats.add("rounds", 1, StatsAggregationMethod.SUM)
+        if self.round == self.count:
+            self.string_log.send_debug_statement_to_python("Error: a fake error in the last round")
+        if self.trouble == "unknown":
+            self.trouble = "none"
+            stranger = RawBytesChannel(uuid.UUID("00112233-4455-6677-8899-aabbccddeeff"))
+            self.manager.register_side_channel(stranger)
+            stranger.send_raw_data(b"is anybody there?")
+        self.properties.set_property("round", self.round)

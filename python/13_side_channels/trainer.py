@@ -1,0 +1,44 @@
+"""Lesson 13, what the server does with what it hears: prints it, and says that it has seen a round.
+
+Take home: this file, stats_side_channel.py and float_properties_channel.py, with side_channel.py and
+side_channel_messages.py.
+"""
+
+import time
+
+from float_properties_channel import FloatPropertiesChannel
+from side_channel import IncomingMessage
+from stats_side_channel import StatsSideChannel
+
+
+class PrintedStats(StatsSideChannel):
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        super().on_message_received(msg)
+        for key, values in self.get_and_reset_stats().items():
+            for value, method in values:
+                print(f"stats: {key!r:.40} {value:.4f} {method.name.lower()}", flush=True)
+
+
+class SeenRounds(FloatPropertiesChannel):
+    """The simulator sets `round`, and hears that this was seen: that of round 0 says only that somebody is here."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.set_property("seen", 0.0)
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        super().on_message_received(msg)
+        self.set_property("seen", self.get_property("round") or 0.0)
+
+
+def report(line: str) -> None:
+    """One such line a second: many that are wrong must not fill a disk."""
+    global silent_until, unsaid
+    if time.monotonic() < silent_until:
+        unsaid += 1
+        return
+    print(f"trouble: {line}" + f" (and {unsaid} more)" * (unsaid > 0), flush=True)
+    silent_until, unsaid = time.monotonic() + 1, 0
+
+
+silent_until, unsaid = 0.0, 0

@@ -1,0 +1,191 @@
+// What test_13_side_channels.py asks of the C# side. Each line of the input is answered with one line:
+//
+//     read PAYLOAD b i f s l r    what is read of a message, value by value: numbers as bits, texts as UTF-8, in digits
+//     write b:1 i:-5 s:68 u:c3a9  the message with these values
+//     process EXCHANGE            what all channels make of it: lines, what is drawn of parameters, what they send
+//     moved EXCHANGE              what the classes of Moved.cs and MovedRaw.cs make of it
+//
+// And `settings EXCHANGE`, what Unity has then, `speed COUNT` and `pictures ENDPOINT COUNT`, which print numbers.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Globalization;
+using System.Linq;
+using System.Text;
+using NetMQExample.SideChannels;
+using SomeGame;
+using SomeOldGame;
+using UnityEngine;
+
+namespace NetMQExample.Tests
+{
+    internal static class Program
+    {
+        private static void Main(string[] words)
+        {
+            // A machine where 0.5 is written 0,5 must read, write and print the same.
+            var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
+            (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
+            CultureInfo.CurrentCulture = german;
+            if (words.Length == 2 && words[0] == "settings") Settings(Bytes(words[1]));
+            else if (words.Length == 2) Speed(int.Parse(words[1]));
+            else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));
+            else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
+        }
+
+        private static string Answer(string[] words)
+        {
+            try
+            {
+                switch (words[0])
+                {
+                    case "read": return Read(Bytes(words[1]), words.Skip(2));
+                    case "write": return Digits(Write(words.Skip(1)));
+                    case "process": return Process(Bytes(words[1]));
+                    default: return Moved(Bytes(words[1]));
+                }
+            }
+            catch (UnityAgentsException e)
+            {
+                return $"error {e.Message}";
+            }
+        }
+
+        private static string Read(byte[] payload, IEnumerable<string> kinds)
+        {
+            using var message = new IncomingMessage(payload);
+            string Value(string kind) => kind switch
+            {
+                "b" => message.ReadBoolean() ? "1" : "0",
+                "i" => message.ReadInt32().ToString(CultureInfo.InvariantCulture),
+                "f" => Bits(message.ReadFloat32()),
+                "s" => Digits(Encoding.UTF8.GetBytes(message.ReadString(""))),
+                "l" => string.Join(",", message.ReadFloatList(new float[0]).Select(Bits)),
+                _ => Digits(message.GetRawBytes()),
+            };
+            return string.Join(" ", kinds.Select(Value));
+        }
+
+        private static byte[] Write(IEnumerable<string> values)
+        {
+            using var message = new OutgoingMessage();
+            foreach (var value in values)
+            {
+                var text = value.Substring(2);
+                if (value[0] == 'b') message.WriteBoolean(text == "1");
+                else if (value[0] == 'i') message.WriteInt32(int.Parse(text, CultureInfo.InvariantCulture));
+                else if (value[0] == 'f') message.WriteFloat32(Single(text));
+                else if (value[0] == 's') message.WriteString(Encoding.UTF8.GetString(Bytes(text)));
+                else if (value[0] == 'u') message.WriteString(Encoding.UTF8.GetString(Bytes(text)), utf8: true);
+                else if (value[0] == 'l') message.WriteFloatList(text == "" ? new float[0] : text.Split(',').Select(Single).ToArray());
+                else message.SetRawBytes(Bytes(text));
+            }
+            var channel = new RawBytesChannel(Guid.Empty);
+            SideChannelManager.RegisterSideChannel(channel);
+            channel.QueueForTest(message);
+            var data = SideChannelManager.GetSideChannelMessage();
+            SideChannelManager.UnregisterSideChannel(channel);
+            return data.Skip(20).ToArray();
+        }
+
+        private static string Process(byte[] exchange)
+        {
+            var lines = new List<string>();
+            void Say(string line) => lines.Add(line);
+            SideChannelManager.Report = Say;
+            var channels = new SideChannel[] { new StringLogChannel(Say), new FloatPropertiesChannel(), new RawBytesChannel(new Guid(new byte[16])) };
+            foreach (var channel in channels) SideChannelManager.RegisterSideChannel(channel);
+            var academy = Academy.Instance;
+            // Mono writes no more than 15 digits of a number.
+            academy.Begin((kind, values) => Say(values[0] < 1e15 ? EngineConfigurationChannel.Describe(kind, values) : Bits((float)values[0])));
+            SideChannelManager.Receive(new[] { exchange });
+            var late = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
+            SideChannelManager.RegisterSideChannel(late);
+            foreach (var message in late.GetAndClearReceivedMessages()) Say($"late {Digits(message)}");
+            SideChannelManager.UnregisterSideChannel(late);
+            var properties = (FloatPropertiesChannel)channels[1];
+            foreach (var key in properties.Keys()) Say($"{key}={Bits(properties.GetWithDefault(key, 0))}");
+            foreach (var key in academy.EnvironmentParameters.Keys())
+                Say($"{key}:{string.Join(",", Enumerable.Range(0, 3).Select(_ => Bits(academy.EnvironmentParameters.GetWithDefault(key, 0))))}");
+            foreach (var message in ((RawBytesChannel)channels[2]).GetAndClearReceivedMessages()) Say(Digits(message));
+            Array.ForEach(channels, SideChannelManager.UnregisterSideChannel);
+            academy.Dispose();
+            return Digits(Encoding.UTF8.GetBytes(string.Join("\n", lines)));
+        }
+
+        private static string Moved(byte[] exchange)
+        {
+            var (log, world) = (new GameLogChannel(), new GameWorld());
+            SideChannelManager.RegisterSideChannel(log);
+            Academy.Instance.Begin((kind, values) => { });
+            SideChannelManager.ProcessSideChannelData(exchange);
+            log.OnLog("no error", "", LogType.Log);
+            log.OnLog("a door is missing", "at Door.Open", LogType.Error);
+            world.Score(12.5f);
+            var sent = SideChannelManager.GetSideChannelMessage();
+            SideChannelManager.UnregisterSideChannel(log);
+            var said = FormattableString.Invariant($"{string.Join("|", log.Lines)} {world.Gravity} {world.Mass}");
+            Academy.Instance.Dispose();
+
+            var old = new OldLogChannel();
+            Academy.Instance.RegisterSideChannel(old);
+            SideChannelManager.ProcessSideChannelData(exchange);
+            old.Send("as in 2020");
+            var sentRaw = SideChannelManager.GetSideChannelMessage();
+            Academy.Instance.UnregisterSideChannel(old);
+            return $"{Digits(sent)} {Digits(sentRaw)} {Digits(Encoding.ASCII.GetBytes(said))} {Digits(Encoding.ASCII.GetBytes(old.Lines[0]))}";
+        }
+
+        private static void Settings(byte[] exchange)
+        {
+            Academy.Instance.Begin(EngineSettings.Apply);
+            SideChannelManager.ProcessSideChannelData(exchange);
+            Console.WriteLine(FormattableString.Invariant($"{Time.timeScale} {Application.targetFrameRate} {Time.captureFramerate}"));
+        }
+
+        private static void Speed(int count)
+        {
+            // What a scene says most often: a name and a number.
+            var sender = new FloatPropertiesChannel(Guid.NewGuid());
+            SideChannelManager.RegisterSideChannel(sender);
+            for (var round = 0; round < 3; round++)
+            {
+                var clock = Stopwatch.StartNew();
+                for (var i = 0; i < count; i++) sender.Set("score", i);
+                var data = SideChannelManager.GetSideChannelMessage();
+                var packed = clock.Elapsed.TotalSeconds;
+                SideChannelManager.ProcessSideChannelData(data);
+                var unpacked = clock.Elapsed.TotalSeconds - packed;
+                Console.WriteLine(FormattableString.Invariant($"{count / packed:F0} packed, {count / unpacked:F0} unpacked a second, last {sender.GetWithDefault("score", 0)}"));
+            }
+        }
+
+        private static void Pictures(string endpoint, int count)
+        {
+            var pictures = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
+            SideChannelManager.RegisterSideChannel(pictures);
+            using var carrier = new SideChannelCarrier(endpoint, TimeSpan.FromSeconds(20));
+            var (sent, seen) = (0, 0);
+            while (seen < count)
+            {
+                // Ten at the most are on their way.
+                for (; sent < count && sent < seen + 10; sent++) pictures.SendRawBytes(Enumerable.Repeat((byte)sent, 128 * 128 * 3).ToArray());
+                SideChannelManager.Receive(carrier.Exchange(SideChannelManager.GetSideChannelMessage(), TimeSpan.FromMilliseconds(10)));
+                seen += pictures.GetAndClearReceivedMessages().Count;
+            }
+            Console.WriteLine($"{seen} pictures");
+        }
+
+        private static void QueueForTest(this RawBytesChannel channel, OutgoingMessage message) =>
+            typeof(SideChannel).GetMethod("QueueMessageToSend", System.Reflection.BindingFlags.Instance | System.Reflection.BindingFlags.NonPublic).Invoke(channel, new object[] { message });
+
+        private static string Bits(float value) => float.IsNaN(value) ? "nan" : BitConverter.ToInt32(BitConverter.GetBytes(value), 0).ToString("x8", CultureInfo.InvariantCulture);
+
+        private static float Single(string bits) => BitConverter.ToSingle(BitConverter.GetBytes(Convert.ToInt32(bits, 16)), 0);
+
+        private static byte[] Bytes(string digits) => digits == "-" ? new byte[0]
+            : Enumerable.Range(0, digits.Length / 2).Select(i => Convert.ToByte(digits.Substring(2 * i, 2), 16)).ToArray();
+
+        private static string Digits(byte[] bytes) => bytes.Length == 0 ? "-" : string.Concat(bytes.Select(one => one.ToString("x2", CultureInfo.InvariantCulture)));
+    }
+}

@@ -1,0 +1,54 @@
+// Lesson 13, where a scene finds its parameters and statistics: under the names that ML-Agents has for them.
+//
+// Take home: this file, EngineConfigurationChannel.cs, EnvironmentParametersChannel.cs, Samplers.cs,
+// StatsSideChannel.cs, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
+using System;
+
+namespace NetMQExample.SideChannels
+{
+    /// <summary>The channels that every scene has.</summary>
+    public sealed class Academy : IDisposable
+    {
+        private EngineConfigurationChannel engine;
+
+        private Academy() { }
+
+        /// <summary>The one of this Play. There always is one.</summary>
+        public static Academy Instance { get; private set; } = new Academy();
+
+        /// <summary>True: a script of ML-Agents asks before it unregisters a channel.</summary>
+        public static bool IsInitialized => true;
+
+        /// <summary>What Python has set for the scene.</summary>
+        public EnvironmentParametersChannel EnvironmentParameters { get; } = new EnvironmentParametersChannel();
+
+        /// <summary>What the scene wants to see in Python's statistics.</summary>
+        public StatsSideChannel StatsRecorder { get; } = new StatsSideChannel();
+
+        /// <summary>Registers its channels, unless they are.</summary>
+        /// <param name="apply">Sets what Python wants of the engine.</param>
+        public void Begin(Action<ConfigurationType, double[]> apply)
+        {
+            if (engine != null) return;
+            engine = new EngineConfigurationChannel(apply);
+            SideChannelManager.RegisterSideChannel(engine);
+            SideChannelManager.RegisterSideChannel(EnvironmentParameters);
+            SideChannelManager.RegisterSideChannel(StatsRecorder);
+        }
+
+        /// <summary>As early in 2020, before there was SideChannelManager.</summary>
+        public void RegisterSideChannel(SideChannel channel) => SideChannelManager.RegisterSideChannel(channel);
+
+        /// <summary>As early in 2020.</summary>
+        public void UnregisterSideChannel(SideChannel channel) => SideChannelManager.UnregisterSideChannel(channel);
+
+        /// <summary>Unregisters its channels; the next Play has another academy.</summary>
+        public void Dispose()
+        {
+            SideChannelManager.UnregisterSideChannel(engine);
+            SideChannelManager.UnregisterSideChannel(EnvironmentParameters);
+            SideChannelManager.UnregisterSideChannel(StatsRecorder);
+            if (Instance == this) Instance = new Academy();
+        }
+    }
+}

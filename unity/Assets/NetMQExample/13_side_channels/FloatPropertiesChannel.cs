@@ -1,0 +1,50 @@
+// Lesson 13, properties: numbers by name that both sides have, and each tells the other what it sets.
+//
+// Bytes: string key, float32 value. The Python side is float_properties_channel.py.
+// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample.SideChannels
+{
+    /// <summary>Numbers by name.</summary>
+    public class FloatPropertiesChannel : SideChannel
+    {
+        private readonly Dictionary<string, float> properties = new Dictionary<string, float>();
+        private readonly Dictionary<string, Action<float>> callbacks = new Dictionary<string, Action<float>>();
+
+        /// <summary>With ML-Agents' id, or another one.</summary>
+        public FloatPropertiesChannel(Guid channelId = default) =>
+            ChannelId = channelId == default ? new Guid("60ccf7d0-4f7e-11ea-b238-784f4387d1f7") : channelId;
+
+        /// <summary>Sets it here and there.</summary>
+        public void Set(string key, float value)
+        {
+            using var msg = new OutgoingMessage();
+            msg.WriteString(key);
+            msg.WriteFloat32(value);
+            QueueMessageToSend(msg);
+            Keep(key, value);
+        }
+
+        /// <summary>What it was set to last, on either side.</summary>
+        public float GetWithDefault(string key, float defaultValue) =>
+            properties.TryGetValue(key, out var value) ? value : defaultValue;
+
+        /// <summary>One for each key, called whenever it is set.</summary>
+        public void RegisterCallback(string key, Action<float> action) => callbacks[key] = action;
+
+        /// <summary>Those that were set.</summary>
+        public IList<string> Keys() => properties.Keys.ToList();
+
+        /// <inheritdoc/>
+        protected override void OnMessageReceived(IncomingMessage msg) => Keep(msg.ReadString(""), msg.ReadFloat32());
+
+        private void Keep(string key, float value)
+        {
+            properties[key] = value;
+            if (callbacks.TryGetValue(key, out var action)) action(value);
+        }
+    }
+}

@@ -1,0 +1,40 @@
+// Lesson 13, raw bytes: messages, such as pictures, to which you give a meaning yourself. Both ways.
+//
+// The Python side is raw_bytes_channel.py.
+// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
+using System;
+using System.Collections.Generic;
+
+namespace NetMQExample.SideChannels
+{
+    /// <summary>Messages as they are.</summary>
+    public class RawBytesChannel : SideChannel
+    {
+        private List<byte[]> received = new List<byte[]>();
+
+        /// <summary>With an id of yours.</summary>
+        public RawBytesChannel(Guid channelId) => ChannelId = channelId;
+
+        /// <summary>Queues a message.</summary>
+        public void SendRawBytes(byte[] data)
+        {
+            using var msg = new OutgoingMessage();
+            msg.SetRawBytes(data);
+            QueueMessageToSend(msg);
+        }
+
+        /// <summary>Those that have come, and are forgotten here.</summary>
+        public IList<byte[]> GetAndClearReceivedMessages()
+        {
+            var messages = received;
+            received = new List<byte[]>();
+            return messages;
+        }
+
+        /// <summary>Those that have come.</summary>
+        public IList<byte[]> GetReceivedMessages() => received.AsReadOnly();
+
+        /// <inheritdoc/>
+        protected override void OnMessageReceived(IncomingMessage msg) => received.Add(msg.GetRawBytes());
+    }
+}

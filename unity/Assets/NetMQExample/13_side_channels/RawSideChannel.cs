@@ -1,0 +1,24 @@
+// Lesson 13, the raw layout: channels as ML-Agents had them early in 2020, where a message was bytes and nothing else.
+//
+// The exchange is the same, and such a channel talks to any other. Only a text had no length in front of it then: it
+// was the whole message. A class from that time says `using NetMQExample.RawSideChannels`.
+// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
+using NetMQExample.SideChannels;
+
+namespace NetMQExample.RawSideChannels
+{
+    /// <summary>One conversation in bytes.</summary>
+    public abstract class SideChannel : NetMQExample.SideChannels.SideChannel
+    {
+        internal override void ProcessMessage(byte[] message) => OnMessageReceived(message);
+
+        /// <summary>A message of the other side's channel with the same id.</summary>
+        public abstract void OnMessageReceived(byte[] data);
+
+        /// <inheritdoc/>
+        protected sealed override void OnMessageReceived(IncomingMessage msg) => OnMessageReceived(msg.GetRawBytes());
+
+        /// <summary>It leaves with the next exchange.</summary>
+        protected void QueueMessageToSend(byte[] data) => QueueBytes((byte[])data.Clone());
+    }
+}

@@ -1,0 +1,58 @@
+// Lesson 13 in Unity: carries the side channels of a scene. What they send and receive happens in Update.
+//
+// Use: start a Python program with a carrier, derive a component from this, add it to any GameObject, press Play:
+// `public sealed class MyChannels : SideChannelBehaviour { }`. Register your channels whenever you like, on the main
+// thread: `SideChannelManager.RegisterSideChannel(channel)`.
+using System.Collections.Generic;
+using System.Threading;
+using UnityEngine;
+
+namespace NetMQExample.SideChannels
+{
+    /// <summary>One connection for all channels of the scene.</summary>
+    public abstract class SideChannelBehaviour : NetworkBehaviour
+    {
+        [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5563";
+        [SerializeField, Min(0.01f), Tooltip("Seconds that the server may be silent")] private float patience = 5;
+
+        /// <summary>How long the server may be silent.</summary>
+        protected System.TimeSpan Patience => Seconds(patience);
+
+        /// <summary>True when there is nothing more to say.</summary>
+        protected virtual bool Over => false;
+
+        /// <summary>What has come goes to the channels, and what these have queued is the result. In Update.</summary>
+        protected virtual byte[] Exchange(List<byte[]> received)
+        {
+            SideChannelManager.Receive(received);
+            return SideChannelManager.GetSideChannelMessage();
+        }
+
+        /// <inheritdoc/>
+        protected override void Begin()
+        {
+            SideChannelManager.Report = line => Debug.LogWarning($"trouble: {NetMQLifetime.Printable(line)}");
+            Academy.Instance.Begin(EngineSettings.Apply);
+            base.Begin();
+        }
+
+        /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            base.OnDisable();
+            Academy.Instance.Dispose();
+        }
+
+        /// <inheritdoc/>
+        protected override void Talk(CancellationToken stop)
+        {
+            Log($"asking {endpoint}");
+            using var carrier = new SideChannelCarrier(endpoint, Patience);
+            for (var data = new byte[0]; !Over;)
+            {
+                var received = carrier.Exchange(data, NetMQConnection.Slice, stop);
+                data = FromUpdate(() => Exchange(received));
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+// Lesson 13, the carrier: exchanges with a server, at any time, over a DEALER socket.
+//
+// An exchange is one frame, and either side sends one whenever it has something to say. An empty one says "I am here",
+// and is answered: so it is known whether the server is there.
+// The Python side is carrier.py; its server.py shows its use.
+// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs, with SideChannel.cs, SideChannelMessages.cs and
+// SideChannelManager.cs.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+
+namespace NetMQExample.SideChannels
+{
+    /// <summary>Make it, use it and dispose it on one thread, and not on Unity's main thread: to receive is to
+    /// wait.</summary>
+    public sealed class SideChannelCarrier : IDisposable
+    {
+        // So long nothing is said before an empty exchange says "I am here".
+        private static readonly TimeSpan Silence = TimeSpan.FromSeconds(1);
+
+        private readonly Queue<byte[]> unsent = new Queue<byte[]>();
+        private readonly Stopwatch heard = Stopwatch.StartNew(), said = new Stopwatch();
+        private readonly NetMQConnection connection;
+        private readonly string endpoint;
+        private readonly TimeSpan patience;
+        private bool answered;
+        private List<byte[]> frames;
+
+        /// <summary>Connects, which succeeds even while no server is there.</summary>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5563</c>.</param>
+        /// <param name="patience">How long it may be silent.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public SideChannelCarrier(string endpoint, TimeSpan patience)
+        {
+            (this.endpoint, this.patience) = (endpoint, patience);
+            connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
+        }
+
+        /// <summary>Sends an exchange, unless it is empty, and gives those that have come.</summary>
+        /// <param name="data">What the channels have to say.</param>
+        /// <param name="wait">How long to wait for the first that comes.</param>
+        /// <param name="stop">Ends the wait early.</param>
+        /// <returns>Nothing, if none came.</returns>
+        /// <exception cref="TimeoutException">The server was silent for too long.</exception>
+        public List<byte[]> Exchange(byte[] data, TimeSpan wait, CancellationToken stop = default)
+        {
+            if (data.Length > 0) unsent.Enqueue(data);
+            if (!said.IsRunning || said.Elapsed >= Silence) SayHello();
+            // Before its first answer a socket may be replaced, and what was sent on it is lost.
+            while (answered && unsent.Count > 0 && connection.Socket.TrySendFrame(TimeSpan.Zero, unsent.Peek()))
+                unsent.Dequeue();
+            var received = Receive(wait, stop);
+            if (received.Count > 0)
+            {
+                heard.Restart();
+                answered = true;
+            }
+            else if (heard.Elapsed > patience)
+            {
+                throw new TimeoutException(FormattableString.Invariant(
+                    $"no word from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+            }
+            return received;
+        }
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose() => connection.Dispose();
+
+        private void SayHello()
+        {
+            // A connection that was refused may never be tried again. So each try has a new socket.
+            if (said.IsRunning && !answered) connection.Close();
+            connection.Socket.TrySendFrameEmpty(TimeSpan.Zero);
+            said.Restart();
+        }
+
+        private List<byte[]> Receive(TimeSpan wait, CancellationToken stop)
+        {
+            var received = new List<byte[]>();
+            foreach (var slice in NetMQConnection.Slices(wait, stop))
+            {
+                // Several frames are no exchange.
+                for (var (next, left) = (slice, 100); left > 0; (next, left) = (TimeSpan.Zero, left - 1))
+                {
+                    if (!connection.Socket.TryReceiveMultipartBytes(next, ref frames)) break;
+                    if (frames.Count == 1) received.Add(frames[0]);
+                }
+                if (received.Count > 0) break;
+            }
+            return received;
+        }
+    }
+}

@@ -1,0 +1,49 @@
+// Lesson 13, statistics: numbers that Unity wants to see beside the trainer's own. From Unity to Python.
+//
+//     Academy.Instance.StatsRecorder.Add("score", 12.5f, StatAggregationMethod.Histogram);
+//
+// Bytes: string key, float32 value, int32 how to aggregate. The Python side is stats_side_channel.py.
+// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
+using System;
+
+namespace NetMQExample.SideChannels
+{
+    /// <summary>What to make of the values that came for one key.</summary>
+    public enum StatAggregationMethod
+    {
+        /// <summary>Their mean.</summary>
+        Average = 0,
+        /// <summary>The last one.</summary>
+        MostRecent = 1,
+        /// <summary>All together.</summary>
+        Sum = 2,
+        /// <summary>How they are spread.</summary>
+        Histogram = 3,
+    }
+
+    /// <summary>Sends what the trainer is to show.</summary>
+    public sealed class StatsSideChannel : SideChannel
+    {
+        /// <summary>With ML-Agents' id.</summary>
+        public StatsSideChannel() => ChannelId = new Guid("a1d8f7b7-cec8-50f9-b78b-d3e165a78520");
+
+        /// <summary>Queues a value.</summary>
+        public void Add(
+            string key, float value, StatAggregationMethod aggregationMethod = StatAggregationMethod.Average)
+        {
+            using var msg = new OutgoingMessage();
+            msg.WriteString(key);
+            msg.WriteFloat32(value);
+            msg.WriteInt32((int)aggregationMethod);
+            QueueMessageToSend(msg);
+        }
+
+        /// <summary>Under the name that ML-Agents' own channel has for it.</summary>
+        public void AddStat(string key, float value, StatAggregationMethod aggregationMethod) =>
+            Add(key, value, aggregationMethod);
+
+        /// <inheritdoc/>
+        protected override void OnMessageReceived(IncomingMessage msg) =>
+            throw new UnityAgentsException("statistics came from Python, which is to receive them");
+    }
+}
