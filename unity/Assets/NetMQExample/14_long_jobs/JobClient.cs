@@ -38,6 +38,8 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public JobClient(string endpoint, string job, TimeSpan patience, int tries, Action<string> report)
         {
+            if (tries < 1 || patience <= TimeSpan.Zero)
+                throw new ArgumentException("tries must be 1 or more, and patience longer than 0 s");
             if (!System.Text.RegularExpressions.Regex.IsMatch(job, "^[0-9A-Za-z][0-9A-Za-z-]{0,63}\\z"))
                 throw new ArgumentException("resume takes the id of a job, such as the one that leave-at prints");
             (this.endpoint, Job, this.patience, this.tries, this.report) = (endpoint, job, patience, tries, report);
