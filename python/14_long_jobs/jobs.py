@@ -31,7 +31,7 @@ class Jobs:
         # What happened and is not in the journal yet.
         self.pending: dict[str, Message] = {}
         self.outbox: list[tuple[bytes, Message]] = []
-        for id in reversed(journal.unfinished()):
+        for id in reversed(journal.take_over()):
             self.live[id] = Job(*(journal.find(id) or ()))
             self.interrupted(id, "the server was restarted")
 

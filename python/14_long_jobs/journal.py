@@ -29,6 +29,7 @@ SCHEMA = """
 """
 # Seconds after its end.
 KEEP = 24 * 3600
+CURE = "try --journal another.sqlite3"
 
 
 class Journal:
@@ -42,11 +43,11 @@ class Journal:
             if path in ("", ":memory:"):
                 raise sqlite3.Error("it needs the name of a file")
             # While another program has it locked, everybody here waits, and so does Ctrl-C: not for long.
-            self.db = sqlite3.connect(path, timeout=0.5)
+            self.db = sqlite3.connect(path, timeout=1)
             self.db.executescript(SCHEMA)
-            jobs = self.db.execute("SELECT count(*), max(goal), max(news), max(data) FROM jobs").fetchone()[0]
+            jobs = self.db.execute("SELECT count(id), count(goal), count(news), count(data) FROM jobs").fetchone()[0]
         except sqlite3.Error as error:
-            raise ArgumentTypeError(f"cannot use the journal {path}: {error}; try --journal another.sqlite3") from None
+            raise ArgumentTypeError(f"cannot use the journal {path}: {error}; {CURE}") from None
         self.opened = self.files()
         print(f"journal {path}, {jobs} jobs", flush=True)
 
@@ -68,8 +69,15 @@ class Journal:
         found = self.db.execute("SELECT goal, news, data FROM jobs WHERE id = ?", (job,)).fetchone()
         return found and (read([found[0]]), read([frame for frame in found[1:] if frame is not None]))
 
-    def unfinished(self) -> list[str]:
-        """In the order in which they were accepted."""
+    def take_over(self) -> list[str]:
+        """What has not ended, in the order in which it was accepted. From here on no other server gets this journal: it
+        would do the same jobs."""
+        try:
+            self.db.execute("PRAGMA locking_mode = EXCLUSIVE")
+            with self.db:
+                self.db.execute("DELETE FROM jobs WHERE ended < ?", (time.time() - KEEP,))
+        except sqlite3.Error as error:
+            sys.exit(f"cannot use the journal {self.path}: {error}; {CURE}")
         return [row[0] for row in self.db.execute("SELECT id FROM jobs WHERE ended IS NULL ORDER BY number")]
 
     def write(self, statement: str, rows: list[tuple[object, ...]]) -> bool:

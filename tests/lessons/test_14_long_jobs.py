@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 import zmq
 
+from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, memory, peer, read, units
 from tests.programs import LIMIT, ROOT, Mark, finds_processes
@@ -361,3 +362,29 @@ def test_a_full_disk_rejects_what_cannot_be_written_down(start, peer, tmp_path):
     assert first.ask("status").hear("result").frames() == result.frames()
     assert server.process.poll() is None
     assert "Traceback" not in server.output
+
+
+def test_a_second_server_does_not_get_the_same_journal(jobs_server, start, tmp_path):
+    """It would do each job once more."""
+    jobs_server()
+    journal = str(tmp_path / "journal.sqlite3")
+    words = ["--endpoint", "tcp://127.0.0.1:0", "--journal", journal]
+    second = start(PYTHON, ROOT / "python" / KEY / "server.py", *words)
+    assert second.wait() == 2
+    assert second.lines[-1].endswith(
+        f"cannot use the journal {journal}: database is locked; try --journal another.sqlite3"
+    )
+
+
+@pytest.mark.parametrize("work", ["count", "picture"])
+def test_what_a_frame_costs(work, serve, start, engine, capsys):
+    """The main thread's share, while a job is watched and its picture drawn."""
+    _, endpoint = serve(KEY)
+    harness = dotnet.build(PYTHON, engine, ROOT / "tests" / "unity" / "play")
+    words = [f"endpoint={endpoint}", f"kind={work}", "count=10000" if work == "count" else "count=200"]
+    player = start("dotnet", harness, "cost", "14", "300", *words)
+    assert player.wait() == 0, player.output
+    cost = player.wait_for("^cost: .*")[0]
+    with capsys.disabled():
+        print(f"\n{work}: {cost}")
+    assert cost.endswith(", 0 bytes allocated"), cost

@@ -107,8 +107,7 @@ def test_whatever_happens_each_job_ends_once(jobs_server, peer, pytestconfig, tm
         assert storm.peer(storm.endpoint, job).ask("cancel").hear("result").frames() == result.frames()
     counts = Counter(result.values["status"] for result in ends.values())
     with capsys.disabled():
-        print(f"
-{seeds} interleavings, {storm.kills} kills: {dict(counts)}")
+        print(f"\n{seeds} interleavings, {storm.kills} kills: {dict(counts)}")
     assert counts.keys() == {"succeeded", "canceled"}, "the storm had both"
     assert storm.kills > seeds / 4
 

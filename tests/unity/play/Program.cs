@@ -9,6 +9,7 @@
 //     … play.dll flood 1 tcp://127.0.0.1:5551 10000      a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0                         a Play of ten frames with a field that is wrong
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
+//     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
@@ -42,6 +43,7 @@ namespace NetMQExample.PlayTest
                 case "api": Api.Print(); return 0;
                 case "events": Events.Print(); return 0;
                 case "habits": Habits.Print(); return 0;
+                case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
