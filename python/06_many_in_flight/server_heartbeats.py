@@ -25,8 +25,7 @@ def count(monitor: zmq.Socket[bytes]) -> None:
     with contextlib.suppress(zmq.ZMQError), monitor:
         while True:
             while monitor.poll(200):
-                event = recv_monitor_message(monitor)["event"]
-                clients += {zmq.EVENT_ACCEPTED: 1, zmq.EVENT_DISCONNECTED: -1}.get(event, 0)
+                clients += 1 if recv_monitor_message(monitor)["event"] == zmq.EVENT_ACCEPTED else -1
             if clients != told:
                 print(f"clients: {clients}", flush=True)
                 told = clients
