@@ -362,7 +362,7 @@ def test_a_phone_closes_the_sockets_of_a_game_that_is_not_seen(
     alone = key == "09_environment"
     clients, lines = (1, 2) if alone else (2, 4)
     unity = editor(runtime, "keep", key, endpoint, clients, f"{key} x {clients}, paused as on a phone")
-    reply = "^asking |^simulating " if alone else r"^\d+: |^frame \d+: |^received |^snapshot"
+    reply = "^asking |^simulating " if alone else r"^\d+: |^frame \d+: |^received |^snapshot|^job \w+: "
     unity.play()
     for _ in range(lines):
         unity.wait_for(reply)

@@ -177,8 +177,10 @@ namespace NetMQExample.PlayTest
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
                     if (field.GetValue(script) is string text && text.StartsWith("tcp://", StringComparison.Ordinal)) field.SetValue(script, endpoint);
+                    // A job that lasts as long as the others.
+                    if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
                     // As a rule so many that it is still asking when Stop comes.
-                    if (field.Name == "count") field.SetValue(script, count);
+                    if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : count);
                 }
             thing.SetActive(on);
             return thing;

@@ -14,8 +14,7 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5564";
         [SerializeField, Tooltip("count, picture, path or deaf")] private string kind = "picture";
-        [SerializeField, Min(1), Tooltip("How far to count; or the side of the picture, the path")]
-        private int count = 100;
+        [SerializeField, Min(1), Tooltip("How far to count; the side of the picture")] private int count = 100;
         [SerializeField, Tooltip("Come back to the job with this id; empty: begin one")] private string resume = "";
         [SerializeField, Min(0), Tooltip("Cancel the job when so much is done; 0: never")] private int cancelAt = 0;
         [SerializeField, Min(0), Tooltip("Leave the job alone when so much is done; 0: never")] private int leaveAt = 0;
@@ -25,6 +24,8 @@ namespace NetMQExample
 
         private volatile JobNews newest;
         private volatile JobClient client;
+        // Of a job that has not ended: an app that was not seen for a while comes back to it.
+        private string id;
 
         /// <summary>The newest about the job, or null. For the main thread, such as JobView.</summary>
         public JobNews Newest => newest;
@@ -36,7 +37,7 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             newest = null;
-            var id = resume == "" ? JobClient.NewId() : resume;
+            id ??= resume == "" ? JobClient.NewId() : resume;
             using var mine = client = new JobClient(endpoint, id, Seconds(patience), tries, Log);
             Log($"asking {endpoint} for job {id}");
             foreach (var news in mine.Watch(resume == "" ? mine.Goal(kind, count) : mine.Ask("status"), stop))
@@ -50,6 +51,7 @@ namespace NetMQExample
                 return;
             }
             if (forget) foreach (var news in mine.Watch(mine.Ask("forget"), stop)) Log(news.Line);
+            id = null;
             if (newest.Status == "aborted") throw new TimeoutException("the job was aborted; see above");
             Log(newest.Outcome);
         }
