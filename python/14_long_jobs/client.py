@@ -69,8 +69,8 @@ def main() -> None:
     parser.add_argument("--cancel-at", type=int, default=0, metavar="N", help="cancel the job when N is done")
     parser.add_argument("--leave-at", type=int, default=0, metavar="N", help="leave the job alone when N is done")
     parser.add_argument("--forget", action="store_true", help="have the server forget the job after its end")
-    parser.add_argument("--patience", type=float, default=1.0, help="seconds after which to ask again")
-    parser.add_argument("--tries", type=int, default=10, help="how often to ask without a word before giving up")
+    parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for a word of the job")
+    parser.add_argument("--tries", type=int, default=10, help="how often to connect anew before giving up")
     options = parser.parse_args()
     at_least = min(options.cancel_at, options.leave_at) >= 0 and min(options.count, options.tries) >= 1
     if not (at_least and 0 < options.patience < 86400):

@@ -22,6 +22,9 @@ import zmq
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import LIMIT, Message, MessageError, read, take
 
+# Seconds. The server tells what is new for five after it was asked.
+AGAIN = 1.0
+
 
 def new_id() -> str:
     """An id must never come twice, whoever else makes one: hence the uuid."""
@@ -51,28 +54,29 @@ class JobClient:
 
     def watch(self, request: Message) -> Iterator[Message]:
         """What is new about the job, up to its result. MessageError if it is rejected, TimeoutError without a word."""
-        self.request, silent, seq = request, 0, -1
+        self.request, silent, seq, since = request, 0, -1, time.monotonic()
         while True:
             self.send(self.request)
-            ask_again, heard = time.monotonic() + self.patience, False
-            while time.monotonic() < ask_again:
+            again = time.monotonic() + min(AGAIN, self.patience)
+            while time.monotonic() < again:
                 for news in self.arrived():
-                    heard = True
+                    since, silent = time.monotonic(), 0
                     # What is not newer was told already: the answer to the same question.
                     if news.kind == "forgotten" or take(news.values, "seq", int) > seq:
                         seq = news.values.get("seq", seq)
                         yield news
                     if news.kind in ("result", "forgotten"):
                         return
-            silent = 0 if heard else silent + 1
+            if time.monotonic() < since + self.patience:
+                continue
+            silent += 1
             if silent == self.tries:
                 why = f"no word of it from {self.endpoint} in {silent} tries of {self.patience:g} s"
                 raise TimeoutError(f"{why}; is the server running? Its id is {self.job}")
-            if silent:
-                # A new socket helps, whatever was wrong with this one.
-                self.report(f"no word within {self.patience:g} s; try {silent + 1} of {self.tries}")
-                self.close()
-                self.socket = self.connect()
+            # A new socket helps, whatever was wrong with this one.
+            self.report(f"no word within {self.patience:g} s; try {silent + 1} of {self.tries}")
+            self.close()
+            self.socket, since = self.connect(), time.monotonic()
 
     def cancel(self) -> None:
         """Ask for the job's end. It may come too late: the result says what it became."""

@@ -50,7 +50,7 @@ class Workers:
     def start(self, goal: Message) -> int:
         """Have an idle worker do it; the number of its process."""
         worker = self.idle.pop()
-        if not worker or not worker.process.is_alive():
+        if not worker:
             worker = Worker()
             Thread(target=self.listen, args=(worker.pipe,), daemon=True).start()
         self.busy[goal.values["job"]] = worker
@@ -72,14 +72,14 @@ class Workers:
         found: dict[str, Message | None] = {}
         while not self.said.empty():
             pipe, message = self.said.get()
-            job = next((job for job, worker in self.busy.items() if worker.pipe is pipe), "")
-            # One that died after its result has no job any more.
-            if job:
+            if not message:
+                # Its process has ended, although it may look alive for a moment.
+                self.idle = [None if worker and worker.pipe is pipe else worker for worker in self.idle]
+            for job in [job for job, worker in self.busy.items() if worker.pipe is pipe]:
                 found[job] = message
                 if not message or message.kind == "result":
                     worker = self.busy.pop(job)
-                    # One that was killed may look alive for a moment.
-                    self.idle.append(None if worker.doomed else worker)
+                    self.idle.append(worker if message and not worker.doomed else None)
         return found
 
     def listen(self, pipe: Connection) -> None:

@@ -22,6 +22,9 @@ namespace NetMQExample
     /// Unity's main thread: to watch is to wait.</summary>
     public sealed class JobClient : IDisposable
     {
+        // The server tells what is new for five seconds after it was asked.
+        private static readonly TimeSpan Again = TimeSpan.FromSeconds(1);
+
         private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly TimeSpan patience;
@@ -32,8 +35,8 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5564</c>.</param>
         /// <param name="job">The job's id: a new one, or that of a job to come back to.</param>
-        /// <param name="patience">After how long to ask again.</param>
-        /// <param name="tries">How often to ask without a word before giving up.</param>
+        /// <param name="patience">How long to wait for a word of the job before connecting anew.</param>
+        /// <param name="tries">How often that may happen in a row before giving up.</param>
         /// <param name="report">Called, on the thread that watches, with a line to log about each trouble.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public JobClient(string endpoint, string job, TimeSpan patience, int tries, Action<string> report)
@@ -76,30 +79,30 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {
-            var (silent, seq) = (0, -1L);
+            var (silent, seq, since) = (0, -1L, Stopwatch.StartNew());
             while (true)
             {
                 Send(request, stop);
-                var heard = false;
-                for (var waited = Stopwatch.StartNew(); waited.Elapsed < patience;)
+                for (var asked = Stopwatch.StartNew(); asked.Elapsed < (patience < Again ? patience : Again);)
                 {
                     if (Interlocked.Exchange(ref cancel, 0) > 0) Send(request = Ask("cancel"), stop);
                     if (!TryReceive(stop, out var news)) continue;
-                    heard = true;
+                    silent = 0;
+                    since.Restart();
                     // What is not newer was told already: the answer to the same question.
                     if (news.Seq > seq || news.Kind == "forgotten") yield return news;
                     seq = Math.Max(seq, news.Seq);
                     if (news.Kind == "result" || news.Kind == "forgotten") yield break;
                 }
-                silent = heard ? 0 : silent + 1;
-                if (heard) continue;
+                if (since.Elapsed < patience) continue;
                 var limit = FormattableString.Invariant($"{patience.TotalSeconds} s");
-                if (silent == tries)
+                if (++silent == tries)
                     throw new TimeoutException($"no word of it from {endpoint} in {tries} tries of {limit}; "
                         + $"is the server running? Its id is {Job}");
                 report($"no word within {limit}; try {silent + 1} of {tries}");
                 // A new socket helps, whatever was wrong with this one.
                 connection.Close();
+                since.Restart();
             }
         }
 

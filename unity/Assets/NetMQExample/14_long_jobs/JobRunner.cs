@@ -19,8 +19,8 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("Cancel the job when so much is done; 0: never")] private int cancelAt = 0;
         [SerializeField, Min(0), Tooltip("Leave the job alone when so much is done; 0: never")] private int leaveAt = 0;
         [SerializeField, Tooltip("Have the server forget the job after its end")] private bool forget = false;
-        [SerializeField, Min(0.01f), Tooltip("Seconds after which to ask again")] private float patience = 1;
-        [SerializeField, Min(1), Tooltip("How often to ask without a word")] private int tries = 10;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float patience = 1;
+        [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
 
         private volatile JobNews newest;
         private volatile JobClient client;
