@@ -101,12 +101,13 @@ def test_what_is_rejected_is_said_in_one_line(kind, serve, start, client_command
 @each_client
 def test_a_server_that_is_killed_goes_on_from_the_checkpoint(kind, jobs_server, start, client_command):
     server, endpoint = jobs_server("--crash-on", "40")
-    client = start(*client_command(kind, KEY, endpoint, "--kind", "count"))
+    # Long enough that a slow disk does not hide where it is until it has ended.
+    client = start(*client_command(kind, KEY, endpoint, "--kind", "count", "--count", "250"))
     assert server.wait() == 1
     again, _ = jobs_server()
     assert client.wait() == 0, client.output
-    assert again.wait_for(r": count from (\d+), in process")[1] >= "40", "not from the beginning"
-    assert client.lines[-1] == "done: succeeded, 100 bytes, sum 5050", "each unit was done once"
+    assert int(again.wait_for(r": count from (\d+), in process")[1]) >= 40, "not from the beginning"
+    assert client.lines[-1] == f"done: succeeded, 250 bytes, sum {250 * 251 // 2}", "each unit was done once"
 
 
 def test_progress_comes_soon_after_kill_9_and_restart(jobs_server, start, client_command, capsys):
