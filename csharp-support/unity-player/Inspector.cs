@@ -5,6 +5,7 @@ using System.ComponentModel;
 using System.Globalization;
 using System.Linq;
 using System.Reflection;
+using System.Text.RegularExpressions;
 using UnityEngine;
 
 namespace UnityPlayer
@@ -35,8 +36,10 @@ namespace UnityPlayer
         public static void Set(IReadOnlyCollection<MonoBehaviour> scripts, string name, string text)
         {
             var found = false;
+            // The terminal's --cancel-at is the field cancelAt.
+            var written = Regex.Replace(name, "-([a-z])", letter => letter.Groups[1].Value.ToUpperInvariant());
             foreach (var script in scripts)
-                foreach (var field in Fields(script.GetType()).Where(field => field.Name == name))
+                foreach (var field in Fields(script.GetType()).Where(field => field.Name == written))
                 {
                     field.SetValue(script, Parse(field, text));
                     found = true;

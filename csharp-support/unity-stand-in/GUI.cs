@@ -25,6 +25,8 @@ namespace UnityEngine
         internal static string Drawn { get; private set; } = "";
 
         public static void Label(Rect position, string text) => Drawn = text;
+
+        public static void DrawTexture(Rect position, Texture image) { }
     }
 
     public sealed class TextMesh : Component

@@ -52,7 +52,10 @@ namespace UnityEngine
 
     public sealed class Texture2D : Texture
     {
+        private static Texture2D white;
         private readonly byte[] pixels;
+
+        public static Texture2D whiteTexture => white != null ? white : white = new Texture2D(4, 4, TextureFormat.RGBA32, false);
 
         public Texture2D(int width, int height, TextureFormat textureFormat, bool mipChain)
         {
@@ -71,6 +74,9 @@ namespace UnityEngine
                 throw new UnityException($"LoadRawTextureData: not enough data provided (will result in overread).");
             Array.Copy(data, pixels, pixels.Length);
         }
+
+        /// <summary>Where a graphics card is, it gets the pixels now.</summary>
+        public void Apply() => MainThread.Only(nameof(Apply));
 
         public NativeArray<T> GetRawTextureData<T>() where T : struct
         {

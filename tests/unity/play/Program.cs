@@ -9,7 +9,8 @@
 //     … play.dll flood 1 tcp://127.0.0.1:5551 10000      a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0                         a Play of ten frames with a field that is wrong
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
-//     … play.dll body count=60 …                 application 20; see Bodies.cs
+//     … play.dll body count=60 …                         application 20; see Bodies.cs
+//     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
@@ -43,6 +44,7 @@ namespace NetMQExample.PlayTest
                 case "api": Api.Print(); return 0;
                 case "events": Events.Print(); return 0;
                 case "habits": Habits.Print(); return 0;
+                case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
@@ -177,8 +179,10 @@ namespace NetMQExample.PlayTest
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
                     if (field.GetValue(script) is string text && text.StartsWith("tcp://", StringComparison.Ordinal)) field.SetValue(script, endpoint);
+                    // A job that lasts as long as the others.
+                    if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
                     // As a rule so many that it is still asking when Stop comes.
-                    if (field.Name == "count") field.SetValue(script, count);
+                    if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : count);
                 }
             thing.SetActive(on);
             return thing;

@@ -1,0 +1,103 @@
+"""Lesson 14, long jobs: the id outlives the connection. A goal, feedback, a result, and cancel.
+
+    python python/14_long_jobs/server.py          prints: journal long_jobs.sqlite3, 0 jobs
+                                                          listening on tcp://127.0.0.1:5564
+    python python/14_long_jobs/client.py          or: dotnet run --project csharp-console -- 14
+
+Bytes: messages of lesson 05, whose kind is the verb and whose value `job` is the client's id; DEALER and ROUTER.
+    goal {kind, count}   cancel   status   forget                                         what a client sends
+    accepted {position}   rejected {code, text}   feedback {done, total, text}   canceling   forgotten
+    result {status: succeeded, canceled or aborted, done, total, text}                    what it is answered
+What is finished so far comes along as an array. `seq` grows with each message about a job. A client that asked is told
+what is new for 5 seconds; it asks again in time. What was told is in the journal, also after kill -9.
+Trouble on command: --crash-on N ends the server when a job is at N: start it again yourself. Or end a worker, whose
+number is printed; let the queue be full with --queue 1; have a job that is deaf to cancel: client.py --kind deaf.
+Take home: this file, verbs.py, jobs.py, job.py, job_journal.py, workers.py, worker.py and work.py, with messages.py of
+lesson 05.
+"""
+
+import argparse
+import contextlib
+import os
+import re
+import signal
+import sys
+
+import zmq
+from job_journal import Journal
+from jobs import Jobs
+from verbs import answer
+
+ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5564", zmq.ROUTER, 65_536
+# So many messages are read before the workers have their turn.
+MOST = 100
+
+
+def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
+    jobs = Jobs(options.journal, options.workers, options.queue, options.grace)
+    while True:
+        # A wait with a limit: on Windows Ctrl-C does not interrupt a longer one, and a deaf worker has its time.
+        zmq.select([socket, jobs.workers.bell], [], [], 0.1)
+        with contextlib.suppress(zmq.Again):
+            for _ in range(MOST):
+                client, *frames = socket.recv_multipart(zmq.NOBLOCK)
+                answer(jobs, client, frames)
+        jobs.turn()
+        for client, news in jobs.outbox:
+            if news.kind == "feedback" and news.values["done"] >= (options.crash_on or float("inf")):
+                os._exit(1)
+            # This never waits: ROUTER drops what is for a client that has gone, or does not read. It will ask again.
+            socket.send_multipart([client, *news.frames()])
+        jobs.outbox.clear()
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--journal", type=Journal, default="long_jobs.sqlite3", help="a file, made if there is none")
+    parser.add_argument("--workers", type=above_0, default=2, help="how many jobs are done at the same time")
+    parser.add_argument("--queue", type=above_0, default=100, help="how many may wait; one more is rejected")
+    parser.add_argument("--grace", type=float, default=2, help="seconds until a job that is deaf to cancel is killed")
+    parser.add_argument("--crash-on", type=int, default=0, metavar="N", help="end the server when a job is at N")
+
+
+def above_0(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is no whole number, 1 or more")
+    return int(text)
+
+
+# From here on all servers of this kit are the same, as far as they need it.
+
+
+def endpoint(text: str) -> str:
+    """libzmq itself would listen on port 99999 - 65536 without a word."""
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
+    if not port or int(port[1].replace("*", "0")) > 65535:
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
+    return text
+
+
+def main() -> None:
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="port 0 takes a free one")
+    add_options(parser)
+    options = parser.parse_args()
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with zmq.Context() as context, context.socket(SOCKET) as socket:
+        # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
+        # Who announces more than the largest message is disconnected before it is in memory.
+        socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, LARGEST, 200
+        try:
+            socket.bind(options.endpoint)
+        except zmq.ZMQError as error:
+            cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
+            sys.exit(f"cannot listen on {options.endpoint}: {zmq.strerror(error.errno or 0)}; {cure}")
+        print(f"listening on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        serve(socket, options)
+
+
+if __name__ == "__main__":
+    with contextlib.suppress(KeyboardInterrupt):
+        main()

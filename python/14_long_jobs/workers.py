@@ -1,0 +1,98 @@
+"""Lesson 14, the workers: processes that do one job at a time, and can be killed.
+
+    workers = Workers(4)
+    workers.start(goal)             a message with the values job, kind, count and done; its array is a checkpoint
+    for job, news in workers.news().items(): ...            feedback, a result, or None if the process died
+
+Python computes on one thread at a time, so threads would share one core, and no thread can be killed. What a process
+says is read by a thread, because a pipe cannot be polled together with a socket on every system; it then rings a bell
+that can.
+Take home: this file, worker.py and work.py, with messages.py of lesson 05.
+"""
+
+import multiprocessing
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from queue import SimpleQueue
+from socket import socketpair
+from threading import Thread
+
+from messages import Message
+from worker import labour, receive, send
+
+# A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
+SPAWN = multiprocessing.get_context("spawn")
+
+
+class Worker:
+    """A process, and the pipe to it."""
+
+    def __init__(self) -> None:
+        self.pipe, theirs = SPAWN.Pipe()
+        self.process = SPAWN.Process(target=labour, args=(theirs,), daemon=True)
+        self.process.start()
+        self.doomed = False
+        # Only the process itself has that end now, so that its death ends every wait at this one.
+        theirs.close()
+
+
+class Workers:
+    """Use it on one thread. `bell` is a socket to poll: it is readable when there are news."""
+
+    def __init__(self, size: int) -> None:
+        # A process is started when there is work for it, and again after it died.
+        self.idle: list[Worker | None] = [None] * size
+        self.busy: dict[str, Worker] = {}
+        self.said: SimpleQueue[tuple[Connection, Message | None]] = SimpleQueue()
+        self.bell, self.rope = socketpair()
+        self.bell.setblocking(False)
+
+    def start(self, goal: Message) -> int:
+        """Have an idle worker do it; the number of its process."""
+        worker = self.idle.pop()
+        if not worker:
+            worker = Worker()
+            Thread(target=self.listen, args=(worker.pipe,), daemon=True).start()
+        self.busy[goal.values["job"]] = worker
+        self.say(worker, goal)
+        return worker.process.pid or 0
+
+    def cancel(self, job: str) -> None:
+        """Tell its worker, which hears it between two steps."""
+        self.say(self.busy[job], Message("cancel"))
+
+    def kill(self, job: str) -> None:
+        self.busy[job].doomed = True
+        self.busy[job].process.kill()
+
+    def news(self) -> dict[str, Message | None]:
+        """Of each job the newest."""
+        with suppress(BlockingIOError):
+            self.bell.recv(4096)
+        found: dict[str, Message | None] = {}
+        while not self.said.empty():
+            pipe, message = self.said.get()
+            if not message:
+                # Its process has ended, although it may look alive for a moment.
+                self.idle = [None if worker and worker.pipe is pipe else worker for worker in self.idle]
+            for job in [job for job, worker in self.busy.items() if worker.pipe is pipe]:
+                found[job] = message
+                if not message or message.kind == "result":
+                    worker = self.busy.pop(job)
+                    self.idle.append(worker if message and not worker.doomed else None)
+        return found
+
+    def listen(self, pipe: Connection) -> None:
+        message: Message | None = Message("")
+        while message:
+            try:
+                message = receive(pipe)
+            except (EOFError, OSError):
+                message = None
+            self.said.put((pipe, message))
+            self.rope.send(b"!")
+
+    def say(self, worker: Worker, message: Message) -> None:
+        # To one that died: its end is in the queue already, or will be.
+        with suppress(OSError):
+            send(worker.pipe, message)

@@ -1,0 +1,148 @@
+// Lesson 14, the job's client: starts a job or comes back to it, watches and cancels it.
+//
+//     using var client = new JobClient(endpoint, JobClient.NewId(), TimeSpan.FromSeconds(1), tries: 10, report);
+//     foreach (var news in client.Watch(client.Goal("picture", 100), stop))        or: client.Ask("status")
+//         report(news.Line);                                       client.Cancel() in between, on any thread
+//
+// Take home: this file and JobNews.cs, Message.cs and MessageJson.cs (lesson 05), NetMQConnection.cs and
+// NetMQLifetime.cs. The Python side is python/14_long_jobs/server.py, whose header says what the bytes are.
+// Once a second it asks again, the same: a goal that is there is only watched. So it makes no difference what was
+// lost, and who was started again. What comes is the newest state; the last message is the result.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
+using Stopwatch = System.Diagnostics.Stopwatch;
+
+namespace NetMQExample
+{
+    /// <summary>One job, over one DEALER socket at a time. Make it, use it and dispose it on one thread, and not on
+    /// Unity's main thread: to watch is to wait.</summary>
+    public sealed class JobClient : IDisposable
+    {
+        // The server tells what is new for five seconds after it was asked.
+        private static readonly TimeSpan Again = TimeSpan.FromSeconds(1);
+
+        private readonly NetMQConnection connection;
+        private readonly string endpoint;
+        private readonly TimeSpan patience;
+        private readonly int tries;
+        private readonly Action<string> report;
+        private int cancel;
+
+        /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5564</c>.</param>
+        /// <param name="job">The job's id: a new one, or that of a job to come back to.</param>
+        /// <param name="patience">How long to wait for a word of the job before connecting anew.</param>
+        /// <param name="tries">How often that may happen in a row before giving up.</param>
+        /// <param name="report">Called, on the thread that watches, with a line to log about each trouble.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public JobClient(string endpoint, string job, TimeSpan patience, int tries, Action<string> report)
+        {
+            if (tries < 1 || patience <= TimeSpan.Zero)
+                throw new ArgumentException("tries must be 1 or more, and patience longer than 0 s");
+            if (!System.Text.RegularExpressions.Regex.IsMatch(job, "^[0-9A-Za-z][0-9A-Za-z-]{0,63}\\z"))
+                throw new ArgumentException("resume takes the id of a job, such as the one that leave-at prints");
+            (this.endpoint, Job, this.patience, this.tries, this.report) = (endpoint, job, patience, tries, report);
+            connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.Limit);
+        }
+
+        /// <summary>The job's id.</summary>
+        public string Job { get; }
+
+        /// <summary>An id must never come twice, whoever else makes one: hence the GUID.</summary>
+        public static string NewId() => Guid.NewGuid().ToString("N");
+
+        /// <summary>What to ask to have the job begun, or watched if it is there already.</summary>
+        public Message Goal(string kind, int count)
+        {
+            var goal = Ask("goal");
+            (goal.Values["kind"], goal.Values["count"]) = (kind, (long)count);
+            return goal;
+        }
+
+        /// <summary>What to ask: status, or forget after the end.</summary>
+        public Message Ask(string verb)
+        {
+            var message = new Message(verb);
+            message.Values["job"] = Job;
+            return message;
+        }
+
+        /// <summary>What is new about the job, up to its result.</summary>
+        /// <param name="request">What to ask, now and then again.</param>
+        /// <param name="stop">Ends the watching, within 50 ms of being cancelled. The job goes on.</param>
+        /// <exception cref="MessageException">The server rejects it, with its words.</exception>
+        /// <exception cref="TimeoutException">There was no word.</exception>
+        /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
+        {
+            var (silent, seq, since) = (0, -1L, Stopwatch.StartNew());
+            while (true)
+            {
+                Send(request, stop);
+                for (var asked = Stopwatch.StartNew(); asked.Elapsed < (patience < Again ? patience : Again);)
+                {
+                    if (Interlocked.Exchange(ref cancel, 0) > 0) Send(request = Ask("cancel"), stop);
+                    if (!TryReceive(stop, out var news)) continue;
+                    silent = 0;
+                    since.Restart();
+                    // What is not newer was told already: the answer to the same question.
+                    if (news.Seq > seq || news.Kind == "forgotten") yield return news;
+                    seq = Math.Max(seq, news.Seq);
+                    if (news.Kind == "result" || news.Kind == "forgotten") yield break;
+                }
+                if (since.Elapsed < patience) continue;
+                var limit = FormattableString.Invariant($"{patience.TotalSeconds} s");
+                if (++silent == tries)
+                    throw new TimeoutException($"no word of it from {endpoint} in {tries} tries of {limit}; "
+                        + $"is the server running? Its id is {Job}");
+                report($"no word within {limit}; try {silent + 1} of {tries}");
+                // A new socket helps, whatever was wrong with this one.
+                connection.Close();
+                since.Restart();
+            }
+        }
+
+        /// <summary>Asks for the job's end, on any thread. It may come too late: the result says what it
+        /// became.</summary>
+        public void Cancel() => cancel = 1;
+
+        /// <summary>Closes the socket, then leaves NetMQ.</summary>
+        public void Dispose() => connection.Dispose();
+
+        // Without waiting: after a peer that broke the protocol there may be no connection to send on.
+        private void Send(Message request, CancellationToken stop) =>
+            connection.TrySend(TimeSpan.Zero, stop, request.Header());
+
+        // The next message about this job, if one comes soon.
+        private bool TryReceive(CancellationToken stop, out JobNews news)
+        {
+            NetMQMessage frames = null;
+            news = null;
+            stop.ThrowIfCancellationRequested();
+            if (!connection.Socket.TryReceiveMultipartMessage(NetMQConnection.Slice, ref frames)) return false;
+            Message message;
+            try
+            {
+                message = Message.Read(frames.Select(frame =>
+                    new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
+            }
+            catch (MessageException e)
+            {
+                report($"dropped: {NetMQLifetime.Printable(e.Message)}");
+                return false;
+            }
+            if (message.Kind == "rejected")
+                throw new MessageException(Shown(message, "code"), Shown(message, "text"));
+            if (!Job.Equals(message.Values.GetValueOrDefault("job"))) return false;
+            news = new JobNews(message);
+            return true;
+        }
+
+        private static string Shown(Message message, string name) =>
+            NetMQLifetime.Printable($"{message.Values.GetValueOrDefault(name) ?? "not said"}");
+    }
+}

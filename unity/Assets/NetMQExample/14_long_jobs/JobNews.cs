@@ -1,0 +1,116 @@
+// Lesson 14, what a message about a job says: read and put into words on the network thread, ready to be shown.
+//
+// Take home: this file, with Message.cs and MessageJson.cs of lesson 05 and NetMQLifetime.cs. The Python twin is
+// progress.py.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>The newest about a job. It never changes, so every thread may have it.</summary>
+    public sealed class JobNews
+    {
+        /// <summary>Reads a message.</summary>
+        /// <exception cref="MessageException">Something is missing in it.</exception>
+        public JobNews(Message message)
+        {
+            (Kind, Job, Status) = (message.Kind, Take<string>(message, "job"), "");
+            if (Kind != "forgotten") Seq = Take<long>(message, "seq");
+            if (Kind == "feedback" || Kind == "result")
+            {
+                (Done, Total) = (Take<long>(message, "done"), Take<long>(message, "total"));
+                Text = Take<string>(message, "text");
+            }
+            if (Kind == "result") Status = Take<string>(message, "status");
+            if (Kind == "accepted") Position = Take<long>(message, "position");
+            Finished = message.Arrays.Select(array => array.Data).FirstOrDefault();
+            if (message.Arrays.Count > 0 && message.Arrays[0].Shape is { Length: 3 } shape && shape[2] == 3)
+                (Side, Pixels) = (shape[1], Upwards(shape[0], shape[1]));
+            var name = $"job {Job.Substring(0, Math.Min(Job.Length, 8))}";
+            Line = NetMQLifetime.Printable($"{name}: {Words}");
+        }
+
+        /// <summary>The verb: accepted, feedback, canceling, result or forgotten.</summary>
+        public string Kind { get; }
+
+        /// <summary>The job's id.</summary>
+        public string Job { get; }
+
+        /// <summary>Of a result: succeeded, canceled or aborted.</summary>
+        public string Status { get; }
+
+        /// <summary>Grows with each message about a job.</summary>
+        public long Seq { get; }
+
+        /// <summary>How far it is.</summary>
+        public long Done { get; }
+
+        /// <summary>How far it goes.</summary>
+        public long Total { get; }
+
+        /// <summary>What else there is to say.</summary>
+        public string Text { get; } = "";
+
+        /// <summary>Where it stands in the queue; 0 once it is begun.</summary>
+        public long Position { get; }
+
+        /// <summary>What is finished so far.</summary>
+        public ReadOnlyMemory<byte> Finished { get; }
+
+        /// <summary>The width and height of the picture, if it is one.</summary>
+        public int Side { get; }
+
+        /// <summary>The picture so far, as Unity's textures have it: RGB, the lowest row first.</summary>
+        public byte[] Pixels { get; }
+
+        /// <summary>The line to print.</summary>
+        public string Line { get; }
+
+        /// <summary>How much is done, from 0 to 1.</summary>
+        public float Share => Math.Clamp((float)((double)Done / Math.Max(Total, 1)), 0, 1);
+
+        /// <summary>What to say at the end.</summary>
+        public string Outcome
+        {
+            get
+            {
+                long sum = 0;
+                foreach (var one in Finished.Span) sum += one;
+                return $"done: {NetMQLifetime.Printable(Status)}, {Finished.Length} bytes, sum {sum}";
+            }
+        }
+
+        private string Words
+        {
+            get
+            {
+                if (Kind == "accepted")
+                    return Position > 0 ? $"accepted, number {Position} of those that wait" : "accepted";
+                if (Kind != "feedback" && Kind != "result") return Kind;
+                var place = Kind == "result" ? $"{Status} at {Done} of {Total}" : $"{Done} of {Total}";
+                return Text == "" ? place : $"{place}, {Text}";
+            }
+        }
+
+        /// <summary>Whether it is in the same tenth of the job as the message before: one line for each is
+        /// enough.</summary>
+        public bool SameTenthAs(JobNews before) => Kind == "feedback" && before?.Kind == "feedback"
+            && Done * 10 / Math.Max(Total, 1) == before.Done * 10 / Math.Max(before.Total, 1);
+
+        // Its rows come from the top; those that are not there yet are black.
+        private byte[] Upwards(int rows, int side)
+        {
+            var pixels = new byte[side * side * 3];
+            for (var row = 0; row < Math.Min(rows, side); row++)
+                Finished.Span.Slice(row * side * 3, side * 3)
+                    .CopyTo(new Span<byte>(pixels, (side - 1 - row) * side * 3, side * 3));
+            return pixels;
+        }
+
+        private static T Take<T>(Message message, string name) =>
+            message.Values.GetValueOrDefault(name) is T value
+                ? value
+                : throw new MessageException("missing-field", $"there is no '{name}' as it should be");
+    }
+}
