@@ -7,20 +7,22 @@
 Who ends leaves `agents`. A simulator that is lost ends the episode of all: they are truncated, and each one's info has
 `lost`; the next reset waits for another one. What the game has said meanwhile is `told` in each one's info: lists of
 infos by agent, those of the environment as `env`. `send_info` is the other way, at any time.
-Take home: this file, remote_agents.py and infos.py, with connection.py, simulators.py and spaces.py of lesson 09, and
-messages.py of 05. They need pettingzoo.
+Take home: this file, remote_agents.py and infos.py, with connection.py, simulators.py, launched.py and spaces.py of
+lesson 09, and messages.py of 05. They need pettingzoo.
 """
 
+import contextlib
 import weakref
 from typing import Any
 
+import numpy as np
 from connection import Lost
 from gymnasium.spaces import Space
 from gymnasium.utils import seeding
 from infos import LIMIT, pack
 from pettingzoo import ParallelEnv
 from remote_agents import RemoteAgents, told
-from spaces import to_array
+from spaces import picture, sendable, shown, to_array
 
 
 class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
@@ -28,6 +30,7 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
 
     def __init__(self, name: str = "Pursuit", render_mode: str | None = None, **where: Any) -> None:
         self.agents, self.render_mode = list[str](), render_mode
+        self.picture = np.zeros((240, 320, 3), np.uint8)
         self.random, _ = seeding.np_random()
         self.remote = RemoteAgents(name, **where)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
@@ -52,7 +55,10 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
             self.random, _ = seeding.np_random(seed)
         # The simulator gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.random.integers(2**53)) if seed is None else seed
-        state = self.remote.begin({**(options or {}), "seed": seed})
+        values, begin = sendable(options, seed=seed)
+        if begin:
+            raise ValueError("state cannot be sent: a game begins by chance")
+        state = self.remote.begin(values)
         self.agents = self.possible_agents[:]
         self.seen, *_, infos = self.remote.read(state, self.agents)
         return self.seen, infos
@@ -62,7 +68,7 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
             raise ValueError(f"actions for {list(actions)!s:.200}, but those that live are {self.agents}")
         for agent, action in actions.items():
             if action not in self.action_space(agent):
-                raise ValueError(f"action {action!r:.80} of {agent} is not in {self.action_space(agent)}")
+                raise ValueError(f"action {shown(action)} of {agent} is not in {shown(self.action_space(agent))}")
         try:
             arrays = [to_array(actions[agent], self.action_space(agent).dtype) for agent in self.agents]
             state = self.remote.read(self.remote.ask("step", {}, arrays), self.agents)
@@ -86,7 +92,10 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
     def render(self) -> Any:
         if self.render_mode != "rgb_array":
             return None
-        return self.remote.ask("render", {}, []).arrays[0].numpy().copy()
+        # Who films goes on when the simulator is lost, which step says, with the picture before.
+        with contextlib.suppress(Lost):
+            self.picture = picture(self.remote.ask("render", {}, []).arrays)
+        return self.picture
 
     def close(self) -> None:
         self.close_once()
