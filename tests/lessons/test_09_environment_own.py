@@ -349,3 +349,63 @@ def test_simulators_are_launched_by_words_or_by_a_path(tmp_path):
     by_hand = Simulators(endpoint=f"tcp://127.0.0.1:{free_port()}", launch=None)
     assert by_hand.launch == []
     by_hand.close()
+
+
+def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, console, start, make, tmp_path):
+    """In Unity: what it is asked for off the main thread, what it throws, and By Hand ticked in each frame."""
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    script = page[page.index("using System;\nusing System.Collections.Generic;\nusing NetMQExample;") :].split("```")[0]
+    for old, new in (
+        ('Name => "Ball";', 'Name => gameObject == null ? "" : "Ball";\n' + TICKS),
+        ("=> Observation.Of(place, speed);", "=> place > 5 ? null : Observation.Of(place, speed);"),
+        (
+            "        place += speed",
+            '        if (action[0] == 2) throw new ArithmeticException("my mistake");\n        place += speed',
+        ),
+    ):
+        assert script.count(old) == 1
+        script = script.replace(old, new)
+    (tmp_path / "Ball.cs").write_text(script, encoding="utf-8")
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    words = [
+        "kit.py",
+        "play",
+        tmp_path / "Ball.cs",
+        "--engine",
+        engine.name,
+        "--endpoint",
+        endpoint,
+        "--patience",
+        "200",
+    ]
+    player = start(PYTHON, *words)
+    gymnasium.register("My/Ball-v0", "environment:ZmqEnv", kwargs={"name": "Ball"})
+    env = make("My/Ball-v0", endpoint=endpoint, wait=240)
+    assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
+    assert env.step(1)[1:] == (-3, False, False, {})
+    for wrong, text in (
+        (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
+        (lambda: env.reset(options={"state": [6, 0]}), "^error-in-simulation: .*: Observe gave null$"),
+    ):
+        with pytest.raises(MessageError, match=text):
+            wrong()
+    env.reset(seed=1)
+    env.close()
+    player.wait()
+    assert "ArithmeticException: my mistake" in player.output and "Ball.Act" in player.output
+    assert "Observe gave null" in player.output and "NullReference" not in player.output
+    assert "by hand" not in player.output
+
+
+# What somebody does in the inspector meanwhile.
+TICKS = """
+    private bool ticked;
+
+    protected override void Update()
+    {
+        ticked = !ticked;
+        typeof(SimulatorBehaviour).GetField("byHand", System.Reflection.BindingFlags.Instance
+            | System.Reflection.BindingFlags.NonPublic).SetValue(this, ticked);
+        base.Update();
+    }
+"""
