@@ -6,12 +6,18 @@ so two systems agree to many digits and not to all. At home your own simulation 
 """
 
 import math
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 from simulation import Simulation
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from messages import MessageError
 
 GRAVITY, FORCE, CART, POLE, HALF_LENGTH = 9.8, 10.0, 1.0, 0.1, 0.5
 # The episode is over when the cart leaves the track, in metres, or the pole falls: 12 degrees.
@@ -32,7 +38,9 @@ class CartPole(Simulation):
         self.place = self.speed = self.angle = self.turning = 0.0
 
     def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
-        low, high = (float(options.get(name, limit)) for name, limit in (("low", -0.05), ("high", 0.05)))
+        low, high = options.get("low", -0.05), options.get("high", 0.05)
+        if isinstance(low, str) or isinstance(high, str):
+            raise MessageError("bad-option", "low and high are numbers, between which an episode begins")
         drawn = [low + (high - low) * next(chance) for _ in range(4)]
         self.place, self.speed, self.angle, self.turning = state or drawn
 

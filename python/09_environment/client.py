@@ -15,11 +15,14 @@ import sys
 from collections.abc import Callable
 from socket import getaddrinfo
 
-from cart_pole import CartPole
-from environment_client import EnvironmentClient
-from road_car import RoadCar
-from simulation import Simulation
-from simulator import Simulator
+try:
+    from cart_pole import CartPole
+    from environment_client import EnvironmentClient
+    from road_car import RoadCar
+    from simulation import Simulation
+    from simulator import Simulator
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let python3 kit.py run 9 do it")
 
 ENDPOINT = "tcp://127.0.0.1:5559"
 WORLDS: dict[str, Callable[[], Simulation]] = {"CartPole": CartPole, "Car": RoadCar}

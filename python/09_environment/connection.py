@@ -20,6 +20,8 @@ from messages import Array, Message, MessageError, read
 
 # Seconds after which a request is sent again.
 AGAIN = 1.0
+# What Gymnasium's requests are answered with. Other lessons have others.
+ANSWERS = {"reset": "state", "step": "state", "render": "picture"}
 
 
 class Lost(ConnectionError):
@@ -34,10 +36,10 @@ class Connection:
         self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True
-        self.peer, self.id = b"", 0
+        self.peer, self.id, self.closed = b"", 0, False
 
-    def wait(self, limit: float, accept: Callable[[Message], None], hope: Callable[[], bool]) -> None:
-        """Wait for a simulator's hello, while there is hope. What `accept` raises, the simulator is told as well."""
+    def wait(self, limit: float, accept: Callable[[Message], None], ended: Callable[[], int | None]) -> None:
+        """Wait for a simulator's hello, until its program has ended. What `accept` raises, it is told as well."""
         self.peer, end = b"", time.monotonic() + limit
         while not self.peer:
             peer, hello = self.receive()
@@ -52,13 +54,15 @@ class Connection:
             elif hello:
                 # It was given up, and has not noticed.
                 self.refuse(peer, MessageError("unknown-peer", "say hello again"))
-            if not self.peer and not hope():
-                raise TimeoutError(f"the simulator that was launched has ended, and never came to {self.endpoint}")
+            if not self.peer and (code := ended()) is not None:
+                raise TimeoutError(f"the launched simulator ended with code {code}, and never came to {self.endpoint}")
             if not self.peer and time.monotonic() > end:
                 raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; is it running?")
 
     def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
         """The answer to a request; MessageError is the simulator's refusal, or says what is wrong with its answer."""
+        if self.closed:
+            raise ValueError("this environment is closed")
         self.id += 1
         end, why = time.monotonic() + self.patience, f"no answer to {kind} within {self.patience:g} s"
         while time.monotonic() < end:
@@ -69,6 +73,8 @@ class Connection:
                 if answer.kind == "error":
                     code, text = (str(answer.values.get(name, "not said")) for name in ("code", "text"))
                     raise MessageError(code[:40], text[:200])
+                if answer.kind != ANSWERS.get(kind, answer.kind):
+                    raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {kind}")
                 return answer
         self.peer = b""
         raise Lost(why)
@@ -102,9 +108,8 @@ class Connection:
 
     def send(self, peer: bytes, kind: str, id: int, values: Any = None, arrays: Any = None) -> bool:
         """False if the peer is gone, or takes nothing any more."""
-        frames = Message(kind, id, values or {}, arrays or []).frames()
         try:
-            self.socket.send_multipart([peer, *frames], zmq.NOBLOCK)
+            self.socket.send_multipart([peer, *Message(kind, id, values or {}, arrays or []).frames()], zmq.NOBLOCK)
         except zmq.ZMQError:
             return False
         return True

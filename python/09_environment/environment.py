@@ -6,19 +6,25 @@
 
 The spaces come from the simulator's hello. A simulator that is lost ends the episode: `truncated` is true, and
 `info["lost"]` says why; the next reset waits for another one, or launches it. What `options` has goes to the
-simulator as it is, and `options["state"]`, an array, is where its world begins.
-Take home: this file, connection.py, simulators.py and spaces.py, with messages.py of lesson 05. They need gymnasium.
+simulator as it is, and `options["state"]`, an array, is where its world begins. One thread has it, and no other.
+Take home: this file, connection.py, simulators.py, launched.py and spaces.py, with messages.py of lesson 05. They need
+gymnasium.
 """
 
+import contextlib
+import sys
 import weakref
 from typing import Any
 
-import gymnasium
-import numpy as np
+try:
+    import gymnasium
+    import numpy as np
+except ImportError:
+    sys.exit("this lesson needs gymnasium: pip install gymnasium, or let python3 kit.py run 9 do it")
 from connection import Lost
 from messages import Message, take
 from simulators import Simulators
-from spaces import from_array, offered, to_array
+from spaces import from_array, offered, picture, sendable, shown, to_array
 
 
 class ZmqEnv(gymnasium.Env[Any, Any]):
@@ -31,6 +37,7 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
         self.name, self.render_mode = name, render_mode
         self.simulators = Simulators(**where)
         self.connection = self.simulators.connection
+        self.seen, self.picture = None, np.zeros((240, 320, 3), np.uint8)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = weakref.finalize(self, self.simulators.close)
         try:
@@ -49,8 +56,8 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         super().reset(seed=seed)
         # The simulator gets a seed each time, so that an episode never depends on the one before.
-        values = {**(options or {}), "seed": int(self.np_random.integers(2**53) if seed is None else seed)}
-        arrays = [to_array(values.pop("state"), np.float64)] if "state" in values else []
+        seed = int(self.np_random.integers(2**53)) if seed is None else seed
+        values, arrays = sendable(options, seed=seed)
         try:
             state = self.connection.ask("reset", values, arrays)
         except Lost:
@@ -60,8 +67,10 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
         return self.seen, state.values
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        if self.seen is None:
+            raise gymnasium.error.ResetNeeded("call reset before step")
         if action not in self.action_space:
-            raise ValueError(f"action {action!r:.80} is not in {self.action_space}")
+            raise ValueError(f"action {shown(action)} is not in {shown(self.action_space)}")
         try:
             state = self.connection.ask("step", {}, [to_array(action, self.action_space.dtype)])
         except Lost as lost:
@@ -76,7 +85,10 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
     def render(self) -> Any:
         if self.render_mode != "rgb_array":
             return None
-        return self.connection.ask("render", {}, []).arrays[0].numpy().copy()
+        # Who films goes on when the simulator is lost, which step says, with the picture before.
+        with contextlib.suppress(Lost):
+            self.picture = picture(self.connection.ask("render", {}, []).arrays)
+        return self.picture
 
     def close(self) -> None:
         self.close_once()

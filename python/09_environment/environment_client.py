@@ -19,21 +19,23 @@ from messages import LIMIT, Message, MessageError, read
 from simulator import SimulatorBase
 
 # Seconds for a connection, and then for the answer to hello. Seconds without a request, until it says hello again.
-TRY, IDLE = 1.0, 3600.0
+TRY, IDLE, NOTHING = 1.0, 3600.0, "no connection"
 
 
 class EnvironmentClient:
     """Serves an environment, and after it the next one. What happens is told to `report`, line by line."""
 
     def __init__(self, endpoint: str, patience: float, report: Callable[[str], None] = print) -> None:
-        self.endpoint, self.patience, self.report, self.heard = endpoint, patience, report, 0.0
+        self.endpoint, self.patience, self.report = endpoint, patience, report
+        # When it last was in an environment, and why it is in none since then.
+        self.heard, self.why = 0.0, NOTHING
 
     def run(self, simulator: SimulatorBase, count: int = 0) -> None:
         """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
 
         TimeoutError says that there was no environment for `patience` seconds.
         """
-        self.heard, why = time.monotonic(), "no connection"
+        self.heard, self.why = time.monotonic(), NOTHING
         while time.monotonic() < self.heard + self.patience:
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 # Nothing can be sent while there is no connection: so it is known whether there is one.
@@ -44,11 +46,13 @@ class EnvironmentClient:
                 except zmq.Again:
                     pass
                 except (MessageError, TimeoutError) as error:
-                    why = str(error)
+                    # A refusal says more than the silence that may come after it.
+                    if isinstance(error, MessageError) or self.why == NOTHING:
+                        self.why = str(error)
                     # Whoever refuses at once is not asked again at once.
                     time.sleep(min(TRY / 5, self.patience))
         waited = f"no environment at {self.endpoint} within {self.patience:g} s"
-        raise TimeoutError(f"{waited}; is the server running? ({why})")
+        raise TimeoutError(f"{waited}; is the server running? ({self.why})")
 
     def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:
         limit = min(TRY, self.patience)
@@ -69,7 +73,7 @@ class EnvironmentClient:
             self.report(f"trouble: {error}")
             raise
         finally:
-            self.heard = time.monotonic()
+            self.heard, self.why = time.monotonic(), NOTHING
 
     def receive(self, socket: zmq.Socket[bytes], limit: float) -> Message:
         end = time.monotonic() + limit

@@ -35,10 +35,10 @@ class RoadCar(Simulation):
         self.car, self.camera, self.metres = Car.on(self.road), DrawnCamera(self.road), 0.0
 
     def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
-        at = int(state[0] if state else next(chance) * len(self.road.points))
+        at = state[0] if state else next(chance) * len(self.road.points)
         if not 0 <= at < len(self.road.points):
             raise MessageError("bad-state", f"the road has the points 0 to {len(self.road.points) - 1}")
-        self.car, self.metres = Car.on(self.road, at), 0.0
+        self.car, self.metres = Car.on(self.road, int(at)), 0.0
 
     def apply(self, action: Any) -> None:
         steer, pedal = float(action[0]), float(action[1])

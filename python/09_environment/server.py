@@ -6,7 +6,8 @@
 
 Plays ten episodes with each simulator that comes, and prints a line for each.
 Bytes: messages of lesson 05. Trouble: stop the simulator in an episode; start a second one meanwhile.
-Take home: this file, environment.py, connection.py, simulators.py and spaces.py, with messages.py of lesson 05.
+Take home: this file, policies.py, environment.py, connection.py, simulators.py, launched.py and spaces.py, with
+messages.py of lesson 05.
 """
 
 import argparse
@@ -15,31 +16,25 @@ import re
 import signal
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 import environment  # noqa: F401, it registers the environments.
 import gymnasium
-import numpy as np
 import zmq
 from messages import LIMIT, MessageError
+from policies import by_hand
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5559", zmq.ROUTER, 4 * LIMIT
 EPISODES = 10
 
 
-def policy(world: str, seen: Any) -> Any:
-    """By hand: push the cart to where the pole falls; steer the car back to the middle of its road."""
-    if world == "CartPole":
-        return int(seen[2] + seen[3] > 0)
-    return np.clip(np.array([2 * seen[4] - seen[0] - 2 * seen[1], 0.4], np.float32), -1, 1)
-
-
-def play(env: gymnasium.Env[Any, Any], world: str, number: int) -> str:
+def play(env: gymnasium.Env[Any, Any], policy: Callable[[Any], Any], number: int) -> str:
     """One episode, as Gymnasium plays it everywhere."""
     seen, info = env.reset(seed=number)
     steps, total, over = 0, 0.0, False
     while not over:
-        seen, reward, terminated, truncated, info = env.step(policy(world, seen))
+        seen, reward, terminated, truncated, info = env.step(policy(seen))
         steps, total, over = steps + 1, total + float(reward), terminated or truncated
     return f"episode {number}: {steps} steps, return {total:.1f}" + (f", {info['lost']}" if "lost" in info else "")
 
@@ -49,9 +44,10 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     while True:
         try:
             with gymnasium.make(f"NetMQExample/{options.world}-v0", socket=socket) as env:
+                policy = by_hand(env, options.world)
                 for number in range(1, EPISODES + 1):
-                    print(play(env, options.world, number), flush=True)
-        except (OSError, MessageError) as error:
+                    print(play(env, policy, number), flush=True)
+        except (OSError, MessageError, ValueError, AssertionError) as error:
             print(f"trouble: {str(error)!a:.200}", flush=True)
             # One such line a second: many that come with a wrong hello must not fill a disk.
             time.sleep(1)

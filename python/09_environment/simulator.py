@@ -29,12 +29,13 @@ class SimulatorBase(ABC):
 
     def hello(self) -> Message:
         """What an environment has to know. Its requests are counted anew."""
-        self.id = 0
-        return self.describe()
+        self.id, hello = 0, self.describe()
+        self.kept = hello.frames()
+        return hello
 
     def answer(self, request: Message) -> list[Any]:
-        """What this id got already, or the answer to a new one. What is wrong is told to the environment."""
-        if request.id != self.id:
+        """The answer to a new id, or what was answered last. What is wrong is told to the environment."""
+        if request.id > self.id:
             try:
                 self.kept = self.do(request).frames()
             except Exception as error:
@@ -64,7 +65,7 @@ class Simulator(SimulatorBase):
 
     def describe(self) -> Message:
         (seen, see), (done, do) = described(self.simulation.observation), described(self.simulation.action)
-        values = {"name": self.name, "dt": self.simulation.dt, "observation": seen, "action": done}
+        values = {"name": self.name, "dt": float(self.simulation.dt), "observation": seen, "action": done}
         return Message("hello", 0, values, see + do)
 
     def do(self, request: Message) -> Message:
@@ -78,7 +79,10 @@ class Simulator(SimulatorBase):
         elif request.kind == "step":
             simulation.apply(from_array(simulation.action, request.arrays))
             self.steps += 1
-            values = simulation.judge()
+            values = dict(simulation.judge())
+            # Whatever numpy or Python made them of.
+            values["reward"] = float(values["reward"])
+            values |= {name: bool(values[name]) for name in ("terminated", "truncated")}
             if not math.isfinite(values["reward"]):
                 raise MessageError("bad-reward", f"the reward is {values['reward']}")
         elif request.kind == "render":

@@ -1,53 +1,46 @@
 """Lesson 09, the simulators: where they come from, by hand or launched, and that none is left behind.
 
-Take home: this file and connection.py, with messages.py of lesson 05.
+Take home: this file, launched.py and connection.py, with messages.py of lesson 05.
 """
 
-import glob
 import os
-import shutil
+import re
 import subprocess
-import sys
 from collections.abc import Callable, Sequence
 
+import launched
 import zmq
 from connection import Connection, Lost
+from launched import game
 from messages import LIMIT, Message, MessageError
 
 ENDPOINT, FREE = "tcp://127.0.0.1:5559", "tcp://127.0.0.1:*"
 
 
 def bound(endpoint: str) -> zmq.Socket[bytes]:
+    # libzmq itself would listen on port 99999 - 65536 without a word.
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", endpoint, re.ASCII)
+    if not port or int(port[1].replace("*", "0")) > 65535:
+        raise ValueError(f"bad endpoint '{endpoint}': write it like {ENDPOINT}, port 0 to 65535")
     context = zmq.Context()
     socket = context.socket(zmq.ROUTER)
-    # Who announces more than the largest message is disconnected before it is in memory.
-    socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 4 * LIMIT, 200
+    # Who announces more than the largest message is disconnected before it is in memory. One answer is under way; what
+    # others send while nobody listens must not fill the memory.
+    socket.maxmsgsize, socket.rcvhwm = 4 * LIMIT, 10
+    # At its end so many milliseconds for what it has said last, such as why it refused a simulator.
+    socket.linger, socket.rcvtimeo = 500, 200
     try:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
         context.destroy()
-        cure = "if another trainer has it, give this one its own, such as endpoint='tcp://127.0.0.1:*'"
+        cure = f"if another trainer has it, give this one its own endpoint, such as {FREE}"
         raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
     return socket
 
 
-def game(path: str) -> str:
-    """The program that is meant by a build's path: each system has an ending, or a folder, of its own for it."""
-    ending = {"win32": ".exe", "darwin": ".app/Contents/MacOS/*"}.get(sys.platform, ".x86_64")
-    for way in (glob.escape(path), glob.escape(path) + ending):
-        for found in filter(os.path.isfile, sorted(glob.glob(way))):
-            # What was unpacked from an archive may have forgotten that it is a program.
-            if not os.access(found, os.X_OK):
-                os.chmod(found, 0o755)
-            return os.path.abspath(found)
-    if program := shutil.which(path):
-        return program
-    raise FileNotFoundError(f"no game at {path}: there is neither this file nor {path}{ending}")
-
-
 class Simulators:
-    """`launch` is a path as `game` takes it, or a program with its first words; `--endpoint` follows. Without it one
-    waits for Play.
+    """`launch` is a path as `game` takes it, or a list: a program and its first words; `--endpoint` follows. Without it
+    one waits for Play.
 
     `wait` is how many seconds for a simulator, `patience` how many for each answer. A socket that is given is not
     closed.
@@ -56,14 +49,18 @@ class Simulators:
     def __init__(
         self,
         endpoint: str = "",
-        launch: str | Sequence[str] = (),
+        launch: str | os.PathLike[str] | Sequence[str] | None = (),
         wait: float = 60,
         patience: float = 10,
         socket: zmq.Socket[bytes] | None = None,
         default: str = ENDPOINT,
     ) -> None:
-        self.launch = [game(launch)] if launch and isinstance(launch, str) else list(launch)
-        self.limit, self.own = wait, socket is None
+        for name, seconds in ("wait", wait), ("patience", patience):
+            if not isinstance(seconds, int | float) or not 0 < seconds <= 86400:
+                raise ValueError(f"{name} takes seconds, more than 0 and at most a day, not {seconds!r:.40}")
+        words = [launch] if isinstance(launch, str | os.PathLike) else list(launch or ())
+        self.launch = [game(os.fspath(words[0])), *words[1:]] if launch else []
+        self.limit, self.own, self.pid = wait, socket is None, os.getpid()
         # Each one that launches has a port of its own: several environments at once are no trouble.
         self.connection = Connection(socket or bound(endpoint or (FREE if launch else default)), patience)
         self.process: subprocess.Popen[bytes] | None = None
@@ -76,25 +73,26 @@ class Simulators:
         else:
             # One that was lost may still be there, and hang.
             self.end()
-            self.process = subprocess.Popen([*self.launch, "--endpoint", endpoint])
-        self.connection.wait(self.limit, accept, lambda: self.process is None or self.process.poll() is None)
+            self.process = launched.start([*self.launch, "--endpoint", endpoint])
+        self.connection.wait(self.limit, accept, lambda: self.process.poll() if self.process else None)
 
     def end(self) -> None:
-        """Let the one that was launched end by itself for a moment, then end it."""
-        if self.process:
-            try:
-                self.process.wait(2)
-            except subprocess.TimeoutExpired:
-                self.process.kill()
-                self.process.wait()
+        if process := self.process:
+            self.process = None
+            launched.end(process)
 
     def close(self) -> None:
+        if self.connection.closed or os.getpid() != self.pid:
+            # A process that was forked has a copy of this, and the simulator is not its own.
+            return
         self.connection.patience = min(2, self.connection.patience)
         try:
             # It answers: a connection that ends right after a message may take the message with it.
             self.connection.ask("close", {}, [])
         except (Lost, MessageError):
             pass
-        if self.own:
-            self.connection.socket.context.destroy()
-        self.end()
+        finally:
+            self.connection.closed = True
+            self.end()
+            if self.own:
+                self.connection.socket.context.destroy()

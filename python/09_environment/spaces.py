@@ -7,11 +7,12 @@ refused.
 Take home: this file, with messages.py of lesson 05.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete, Space
-from messages import Array, Message, MessageError, take
+from messages import EXACT, Array, Message, MessageError, read, take
 
 
 def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
@@ -23,7 +24,7 @@ def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
             return Discrete(int(arrays.pop(0).numpy()))
         low, high = arrays.pop(0).numpy(), arrays.pop(0).numpy()
         return Box(low, high, dtype=low.dtype.type)
-    except (LookupError, ValueError, TypeError, AssertionError) as error:
+    except (LookupError, ValueError, TypeError, ArithmeticError, AssertionError) as error:
         raise MessageError("bad-space", f"its arrays make no {kind}: {error!s:.80}") from None
 
 
@@ -59,5 +60,41 @@ def from_array(space: Space[Any], arrays: list[Array]) -> Any:
     # [()] makes a number of an array without dimensions, and changes no other.
     items = arrays[0].numpy().copy()[()]
     if (items.dtype, items.shape) != (space.dtype, space.shape) or items not in space:
-        raise MessageError("not-in-space", f"{items.dtype} {items.shape} {items!s:.80} is not in {space}")
+        raise MessageError("not-in-space", f"{items.dtype} {items.shape} {shown(items)} is not in {shown(space)}")
     return items
+
+
+def picture(arrays: list[Array]) -> Any:
+    """The one array as a picture, uint8 [height, width, 3]."""
+    if [(array.dtype, array.shape[2:]) for array in arrays] != [("uint8", (3,))]:
+        forms = [(array.dtype, array.shape) for array in arrays]
+        raise MessageError("no-picture", f"{forms!s:.80} is not one array uint8 [height, width, 3]")
+    return arrays[0].numpy().copy()
+
+
+def shown(items: Any) -> str:
+    """In one line, with the dtype of an array, which numpy's own text often leaves out."""
+    dtype = f"{items.dtype} " if isinstance(items, np.ndarray) else ""
+    return dtype + " ".join(f"{items!r:.200}".split())
+
+
+def sendable(options: Any, **own: int) -> tuple[dict[str, Any], list[Array]]:
+    """What reset sends: the options, beside values of its own, and the option `state` as an array.
+
+    ValueError names what no simulator could read, before anything is sent.
+    """
+    options = {} if options is None else options
+    if not isinstance(options, Mapping) or "seed" in options:
+        raise ValueError(f"options must be a dict, without seed, which is reset's own: {options!r:.80}")
+    values = {**options, **own}
+    try:
+        state = [to_array(values.pop("state"), np.float64)] if "state" in values else []
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"state cannot be sent: {error!s:.80}") from None
+    # One by one, and then together.
+    for some in *({name: value} for name, value in values.items()), values:
+        try:
+            read(Message("reset", EXACT - 1, some).frames())
+        except (ValueError, TypeError, RecursionError, MessageError) as error:
+            raise ValueError(f"{', '.join(map(str, some)):.40} cannot be sent: {error!s:.200}") from None
+    return values, state

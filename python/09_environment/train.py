@@ -10,14 +10,21 @@ same --seed gives the same numbers. At home, train with what you like: see the g
 """
 
 import argparse
+import importlib.util
+import signal
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
-import environment  # noqa: F401, it registers the environments.
-import gymnasium
-import numpy as np
-from messages import MessageError
+try:
+    import environment  # noqa: F401, it registers the environments.
+    import gymnasium
+    import learning_curve
+    import numpy as np
+    from messages import MessageError
+except KeyboardInterrupt:
+    sys.exit("stopped")
 
 STEPS, POLICIES, BEST, TRIALS, GOAL = 200, 16, 4, 5, 195
 
@@ -57,40 +64,44 @@ def train(env: gymnasium.Env[Any, Any], seed: int, generations: int) -> list[flo
     return means
 
 
-def plot(means: list[float], path: str) -> None:
-    import matplotlib
+def whole(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"takes a whole number from 0, not '{text}'")
+    return int(text)
 
-    # The same picture from the same numbers: without a date, and with names that are not drawn by chance.
-    matplotlib.use("svg")
-    matplotlib.rcParams |= {"svg.hashsalt": "netmq-example", "svg.fonttype": "none"}
-    from matplotlib import pyplot
 
-    figure, axes = pyplot.subplots(figsize=(8.4, 3.6), layout="constrained")
-    axes.plot(range(1, len(means) + 1), means, marker="o", color="#0550ae")
-    axes.axhline(GOAL, color="#8c959f", linestyle="--", label="good enough")
-    axes.set(xlabel="generation", ylabel="steps until the pole falls", ylim=(0, STEPS))
-    axes.legend()
-    figure.savefig(path, metadata={"Date": None})
+def figure(path: str) -> str:
+    """Whether it can be drawn is to be known before the training, and not after it."""
+    if not importlib.util.find_spec("matplotlib"):
+        raise argparse.ArgumentTypeError("it needs matplotlib: pip install matplotlib")
+    if not Path(path).absolute().parent.is_dir() or Path(path).is_dir():
+        raise argparse.ArgumentTypeError(f"cannot write '{path}': give a file in a folder that there is")
+    return path
 
 
 def main() -> None:
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Learns to balance a pole.")
     parser.add_argument("--endpoint", default="", help="where the simulator comes to; tcp://127.0.0.1:5559")
-    parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same numbers")
-    parser.add_argument("--generations", type=int, default=50, help="how many at the most")
-    parser.add_argument("--plot", metavar="FILE", help="draw the learning curve as SVG")
-    parser.add_argument("--launch", nargs=argparse.REMAINDER, default=[], help="a simulator and its words; comes last")
-    options = parser.parse_args()
-    where = {"endpoint": options.endpoint, "launch": options.launch}
+    parser.add_argument("--seed", type=whole, default=0, help="the same seed gives the same numbers")
+    parser.add_argument("--generations", type=whole, default=50, help="how many at the most")
+    parser.add_argument("--plot", type=figure, metavar="FILE", help="draw the learning curve as SVG")
+    parser.add_argument("--launch", nargs="+", metavar="WORD", help="a simulator and its words, and nothing after them")
+    # By hand: argparse would take the simulator's own words, such as --, for its own.
+    at = sys.argv.index("--launch") if "--launch" in sys.argv[1:-1] else len(sys.argv)
+    options = parser.parse_args(sys.argv[1:at])
+    where = {"endpoint": options.endpoint, "launch": sys.argv[at + 1 :] or options.launch}
+    # SIGTERM ends the simulator as well, as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with gymnasium.make("NetMQExample/CartPole-v0", max_episode_steps=STEPS, **where) as env:
             means = train(env, options.seed, options.generations)
-    except (OSError, MessageError) as error:
+        if options.plot:
+            learning_curve.plot(means, GOAL, STEPS, options.plot)
+    except (OSError, MessageError, ValueError) as error:
         sys.exit(f"gave up: {error}")
-    if options.plot:
-        plot(means, options.plot)
-    sys.exit(None if max(means) >= GOAL else f"gave up: no generation reached {GOAL} of {STEPS}; try another --seed")
+    if max(means, default=0) < GOAL:
+        sys.exit(f"gave up: no generation reached {GOAL} of {STEPS}; try another --seed, or more --generations")
 
 
 if __name__ == "__main__":

@@ -8,15 +8,18 @@ Who ends leaves `agents`. A simulator that is lost ends the episode of all: they
 `lost`; the next reset waits for another one. What the game has said meanwhile is `told` in each one's info: lists of
 infos by agent, those of the environment as `env`. `send_info` is the other way, at any time. With `real_time=True` the
 world goes on while Python thinks, and a step waits for the next tick.
-Take home: this file, remote_agents.py and infos.py, with connection.py, simulators.py and spaces.py of lesson 09, and
-messages.py of 05. They need pettingzoo.
+Take home: this file, remote_agents.py and infos.py, with connection.py, simulators.py, launched.py and spaces.py of
+lesson 09, and messages.py of 05. They need pettingzoo.
 """
 
+import contextlib
 import sys
 import time
 import weakref
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
@@ -26,7 +29,7 @@ from gymnasium.utils import seeding
 from infos import LIMIT, pack
 from pettingzoo import ParallelEnv
 from remote_agents import RemoteAgents, told
-from spaces import to_array
+from spaces import picture, sendable, shown, to_array
 
 
 class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
@@ -36,6 +39,7 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         self, name: str = "Pursuit", render_mode: str | None = None, real_time: bool = False, **where: Any
     ) -> None:
         self.agents, self.render_mode, self.real_time, self.next = list[str](), render_mode, real_time, 0.0
+        self.picture = np.zeros((240, 320, 3), np.uint8)
         self.random, _ = seeding.np_random()
         self.remote = RemoteAgents(name, **where)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
@@ -60,7 +64,10 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
             self.random, _ = seeding.np_random(seed)
         # The simulator gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.random.integers(2**53)) if seed is None else seed
-        state = self.remote.begin({"real_time": self.real_time, **(options or {}), "seed": seed})
+        values, begin = sendable(options, seed=seed, real_time=self.real_time)
+        if begin:
+            raise ValueError("state cannot be sent: a game begins by chance")
+        state = self.remote.begin(values)
         self.next = time.monotonic() + self.remote.dt
         self.agents = self.possible_agents[:]
         self.seen, *_, infos = self.remote.read(state, self.agents)
@@ -71,7 +78,7 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
             raise ValueError(f"actions for {list(actions)!s:.200}, but those that live are {self.agents}")
         for agent, action in actions.items():
             if action not in self.action_space(agent):
-                raise ValueError(f"action {action!r:.80} of {agent} is not in {self.action_space(agent)}")
+                raise ValueError(f"action {shown(action)} of {agent} is not in {shown(self.action_space(agent))}")
         if self.real_time:
             time.sleep(max(0.0, self.next - time.monotonic()))
             self.next = time.monotonic() + self.remote.dt
@@ -98,7 +105,10 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
     def render(self) -> Any:
         if self.render_mode != "rgb_array":
             return None
-        return self.remote.ask("render", {}, []).arrays[0].numpy().copy()
+        # Who films goes on when the simulator is lost, which step says, with the picture before.
+        with contextlib.suppress(Lost):
+            self.picture = picture(self.remote.ask("render", {}, []).arrays)
+        return self.picture
 
     def close(self) -> None:
         self.close_once()

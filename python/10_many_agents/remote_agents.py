@@ -1,6 +1,7 @@
 """Lesson 10, the agents as Python sees them: their spaces, and what a message says of each.
 
-Take home: this file and infos.py, with connection.py, simulators.py and spaces.py of lesson 09, and messages.py of 05.
+Take home: this file and infos.py, with connection.py, simulators.py, launched.py and spaces.py of lesson 09, and
+messages.py of 05.
 """
 
 import sys

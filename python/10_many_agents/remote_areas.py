@@ -1,9 +1,11 @@
 """Lesson 10, the areas as Python sees them: begin some anew, step all, and one message each time.
 
 Each area has a random generator for its seeds and a time limit of its own, as if it were an environment by itself.
-Take home: this file and infos.py, with connection.py, simulators.py and spaces.py of lesson 09, and messages.py of 05.
+Take home: this file and infos.py, with connection.py, simulators.py, launched.py and spaces.py of lesson 09, and
+messages.py of 05.
 """
 
+import contextlib
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ from connection import Lost
 from infos import unpack
 from messages import Array, Message, MessageError, take
 from simulators import Simulators
-from spaces import from_array, offered, to_array
+from spaces import from_array, offered, picture, sendable, to_array
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 
@@ -33,6 +35,7 @@ class RemoteAreas:
         self.steps, self.spaces, self.dt = np.zeros(count, int), list[Any](), 0.0
         most = np.finfo(np.float64).max
         self.rewards, self.flags = Box(-most, most, (count,), np.float64), Box(0, 1, (count,), np.uint8)
+        self.pictures = count * [np.zeros((240, 320, 3), np.uint8)]
         self.simulators = Simulators(default=ENDPOINT, **where)
         self.ask = self.simulators.connection.ask
 
@@ -46,8 +49,7 @@ class RemoteAreas:
 
     def begin(self, mask: Any, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, list[Any]]:
         """What is seen, and the infos. In another simulator all areas begin anew: those not asked to were lost."""
-        values, why, left = dict(options or {}), "", np.zeros(self.count, bool)
-        state = [to_array(values.pop("state"), np.float64)] if "state" in values else []
+        why, left, (values, state) = "", np.zeros(self.count, bool), sendable(options)
         try:
             answer = self.ask("reset", values, self.lots(mask, seed) + state)
         except Lost as lost:
@@ -72,6 +74,12 @@ class RemoteAreas:
         self.steps = np.where(again, 0, self.steps + 1)
         seen, rewards, terminated, truncated, infos = self.read(answer)
         return seen, rewards, terminated, truncated | (self.steps >= self.limit), infos
+
+    def render(self) -> list[Any]:
+        """The picture of each area, or the one before when the simulator is lost, which step says."""
+        with contextlib.suppress(Lost):
+            self.pictures = [picture([array]) for array in self.ask("render", {}, []).arrays]
+        return self.pictures
 
     def lots(self, mask: Any, seed: Any = None) -> list[Array]:
         """Which areas begin anew, and by which chance: the seed that is given, or what its generator draws."""

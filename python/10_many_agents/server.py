@@ -9,7 +9,7 @@ areas.
 Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Trouble: stop the simulator in a game; start it with
 another number of areas.
 Take home: this file, players.py, parallel.py, remote_agents.py, vector.py, remote_areas.py and infos.py, with
-environment.py, connection.py, simulators.py and spaces.py of lesson 09, and messages.py of 05.
+environment.py, connection.py, simulators.py, launched.py and spaces.py of lesson 09, and messages.py of 05.
 """
 
 import argparse
@@ -45,7 +45,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
             with contextlib.closing(environment(socket, options)) as env:
                 for line in PLAYS[options.world](env):
                     print(line, flush=True)
-        except (OSError, MessageError) as error:
+        except (OSError, MessageError, ValueError, LookupError) as error:
             print(f"trouble: {str(error)!a:.200}", flush=True)
             # One such line a second: many that come with a wrong hello must not fill a disk.
             time.sleep(1)

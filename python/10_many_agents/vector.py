@@ -6,8 +6,8 @@
 An area whose episode is over begins anew as `autoreset_mode` says: in the next step, which is Gymnasium's default, in
 the same one, or when reset gets a mask. A simulator that is lost ends all episodes: they are truncated, and
 `infos["lost"]` says why.
-Take home: this file, remote_areas.py and infos.py, with environment.py, connection.py, simulators.py and spaces.py of
-lesson 09, and messages.py of 05.
+Take home: this file, remote_areas.py and infos.py, with environment.py, connection.py, simulators.py, launched.py and
+spaces.py of lesson 09, and messages.py of 05.
 """
 
 import sys
@@ -24,6 +24,7 @@ from remote_areas import RemoteAreas
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
 import environment  # noqa: F401, it registers the environments.
+from spaces import shown
 
 
 class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
@@ -42,7 +43,8 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
     ) -> None:
         self.num_envs, self.mode, self.render_mode = num_envs, AutoresetMode(autoreset_mode), render_mode
         self.areas = RemoteAreas(num_envs, name, max_episode_steps or np.inf, **where)
-        self.over = np.zeros(num_envs, bool)
+        # Whoever steps before the first reset begins.
+        self.over = np.ones(num_envs, bool)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = weakref.finalize(self, self.areas.simulators.close)
         try:
@@ -66,7 +68,7 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         if actions not in self.action_space:
-            raise ValueError(f"actions {actions!r:.80} are not in {self.action_space}")
+            raise ValueError(f"actions {shown(actions)} are not in {shown(self.action_space)}")
         if self.mode == AutoresetMode.DISABLED and self.over.any():
             raise ValueError(f"areas {np.flatnonzero(self.over)} are over: reset(options={{'reset_mask': …}}) first")
         if self.over.all():
@@ -100,7 +102,7 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
     def render(self) -> tuple[Any, ...] | None:
         if self.render_mode != "rgb_array":
             return None
-        return tuple(picture.numpy().copy() for picture in self.areas.ask("render", {}, []).arrays)
+        return tuple(self.areas.render())
 
     def close_extras(self, **kwargs: Any) -> None:
         self.close_once()

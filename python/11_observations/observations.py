@@ -6,7 +6,7 @@
 Without `launch=["Build/Coins.exe"]`, or `file_name`, it waits for Play. The spaces are declared here, what is in them
 is declared in C#, at the fields that hold it.
 Take home: this file, unity_agents.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
-connection.py, simulators.py and spaces.py of lesson 09 and messages.py of lesson 05.
+connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
 import weakref

@@ -7,8 +7,8 @@
 An answer is complete: whoever is asked for several agents waits for all of them. What a message does not write stays as
 it was; what it writes must fit the spaces. Observations are copies. `info` is {"env": [...], "agent": [...]}, what the
 scene and the agent had to say since the last answer; if the simulator is lost, or the agent has left, `lost` says so.
-Take home: this file, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py, simulators.py
-and spaces.py of lesson 09 and messages.py of lesson 05. The C# side is SceneSimulator.cs.
+Take home: this file, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py,
+simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05. The C# side is SceneSimulator.cs.
 """
 
 import functools

@@ -4,7 +4,7 @@
     env = pettingzoo.utils.parallel_to_aec(env)                          one after the other
 
 Take home: this file, unity_agents.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
-connection.py, simulators.py and spaces.py of lesson 09 and messages.py of lesson 05.
+connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
 import copy

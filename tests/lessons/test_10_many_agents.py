@@ -26,9 +26,9 @@ KEY, AREAS = "10_many_agents", 4
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
 import vector  # noqa: E402, F401
 from infos import InfoQueue, pack, unpack  # noqa: E402
+from launched import game  # noqa: E402
 from parallel import ZmqParallelEnv  # noqa: E402
 from players import policy  # noqa: E402
-from simulators import game  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Unity's scene of this lesson has agents; areas are for terminals.

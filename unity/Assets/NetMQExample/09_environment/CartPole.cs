@@ -46,9 +46,13 @@ namespace NetMQExample
         /// <inheritdoc/>
         public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state)
         {
-            double Option(string name, double standard) => options.TryGetValue(name, out var given)
-                ? Convert.ToDouble(given, CultureInfo.InvariantCulture)
-                : standard;
+            double Option(string name, double standard)
+            {
+                if (!options.TryGetValue(name, out var given)) return standard;
+                if (!(given is string)) return Convert.ToDouble(given, CultureInfo.InvariantCulture);
+                throw new MessageException("bad-option",
+                    "low and high are numbers, between which an episode begins");
+            }
             double low = Option("low", -0.05), high = Option("high", 0.05);
             double Drawn() => low + (high - low) * chance.Next();
             if (state.Length == 0) state = new[] { Drawn(), Drawn(), Drawn(), Drawn() };

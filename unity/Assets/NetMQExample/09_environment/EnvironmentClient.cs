@@ -22,11 +22,15 @@ namespace NetMQExample
         // For a connection, and then for the answer to hello; and without a request, until it says hello again.
         private static readonly TimeSpan Try = TimeSpan.FromSeconds(1), Idle = TimeSpan.FromHours(1);
 
+        private const string Nothing = "no connection";
+
         private readonly Stopwatch silence = new Stopwatch();
         private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly TimeSpan patience;
         private readonly Action<string> report;
+        // Why it is in no environment.
+        private string why = Nothing;
 
         /// <summary>Connects, which succeeds even while no environment is there.</summary>
         /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
@@ -54,7 +58,6 @@ namespace NetMQExample
         public void Run(
             SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop = default)
         {
-            var why = "";
             for (silence.Restart(); silence.Elapsed < patience; connection.Close())
             {
                 try
@@ -64,7 +67,8 @@ namespace NetMQExample
                 }
                 catch (Exception e) when (e is TimeoutException || e is MessageException)
                 {
-                    why = e.Message;
+                    // A refusal says more than the silence that may come after it.
+                    if (e is MessageException || why == Nothing) why = e.Message;
                     // Whoever refuses at once is not asked again at once.
                     stop.WaitHandle.WaitOne(patience < Try ? patience : Try / 5);
                 }
@@ -80,10 +84,11 @@ namespace NetMQExample
             SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
         {
             var limit = patience < Try ? patience : Try;
-            Send(simulator.Hello(), limit, stop);
+            var hello = perform(simulator.Hello);
+            Send(hello, limit, stop);
             var request = Receive(limit, stop);
             if (request.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
-            report($"simulating {simulator.Name} for {endpoint}");
+            report($"simulating {hello.Values["name"]} for {endpoint}");
             try
             {
                 while ((request = Receive(Idle, stop)).Kind != "close")
@@ -100,7 +105,11 @@ namespace NetMQExample
                 report($"trouble: {e.Message}");
                 throw;
             }
-            finally { silence.Restart(); }
+            finally
+            {
+                silence.Restart();
+                why = Nothing;
+            }
         }
 
         private void Send(Message message, TimeSpan limit, CancellationToken stop)

@@ -13,6 +13,9 @@ namespace NetMQExample
     {
         private Message kept;
 
+        /// <summary>Called with each mistake in the simulation. Python hears of it as well, in one line.</summary>
+        public Action<Exception> Mistake { get; set; } = e => Console.Error.WriteLine(e);
+
         /// <summary>How many episodes were begun.</summary>
         public int Episodes { get; protected set; }
 
@@ -25,28 +28,33 @@ namespace NetMQExample
         /// <summary>What an environment has to know. Its requests are counted anew.</summary>
         public Message Hello() => kept = Describe();
 
-        /// <summary>What this id got already, or the answer to a new one.</summary>
+        /// <summary>The answer to a new id, or what was answered last.</summary>
         /// <param name="request">Of any kind but close.</param>
         /// <returns>Of kind error if the request cannot be answered.</returns>
         public Message Answer(Message request)
         {
-            if (request.Id == kept.Id) return kept;
+            if (request.Id <= kept.Id) return kept;
             try
             {
                 kept = Do(request);
                 // What cannot be written, such as a reward that is no number, is found out here.
                 kept.Header();
             }
+            catch (MessageException e)
+            {
+                kept = Refusal(request, e.Code, e.Message.Substring(e.Code.Length + 2));
+            }
             catch (Exception e)
             {
-                // A mistake in the simulation must not end it: Python is told, and what it was.
-                var (code, text) = e is MessageException refusal
-                    ? (refusal.Code, refusal.Message.Substring(refusal.Code.Length + 2))
-                    : ("error-in-simulation", e.ToString());
-                kept = new Message("error", request.Id) { Values = { ["code"] = code, ["text"] = text } };
+                // A mistake in the simulation must not end it: its place is for whoever writes it.
+                Mistake(e);
+                kept = Refusal(request, "error-in-simulation", $"{e.GetType().Name}: {e.Message.Split('\n')[0]}");
             }
             return kept;
         }
+
+        private static Message Refusal(Message request, string code, string text) =>
+            new Message("error", request.Id) { Values = { ["code"] = code, ["text"] = text } };
 
         /// <summary>A hello: name, dt and spaces.</summary>
         protected abstract Message Describe();
@@ -99,7 +107,7 @@ namespace NetMQExample
                     throw new MessageException("unknown-kind",
                         $"kind {MessageJson.Shown(request.Kind)} is none of reset, step, render, close");
             }
-            state.Arrays.Add(simulation.Observe());
+            state.Arrays.Add(simulation.Observe() ?? throw new InvalidOperationException("Observe gave null"));
             return state;
         }
 

@@ -15,10 +15,12 @@ namespace NetMQExample
     {
         [SerializeField, Min(0), Tooltip("End after so many episodes; 0: when Python closes it")] private int count;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float patience = 30;
-        [SerializeField, Tooltip("Play with Heuristic, without Python")] private bool byHand;
+        [SerializeField, Tooltip("Play with Heuristic, without Python; from the next Play on")] private bool byHand;
 
         private SimulationMode before;
         private volatile bool launched;
+        // As it was when this began: whoever ticks it meanwhile has to disable and enable the component.
+        private bool played;
         private long seed;
         private int steps;
         private double total, since;
@@ -43,14 +45,15 @@ namespace NetMQExample
         protected override void Begin()
         {
             (before, Physics.simulationMode) = (Physics.simulationMode, SimulationMode.Script);
-            if (byHand) ResetByHand(new Chance(seed));
+            played = byHand;
+            if (played) ResetByHand(new Chance(seed));
             else base.Begin();
         }
 
         /// <inheritdoc/>
         protected override void OnDisable()
         {
-            if (!byHand) base.OnDisable();
+            if (!played) base.OnDisable();
             Physics.simulationMode = before;
         }
 
@@ -63,6 +66,7 @@ namespace NetMQExample
             launched = told > 0;
             Log($"asking {place}");
             var simulator = MakeSimulator();
+            simulator.Mistake = Debug.LogException;
             using var client = new EnvironmentClient(place, Seconds(patience), Log);
             client.Run(simulator, count, FromUpdate, stop);
             Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
@@ -73,7 +77,7 @@ namespace NetMQExample
         {
             // While Python steps, its next request comes within a millisecond. When none does, the frame goes on.
             var clock = Stopwatch.StartNew();
-            for (var wait = 0; !byHand && clock.ElapsedMilliseconds < 10 && DoNext(wait); wait = 1) { }
+            for (var wait = 0; !played && clock.ElapsedMilliseconds < 10 && DoNext(wait); wait = 1) { }
             // In the editor this does nothing. Not before the last line was logged.
             if (launched && Done) Application.Quit();
         }
@@ -83,7 +87,7 @@ namespace NetMQExample
         {
             since += Time.fixedDeltaTime;
             // At the speed of the world. As floats both are not quite what they are called.
-            if (!byHand || since < Dt - 0.001) return;
+            if (!played || since < Dt - 0.001) return;
             since = 0;
             var (reward, over) = StepByHand();
             (steps, total) = (steps + 1, total + reward);

@@ -1,0 +1,411 @@
+"""Lesson 09, what its users get wrong: options, actions, launch words, closed and forked environments, simulations of
+their own; and that no launched program is left behind.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import re
+import shlex
+import signal
+import sys
+import time
+
+import pytest
+import zmq
+
+from tests.conftest import PYTHON
+from tests.programs import LIMIT, ROOT, Mark, finds_processes, free_port
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
+
+KEY = "09_environment"
+LESSON = ROOT / "python" / KEY
+sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
+from cart_pole import CartPole  # noqa: E402
+from messages import Message, MessageError, read  # noqa: E402
+from road_car import RoadCar  # noqa: E402
+from simulator import Simulator  # noqa: E402
+from simulators import Simulators  # noqa: E402
+from spaces import to_array  # noqa: E402
+
+CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--patience", "4"]
+posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
+
+
+def process(env):
+    return env.unwrapped.simulators.process
+
+
+@pytest.fixture
+def env(make):
+    env = make(launch=CLIENT, disable_env_checker=True)
+    env.reset(seed=1)
+    return env
+
+
+# Options
+
+
+REFUSED = {
+    "seed": ({"seed": 2**53}, "seed cannot be sent: .*too large to be exact"),
+    "none": ({"options": {"a": None}}, "a cannot be sent: .*must be text, a number, true or false"),
+    "list": ({"options": {"a": [1, 2]}}, "a cannot be sent"),
+    "large": ({"options": {"low": 10**20}}, "low cannot be sent: .*too large to be exact"),
+    "long": ({"options": {"t": "x" * 70000}}, "t cannot be sent: too-big"),
+    "many": ({"options": {f"t{i}": "x" * 1000 for i in range(70)}}, "t0, t1.* cannot be sent: too-big"),
+    "half": ({"options": {"t": "\ud800"}}, "t cannot be sent"),
+    "nan": ({"options": {"low": float("nan")}}, "low cannot be sent"),
+    "float32": ({"options": {"low": np.float32(1)}}, "low cannot be sent"),
+    "array": ({"options": {"low": np.ones(3)}}, "low cannot be sent"),
+    "text": ({"options": "abc"}, "options must be a dict"),
+    "state": ({"options": {"state": "abc"}}, "state cannot be sent"),
+    "seed in options": ({"options": {"seed": 3}}, "options must be a dict, without seed"),
+}
+
+
+def test_what_no_simulator_could_read_is_refused_by_name_before_it_is_sent(env):
+    running = process(env)
+    for words, text in REFUSED.values():
+        with pytest.raises(ValueError, match=f"^{text}"):
+            env.reset(**words)
+    with pytest.raises(MessageError, match="bad-option: low and high are numbers"):
+        env.reset(options={"low": "abc"})
+    env.reset(options={"low": -0.01, "high": 0.01, "anything": "else"})
+    assert process(env) is running, "none of it has ended a simulator"
+
+
+def test_an_action_of_another_dtype_is_named_in_one_line(make):
+    env = make("NetMQExample/Car-v0", launch=[*CLIENT, "--world", "Car"], disable_env_checker=True)
+    env.reset()
+    for action, named in (np.zeros(2), "float64 array"), (np.zeros((9, 9), np.float32), "float32 array"):
+        with pytest.raises(ValueError, match=rf"^action {named}\(.* is not in Box\(-1.0, 1.0, \(2,\), float32\)$"):
+            env.step(action)
+    for state in (-0.5, float("nan"), float("inf"), 2000):
+        with pytest.raises(MessageError, match="bad-state: the road has the points 0 to 1999"):
+            env.reset(options={"state": [state]})
+
+
+@pytest.mark.parametrize(
+    ("where", "text"),
+    [
+        ({"endpoint": "tcp://127.0.0.1:99999"}, "bad endpoint .*write it like tcp://127.0.0.1:5559"),
+        ({"endpoint": "127.0.0.1:5559"}, "bad endpoint .*write it like tcp://127.0.0.1:5559"),
+        ({"launch": ["/no/such/game"]}, "no game at /no/such/game"),
+        ({"launch": [""]}, "no game at "),
+        ({"wait": None}, "wait takes seconds, .*not None"),
+        ({"wait": -1}, "wait takes seconds, .*not -1"),
+        ({"patience": float("nan")}, "patience takes seconds, .*not nan"),
+        ({"patience": "5"}, "patience takes seconds, .*not '5'"),
+        ({"launch": [str(PYTHON), "-c", "raise SystemExit(3)"]}, "ended with code 3, and never came to"),
+    ],
+)
+def test_words_that_make_cannot_use_are_named(where, text, make):
+    with pytest.raises((ValueError, OSError), match=text):
+        make(**where)
+
+
+# Closed, forked, lost
+
+
+def test_a_closed_environment_says_so_and_starts_nothing(env):
+    env.close()
+    for use in env.unwrapped.reset, lambda: env.unwrapped.step(1):
+        with pytest.raises(ValueError, match="this environment is closed"):
+            use()
+    assert process(env) is None
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows has no fork")
+def test_a_fork_that_lets_go_of_an_environment_leaves_it_alone(env):
+    child = os.fork()
+    if not child:
+        env.env.env = None
+        gc.collect()
+        os._exit(7)
+    end, ended = time.monotonic() + LIMIT, (0, 0)
+    while not ended[0] and time.monotonic() < end:
+        ended = os.waitpid(child, os.WNOHANG)
+        time.sleep(0.01)
+    if not ended[0]:
+        os.kill(child, signal.SIGKILL)
+    assert os.waitstatus_to_exitcode(ended[1]) == 7
+    assert env.step(1)[4] == {}
+
+
+def test_a_film_goes_on_when_the_simulator_is_lost(make):
+    env = make(launch=CLIENT, render_mode="rgb_array", disable_env_checker=True)
+    env.reset(seed=1)
+    seen = env.render()
+    process(env).kill()
+    process(env).wait()
+    assert env.step(1)[3:] == (True, {"lost": "the simulator is gone"})
+    assert np.array_equal(env.render(), seen)
+
+
+def test_who_steps_before_the_first_reset_is_told_so(make):
+    env = make(launch=CLIENT, disable_env_checker=True).unwrapped
+    process(env).kill()
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(1)
+
+
+def test_what_strangers_send_while_the_trainer_thinks_does_not_fill_the_memory(env):
+    with zmq.Context() as context, context.socket(zmq.DEALER) as stranger:
+        stranger.linger, stranger.sndhwm = 0, 1
+        stranger.connect(env.unwrapped.connection.endpoint)
+        sent, most = 0, 300
+        while sent < most and stranger.poll(1000, zmq.POLLOUT):
+            stranger.send(bytes(1 << 20))
+            sent += 1
+    assert 0 < sent < most / 3, "the rest must wait at the stranger's"
+    assert env.step(1)[4] == {}
+
+
+# Nothing is left
+
+
+def gone(mark):
+    end = time.monotonic() + LIMIT
+    while (left := mark.processes()) and time.monotonic() < end:
+        time.sleep(0.05)
+    return left == {}
+
+
+@finds_processes
+def test_what_a_launched_program_has_started_ends_with_it(monkeypatch, make):
+    """As `dotnet run` does, whose child the simulator is."""
+    mark = Mark()
+    for name, value in mark.environment.items():
+        monkeypatch.setenv(name, value)
+    with pytest.raises(TimeoutError, match="no simulator came"):
+        make(launch=["sh", "-c", "sleep 77; true"], wait=0.3)
+    assert gone(mark)
+
+
+@posix
+def test_a_second_ctrl_c_while_it_closes_leaves_no_simulator(env, monkeypatch):
+    running = process(env)
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(env.unwrapped.connection, "ask", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            env.close()
+    assert running.poll() is not None
+
+
+@finds_processes
+def test_a_trainer_that_is_terminated_ends_a_simulator_that_hangs(start):
+    mark = Mark()
+    trainer = start(PYTHON, LESSON / "train.py", "--generations", "99999", "--launch", *CLIENT, **mark.environment)
+    trainer.wait_for("^generation 1")
+    (hanging,) = [pid for pid, command in mark.processes().items() if "train.py" not in command]
+    os.kill(hanging, signal.SIGSTOP)
+    assert trainer.stop(signal.SIGTERM) == 1
+    assert trainer.lines[-1] == "stopped"
+    assert gone(mark)
+
+
+# The trainer
+
+
+@posix
+def test_the_pages_training_command_starts(start, tmp_path):
+    """Its very words; `dotnet` is a program that starts the client in Python."""
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    (line,) = re.findall("^python (.*train.py --launch .*)$", page, re.MULTILINE)
+    said = tmp_path / "words"
+    script = f'#!/bin/sh\necho "$@" > {shlex.quote(str(said))}\nshift 5\nexec {shlex.join(CLIENT)} "$@"\n'
+    (tmp_path / "dotnet").write_text(script, encoding="utf-8")
+    (tmp_path / "dotnet").chmod(0o755)
+    trainer = start(PYTHON, *shlex.split(line), PATH=f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    trainer.wait_for("^generation 1")
+    assert trainer.stop(signal.SIGINT) == 1
+    words = said.read_text(encoding="utf-8")
+    assert re.fullmatch(r"run --project csharp-console -- 9 --endpoint tcp://127.0.0.1:\d+\n", words)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        (["--seed", "-1"], 2, "--seed: takes a whole number from 0, not '-1'"),
+        (["--generations", "x"], 2, "--generations: takes a whole number from 0, not 'x'"),
+        (["--plot", "no/such/folder/curve.svg"], 2, "--plot: cannot write 'no/such/folder/curve.svg'"),
+        (["--launch"], 2, "--launch: expected at least one argument"),
+        (["--endpoint", "tcp://127.0.0.1:99999"], 1, "gave up: bad endpoint 'tcp://127.0.0.1:99999'"),
+        (["--generations", "0", "--launch", *CLIENT], 1, "gave up: no generation reached 195"),
+    ],
+)
+def test_what_the_trainer_cannot_do_it_says_at_once(words, code, text, start):
+    trainer = start(PYTHON, LESSON / "train.py", *words)
+    assert trainer.wait() == code
+    assert text in trainer.lines[-1] and "Traceback" not in trainer.output
+
+
+@pytest.mark.parametrize("program", ["server.py", "client.py", "train.py"])
+def test_a_python_without_gymnasium_says_what_is_missing(program, start, tmp_path):
+    (tmp_path / "gymnasium.py").write_text("raise ImportError('No module named gymnasium')", encoding="utf-8")
+    ended = start(PYTHON, LESSON / program, PYTHONPATH=str(tmp_path))
+    assert ended.wait() == 1
+    assert "this lesson needs gymnasium" in ended.lines[-1] and len(ended.lines) == 1
+
+
+# Simulators of somebody else's
+
+
+def hello(observation, action, dt=0.02):
+    """Of spaces that are given as (kind, arrays)."""
+    values = {"name": "CartPole", "dt": dt, "observation": observation[0], "action": action[0]}
+    return Message("hello", 0, values, [*observation[1], *action[1]])
+
+
+def box(*shape, dtype=np.float32):
+    return "box", [to_array(np.zeros(shape), dtype), to_array(np.ones(shape), dtype)]
+
+
+def discrete(count, dtype=np.int64):
+    return "discrete", [to_array(count, dtype)]
+
+
+STRANGE = {
+    "one number": hello(box(1), discrete(2)),
+    "a picture": hello(box(240, 320, 3, dtype=np.uint8), discrete(2)),
+    "a box to do": hello(box(4), box(3)),
+    "one thing to do": hello(box(4), discrete(1)),
+    "endlessly many": hello(box(4), discrete(np.inf, np.float64)),
+    "lowest above highest": hello(("box", box(4)[1][::-1]), discrete(2)),
+}
+
+
+def test_spaces_that_nobody_plays_by_hand_do_not_end_the_server(serve, start, client_command):
+    server, endpoint = serve(KEY)
+    for said in STRANGE.values():
+        with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
+            socket.linger = 0
+            socket.connect(endpoint)
+            before = len(server.lines)
+            socket.send_multipart(said.frames())
+            assert re.match("trouble: '(no policy|bad-space)", server.wait_for("^trouble: .*", start=before)[0])
+    client = start(*client_command("python", KEY, endpoint, "--count", "1"))
+    assert client.wait() == 0, client.output
+    assert "Traceback" not in server.output
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_why_a_simulator_was_refused_is_in_its_last_line(kind, start, client_command):
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+        router.linger = 0
+        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        client = start(*client_command(kind, KEY, endpoint, "--patience", "2.5"))
+        assert router.poll(1000 * LIMIT)
+        peer, *_ = router.recv_multipart()
+        router.send_multipart([peer, *Message("error", 0, {"code": "bad-space", "text": "it is odd"}).frames()])
+        # And from then on silence.
+        assert client.wait() == 1
+    assert "(bad-space: it is odd)" in client.lines[-1]
+
+
+def test_ids_that_were_answered_already_do_nothing():
+    simulator = Simulator(CartPole())
+    assert read(simulator.hello().frames()).kind == "hello"
+    assert read(simulator.answer(Message("step", 0))).kind == "hello"
+    simulator.answer(Message("reset", 1, {"seed": 1}))
+    for id in (2, 2, 3, 2):
+        answer = read(simulator.answer(Message("step", id, {}, [to_array(1, np.int64)])))
+    assert (simulator.steps, answer.id) == (2, 3)
+
+
+def test_a_judge_may_count_in_whole_numbers_and_in_numpys():
+    class Mine(CartPole):
+        dt = 1
+
+        def judge(self):
+            return {"reward": 1, "terminated": np.bool_(False), "truncated": 0}
+
+    simulator = Simulator(Mine())
+    assert type(simulator.hello().values["dt"]) is float
+    values = read(simulator.answer(Message("step", 1, {}, [to_array(1, np.int64)]))).values
+    assert [(values[name], type(values[name])) for name in ("reward", "terminated")] == [(1, float), (False, bool)]
+
+
+def test_a_car_begins_only_on_its_road():
+    simulator = Simulator(RoadCar())
+    for id, at in enumerate((-0.5, np.nan, np.inf), 1):
+        answer = read(simulator.answer(Message("reset", id, {"seed": 1}, [to_array([at], np.float64)])))
+        assert answer.values["code"] == "bad-state"
+
+
+def test_simulators_are_launched_by_words_or_by_a_path(tmp_path):
+    (tmp_path / "Game").write_text("#!/bin/sh\n", encoding="utf-8")
+    for launch in (tmp_path / "Game", [str(tmp_path / "Game")]):
+        with_game = Simulators(launch=launch)
+        assert with_game.launch == [str(tmp_path / "Game")]
+        with_game.close()
+    by_hand = Simulators(endpoint=f"tcp://127.0.0.1:{free_port()}", launch=None)
+    assert by_hand.launch == []
+    by_hand.close()
+
+
+def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, console, start, make, tmp_path):
+    """In Unity: what it is asked for off the main thread, what it throws, and By Hand ticked in each frame."""
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    script = page[page.index("using System;\nusing System.Collections.Generic;\nusing NetMQExample;") :].split("```")[0]
+    for old, new in (
+        ('Name => "Ball";', 'Name => gameObject == null ? "" : "Ball";\n' + TICKS),
+        ("=> Observation.Of(place, speed);", "=> place > 5 ? null : Observation.Of(place, speed);"),
+        (
+            "        place += speed",
+            '        if (action[0] == 2) throw new ArithmeticException("my mistake");\n        place += speed',
+        ),
+    ):
+        assert script.count(old) == 1
+        script = script.replace(old, new)
+    (tmp_path / "Ball.cs").write_text(script, encoding="utf-8")
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    words = [
+        "kit.py",
+        "play",
+        tmp_path / "Ball.cs",
+        "--engine",
+        engine.name,
+        "--endpoint",
+        endpoint,
+        "--patience",
+        "200",
+    ]
+    player = start(PYTHON, *words)
+    gymnasium.register("My/Ball-v0", "environment:ZmqEnv", kwargs={"name": "Ball"})
+    env = make("My/Ball-v0", endpoint=endpoint, wait=240)
+    assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
+    assert env.step(1)[1:] == (-3, False, False, {})
+    for wrong, text in (
+        (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
+        (lambda: env.reset(options={"state": [6, 0]}), "^error-in-simulation: .*: Observe gave null$"),
+    ):
+        with pytest.raises(MessageError, match=text):
+            wrong()
+    env.reset(seed=1)
+    env.close()
+    player.wait()
+    assert "ArithmeticException: my mistake" in player.output and "Ball.Act" in player.output
+    assert "Observe gave null" in player.output and "NullReference" not in player.output
+    assert "by hand" not in player.output
+
+
+# What somebody does in the inspector meanwhile.
+TICKS = """
+    private bool ticked;
+
+    protected override void Update()
+    {
+        ticked = !ticked;
+        typeof(SimulatorBehaviour).GetField("byHand", System.Reflection.BindingFlags.Instance
+            | System.Reflection.BindingFlags.NonPublic).SetValue(this, ticked);
+        base.Update();
+    }
+"""
