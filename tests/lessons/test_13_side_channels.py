@@ -17,7 +17,6 @@ from tests.programs import ROOT, steady_port
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
-PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
 from carrier import Carrier  # noqa: E402
