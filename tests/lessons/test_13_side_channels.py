@@ -1,15 +1,8 @@
-"""Lesson 13: the bytes of side channels in both languages, on .NET and Mono, and the programs that exchange them.
-
-What a channel makes of any bytes is asked of tests/lessons/side_channels and, in the same words, of Python here.
-"""
+"""Lesson 13: the programs that exchange side channels. Their bytes are in test_13_side_channels_bytes.py."""
 
 from __future__ import annotations
 
-import json
-import math
-import random
 import re
-import struct
 import subprocess
 import sys
 import time
@@ -21,259 +14,27 @@ import zmq
 from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import ROOT, steady_port
-from tests.tables import rows
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
-PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
 from carrier import Carrier  # noqa: E402
 from engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
-from environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
 from float_properties_channel import FloatPropertiesChannel  # noqa: E402
 from raw_bytes_channel import RawBytesChannel  # noqa: E402
-from raw_side_channel import SideChannel as RawSideChannel  # noqa: E402
-from rounds import StringLogChannel  # noqa: E402
-from samplers import gaussian, multi_range_uniform, uniform  # noqa: E402
-from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException  # noqa: E402
+from side_channel import IncomingMessage, OutgoingMessage, SideChannel  # noqa: E402
 from side_channel_manager import SideChannelManager  # noqa: E402
-from stats_side_channel import StatsAggregationMethod, StatsSideChannel  # noqa: E402
-from unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe  # noqa: E402
 
-GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / f"{KEY}.json").read_text(encoding="utf-8"))
 LOG, STRANGER = uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"), uuid.UUID("00112233-4455-6677-8899-aabbccddeeff")
 RUNTIMES = {".net": "dotnet", "mono": "mono"}
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
 
 
-# The same questions, answered by Python
-
-
-def bits(value):
-    # Python's float has more bits, and makes another NaN of some.
-    return "nan" if math.isnan(value) else struct.pack(">f", value).hex()
-
-
-def digits(data):
-    return bytes(data).hex() or "-"
-
-
-def read(payload, *kinds):
-    message = IncomingMessage(payload)
-    value = {
-        "b": lambda: str(int(message.read_bool())),
-        "i": lambda: str(message.read_int32()),
-        "f": lambda: bits(message.read_float32()),
-        "s": lambda: digits(message.read_string().encode()),
-        "l": lambda: ",".join(map(bits, message.read_float32_list())),
-        "r": lambda: digits(message.get_raw_bytes()),
-    }
-    return " ".join(value[kind]() for kind in kinds)
-
-
-def write(*values):
-    message = OutgoingMessage()
-
-    def single(text):
-        return struct.unpack(">f", bytes.fromhex(text))[0]
-
-    def data(text):
-        return b"" if text == "-" else bytes.fromhex(text)
-
-    writers = {
-        "b": lambda text: message.write_bool(text == "1"),
-        "i": lambda text: message.write_int32(int(text)),
-        "f": lambda text: message.write_float32(single(text)),
-        "s": lambda text: message.write_string(data(text).decode()),
-        "u": lambda text: message.write_string(data(text).decode(), utf8=True),
-        "l": lambda text: message.write_float32_list([single(one) for one in text.split(",") if one]),
-        "r": lambda text: message.set_raw_bytes(data(text)),
-    }
-    for value in values:
-        writers[value[0]](value[2:])
-    return digits(message.buffer)
-
-
-def process(exchange):
-    lines = []
-    raw, late, parameters, properties = (
-        RawBytesChannel(uuid.UUID(int=0)),
-        RawBytesChannel(STRANGER),
-        EnvironmentParameters(),
-        FloatPropertiesChannel(),
-    )
-    # Mono writes no more than 15 digits of a number.
-    settings = EngineSettings(
-        lambda kind, values: lines.append(describe(kind, values) if values[0] < 1e15 else bits(values[0]))
-    )
-    log = StringLogChannel(lines.append, False)
-    manager = SideChannelManager([log, properties, raw, settings, parameters, StatsRecorder()], lines.append)
-    try:
-        manager.process_side_channel_message(exchange)
-    except UnitySideChannelException as error:
-        lines.append(str(error))
-    manager.register_side_channel(late)
-    lines += [f"late {digits(message)}" for message in late.get_and_clear_received_messages()]
-    lines += [f"{key}={bits(value)}" for key, value in properties.properties.items()]
-    for key in parameters.parameters:
-        drawn = [parameters.get_with_default(key, 0.0) for _ in range(3)]
-        lines.append(f"{key}:{','.join(map(bits, drawn))}")
-    lines += [digits(message) for message in raw.get_and_clear_received_messages()]
-    return digits("\n".join(lines).encode())
-
-
-def python_says(line):
-    what, first, *more = line.split(" ")
-    try:
-        if what == "write":
-            return write(first, *more)
-        data = b"" if first == "-" else bytes.fromhex(first)
-        return read(data, *more) if what == "read" else process(data)
-    except UnitySideChannelException as error:
-        return f"error {error}".replace("utf8=True", "utf8: true")
-
-
 @pytest.fixture(scope="session")
 def program(engine):
     return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "side_channels")
-
-
-@pytest.fixture
-def csharp_says(engine, program):
-    def says(runtime, lines):
-        if runtime == "mono":
-            needs_mono(engine)
-        command = [RUNTIMES[runtime], str(program)]
-        done = subprocess.run(command, input="\n".join(lines), capture_output=True, text=True, timeout=250)
-        assert done.returncode == 0, done.stderr
-        return done.stdout.splitlines()
-
-    return says
-
-
-def said(entry):
-    """What is expected; of `process` the lines."""
-    return digits("\n".join(entry["says"]).encode()) if isinstance(entry["says"], list) else entry["says"]
-
-
-# Bytes
-
-
-@pytest.mark.parametrize("entry", GOLDEN, ids=lambda entry: entry["name"])
-def test_python_agrees_with_the_golden_table(entry):
-    assert python_says(entry["ask"]) == said(entry)
-
-
-@each_runtime
-def test_csharp_agrees_with_the_golden_table(runtime, csharp_says):
-    found = csharp_says(runtime, [entry["ask"] for entry in GOLDEN])
-    for entry, answer in zip(GOLDEN, found, strict=True):
-        assert answer == said(entry), entry["name"]
-
-
-def frame(channel, payload):
-    return channel.bytes_le + struct.pack("<i", len(payload)) + payload
-
-
-IDS = [
-    LOG,
-    STRANGER,
-    uuid.UUID(int=0),
-    uuid.UUID("e951342c-4f7e-11ea-b238-784f4387d1f7"),
-    uuid.UUID("534c891e-810f-11ea-a9d0-822485860400"),
-    uuid.UUID("a1d8f7b7-cec8-50f9-b78b-d3e165a78520"),
-    uuid.UUID("60ccf7d0-4f7e-11ea-b238-784f4387d1f7"),
-    uuid.UUID(int=1),
-]
-
-
-def a_message(at_random):
-    """Something that some channel understands, more or less."""
-
-    def number():
-        return struct.pack("<i", at_random.choice([0, 0, 1, 1, 2, 3, 4, 5, -1, 80, 2**31 - 1, -(2**31), 70_000]))
-
-    def single():
-        return struct.pack("<f", at_random.choice([0.0, 1.0, 0.5, -2.5, 20.0, 1e30, float("inf"), float("nan"), 9.81]))
-
-    def text():
-        data = at_random.choice(
-            [b"", b"mass", b"wind", "naïve".encode(), b"\xff\xfe", b"\xed\xa0\x80", b"\xc0\x80", b"\0"]
-        )
-        return struct.pack("<i", at_random.choice([len(data)] * 6 + [len(data) + 3, -1, 2**31 - 1])) + data
-
-    def numbers():
-        count = at_random.randrange(5)
-        wrong = at_random.choice([count] * 6 + [count + 2, -3, 10**6])
-        return struct.pack("<i", wrong) + b"".join(single() for _ in range(count))
-
-    parts = [number, single, text, numbers]
-    shapes = [[number, number, number], [number, single], [text, number, number, number, single, single]]
-    shapes += [[text, number, number, number, numbers], [text, number, single], [text, single, number], [text]]
-    return b"".join(part() for part in at_random.choice([*shapes, at_random.choices(parts, k=3)]))
-
-
-def an_exchange(at_random):
-    data = b"".join(
-        frame(at_random.choice(IDS), a_message(at_random)) for _ in range(at_random.choice([0, 1, 1, 1, 2, 3]))
-    )
-    for _ in range(at_random.choice([0, 0, 1, 3])):
-        at = at_random.randrange(len(data) + 1)
-        data = (
-            data[:at]
-            + at_random.randbytes(at_random.choice([0, 1, 1, 4]))
-            + data[at + at_random.choice([0, 1, 1, 7]) :]
-        )
-    return data
-
-
-def random_questions(count):
-    at_random = random.Random(13)
-    for number in range(count):
-        if number % 2:
-            kinds = " ".join(at_random.choices("bifsl", k=at_random.randrange(1, 6)))
-            yield f"read {digits(a_message(at_random)[: at_random.choice([3, 6, 9, 99])])} {kinds}"
-        else:
-            yield f"process {digits(an_exchange(at_random))}"
-
-
-@each_runtime
-@pytest.mark.parametrize("count", [10_000, pytest.param(100_000, marks=pytest.mark.long)])
-def test_both_languages_say_the_same_of_random_payloads(count, runtime, csharp_says):
-    """Unity's handlers never end the exchange, whatever is in it; and Python's are the same."""
-    questions = list(random_questions(count))
-    python = [python_says(line) for line in questions]
-    csharp = csharp_says(runtime, questions)
-    wrong = [(line, *both) for line, *both in zip(questions, python, csharp, strict=True) if both[0] != both[1]]
-    assert wrong[:3] == []
-    # Of each kind so many that the comparison means something.
-    errors = sum(answer.startswith("error") for answer in python[1::2])
-    assert count / 10 < errors < count / 2 - count / 10
-    assert sum(b"late" in bytes.fromhex(answer.replace("-", "")) for answer in python[::2]) > count / 50
-
-
-def test_the_frames_of_ml_agents_itself():
-    """What its own Python package has packed: the text Hello on the channel of its documentation."""
-    log = StringLogChannel(print, False)
-    log.send_debug_statement_to_python("Hello")
-    assert SideChannelManager([log]).generate_side_channel_messages().hex() == (
-        "700a1f62874fea11a6bf784f4387d1f7090000000500000048656c6c6f"
-    )
-
-    class RawLog(RawSideChannel):
-        def on_message_received(self, data):
-            """It only speaks."""
-
-    raw = RawLog(LOG)
-    raw.queue_message_to_send(b"Hello")
-    assert SideChannelManager([raw]).generate_side_channel_messages().hex() == (
-        "700a1f62874fea11a6bf784f4387d1f70500000048656c6c6f"
-    )
-
-
-# Classes that were written for ML-Agents
 
 
 class GameLog(SideChannel):
@@ -290,130 +51,6 @@ class GameLog(SideChannel):
         msg = OutgoingMessage()
         msg.write_string(data)
         super().queue_message_to_send(msg)
-
-
-class OldGameLog(RawSideChannel):
-    """As early in 2020."""
-
-    def __init__(self) -> None:
-        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
-        self.lines = []
-
-    def on_message_received(self, data: bytes) -> None:
-        self.lines.append(data.decode("ascii"))
-
-    def send_string(self, data: str) -> None:
-        super().queue_message_to_send(data.encode("ascii"))
-
-
-@each_runtime
-def test_classes_written_for_ml_agents_move_over(runtime, csharp_says):
-    """Both generations, in both languages, and what they say to each other."""
-    log, parameters, stats, old = GameLog(), EnvironmentParametersChannel(), StatsSideChannel(), OldGameLog()
-    log.send_string("the door is open")
-    parameters.set_float_parameter("gravity", -2.5)
-    parameters.set_uniform_sampler_parameters("mass", 3, 3, 1)
-    exchange = SideChannelManager([log, parameters]).generate_side_channel_messages()
-    (answer,) = csharp_says(runtime, [f"moved {exchange.hex()}"])
-    sent, sent_raw, heard, heard_raw = (bytes.fromhex(word) for word in answer.split(" "))
-    assert heard == b"the door is open -2.5 3"
-    # In the older layout the length of the text is a part of it.
-    assert heard_raw == b"\x10\0\0\0the door is open"
-    SideChannelManager([log, stats]).process_side_channel_message(sent)
-    assert log.lines == ["Error: a door is missing\nat Door.Open"]
-    assert stats.get_and_reset_stats() == {
-        "score": [(12.5, StatsAggregationMethod.AVERAGE)],
-        "scores": [(12.5, StatsAggregationMethod.HISTOGRAM)],
-    }
-    assert stats.get_and_reset_stats() == {}
-    SideChannelManager([old]).process_side_channel_message(sent_raw)
-    assert old.lines == ["as in 2020"]
-
-
-# Where the two halves of ML-Agents do not agree, and what else Python alone decides
-
-
-def test_what_is_queued_stays_as_it_was():
-    log, message = GameLog(), OutgoingMessage()
-    message.write_string("one")
-    log.queue_message_to_send(message)
-    message.write_string("two")
-    exchange = SideChannelManager([log]).generate_side_channel_messages()
-    assert bytes(exchange) == frame(LOG, b"\3\0\0\0one")
-
-
-def test_an_id_is_registered_once_also_by_the_same_channel():
-    log = GameLog()
-    with pytest.raises(UnitySideChannelException, match=f"channel {LOG} is registered already"):
-        SideChannelManager([log, log])
-
-
-def test_channels_take_turns_in_the_order_of_registration():
-    one, two = RawBytesChannel(uuid.UUID(int=1)), RawBytesChannel(uuid.UUID(int=2))
-    manager = SideChannelManager([two, one])
-    for number in range(3):
-        one.send_raw_data(bytes([number]))
-        two.send_raw_data(bytes([10 + number]))
-    data = manager.generate_side_channel_messages()
-    assert [data[20 + 21 * i] for i in range(6)] == [10, 11, 12, 0, 1, 2]
-    assert manager.generate_side_channel_messages() == b"", "what was sent is not sent again"
-
-
-def test_a_handlers_mistake_is_not_the_others_business(capsys):
-    class Wrong(RawSideChannel):
-        def on_message_received(self, data):
-            raise KeyError("a mistake")
-
-    lines, right = [], RawBytesChannel(uuid.UUID(int=2))
-    manager = SideChannelManager([Wrong(uuid.UUID(int=1)), right], lines.append)
-    manager.process_side_channel_message(frame(uuid.UUID(int=1), b"") + frame(uuid.UUID(int=2), b"x"))
-    assert right.get_and_clear_received_messages() == [b"x"]
-    assert lines == ["channel 00000000-0000-0000-0000-000000000001: its handler raised KeyError('a mistake')"]
-    assert "in on_message_received" in capsys.readouterr().err, "the place is for whoever wrote it"
-
-
-def test_what_is_kept_for_unknown_channels_has_a_limit():
-    lines, late = [], RawBytesChannel(STRANGER)
-    manager = SideChannelManager([], lines.append)
-    for number in range(150):
-        manager.process_side_channel_message(frame(STRANGER, bytes([number])))
-    assert len([line for line in lines if "kept until" in line]) == 1
-    assert len([line for line in lines if "dropped" in line]) == 50
-    manager.register_side_channel(late)
-    assert late.get_and_clear_received_messages() == [bytes([number]) for number in range(100)]
-
-
-def test_settings_are_as_many_messages_as_there_are():
-    engine, heard = EngineConfigurationChannel(), []
-    with pytest.raises(UnitySideChannelException, match="width and height"):
-        engine.set_configuration_parameters(width=80)
-    engine.set_configuration(EngineConfig.default_config())
-    manager = SideChannelManager([EngineSettings(lambda kind, values: heard.append(describe(kind, values)))])
-    manager.process_side_channel_message(SideChannelManager([engine]).generate_side_channel_messages())
-    assert heard == [
-        "engine: screen resolution 80 x 80",
-        "engine: quality level 1",
-        "engine: time scale 20.0",
-        "engine: target frame rate -1",
-        "engine: capture frame rate 60",
-    ]
-
-
-def test_samplers_draw_what_they_say():
-    drawn = [uniform(-2.0, 6.0, 5)() for _ in range(3)]
-    assert len(set(drawn)) == 1, "the seed decides"
-    for sampler, mean, deviation, low, high in [
-        (uniform(-2.0, 6.0, 5), 2.0, 8 / 12**0.5, -2, 6),
-        (gaussian(3.0, 0.5, 6), 3.0, 0.5, 0, 6),
-        (multi_range_uniform([0.0, 1.0, 9.0, 10.0], 7), 5.0, (4.5**2 + 1 / 12) ** 0.5, 0, 10),
-    ]:
-        numbers = [sampler() for _ in range(5000)]
-        found = sum(numbers) / 5000
-        assert found == pytest.approx(mean, abs=0.3)
-        assert (sum((number - found) ** 2 for number in numbers) / 5000) ** 0.5 == pytest.approx(deviation, rel=0.05)
-        assert low <= min(numbers) < max(numbers) <= high
-    ranges = multi_range_uniform([0.0, 1.0, 9.0, 10.0], 7)
-    assert not [number for number in (ranges() for _ in range(5000)) if 1 < number < 9]
 
 
 # The programs
@@ -626,14 +263,3 @@ def test_how_many_pictures_a_second(program):
                 sender.kill()
     assert (seen, sender.returncode) == (count, 0)
     print(f"\n{count / took:.0f} pictures of 49,152 bytes a second")
-
-
-# The page
-
-
-def test_the_pages_table_is_true():
-    """Each row about bytes names an exchange or a message, and what both halves of the kit say of it."""
-    found = rows(PAGE, "message", "read as", "here both say")
-    assert len(found) >= 8
-    for payload, kinds, answer in found:
-        assert python_says(f"read {payload} {kinds}") == answer

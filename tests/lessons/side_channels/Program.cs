@@ -1,4 +1,4 @@
-// What test_13_side_channels.py asks of the C# side. Each line of the input is answered with one line:
+// What test_13_side_channels_bytes.py asks of the C# side. Each line of the input is answered with one line:
 //
 //     read PAYLOAD b i f s l r    what is read of a message, value by value: numbers as bits, texts as UTF-8, in digits
 //     write b:1 i:-5 s:68 u:c3a9  the message with these values
