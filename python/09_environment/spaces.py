@@ -2,16 +2,20 @@
 
 A hello names the kinds, `box` or `discrete`, as the values `observation` and `action`. Its arrays are the rest: of a
 box the lowest and the highest numbers, whose dtype and shape are those of the box; of a discrete one how many there
-are, an int64. An observation or an action is then one array. What is not in its space is
-refused.
+are, an int64. An observation or an action is then one array. What is not in its space is refused.
 Take home: this file, with messages.py of lesson 05.
 """
 
+import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete, Space
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import EXACT, Array, Message, MessageError, read, take
 
 

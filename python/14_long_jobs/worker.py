@@ -7,12 +7,16 @@ Take home: this file and work.py, with messages.py of lesson 05.
 
 import os
 import signal
+import sys
 import threading
 import time
 import traceback
 from multiprocessing.connection import Connection
+from pathlib import Path
 from queue import SimpleQueue
 
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Message, read
 from work import KINDS, Step
 

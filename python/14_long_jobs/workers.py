@@ -11,12 +11,16 @@ Take home: this file, worker.py and work.py, with messages.py of lesson 05.
 """
 
 import multiprocessing
+import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
+from pathlib import Path
 from queue import SimpleQueue
 from socket import socketpair
 from threading import Thread
 
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Message
 from worker import labour, receive, send
 
