@@ -35,8 +35,6 @@ LONGER = {
     "python/07_catch_up/client.py": 62,
     # Ten options, which the C# client has as well.
     "python/08_see_and_steer/client.py": 75,
-    # A component for whole scenes: six fields, the words of a game that Python launches, and physics.
-    "unity/Assets/NetMQExample/11_observations/GymManager.cs": 47,
     # What is recorded, and by whom it is driven, is chosen here.
     "python/08_see_and_steer/server.py": 78,
     "python/07_catch_up/server.py": 62,

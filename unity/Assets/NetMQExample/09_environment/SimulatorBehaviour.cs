@@ -1,24 +1,16 @@
-// Lesson 09 in Unity: what every scene shares that Python steps, be it one world or many.
+// Lesson 09 in Unity: a scene that Python steps, and that a person can play by hand instead, without Python.
 //
-// Physics is stepped by this component alone, and stands still while Python thinks. No frame waits for that: Update
-// takes what has come, and goes on to the next frame when nothing more does. A game that Python launches takes the
-// endpoint from its command line, and quits when Python closes it.
+// PythonEnvironment is one, for one world. How it goes with physics and frames, see SteppedBehaviour.cs.
 using System;
-using System.Threading;
 using UnityEngine;
-using Stopwatch = System.Diagnostics.Stopwatch;
 
 namespace NetMQExample
 {
-    /// <summary>A component with a simulator, which Python asks to step; or it is played by hand.</summary>
-    public abstract class SimulatorBehaviour : NetworkBehaviour
+    /// <summary>Asked by Python to step, or played by hand.</summary>
+    public abstract class SimulatorBehaviour : SteppedBehaviour
     {
-        [SerializeField, Min(0), Tooltip("End after so many episodes; 0: when Python closes it")] private int count;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float patience = 30;
         [SerializeField, Tooltip("Play with Heuristic, without Python; from the next Play on")] private bool byHand;
 
-        private SimulationMode before;
-        private volatile bool launched;
         // As it was when this began: whoever ticks it meanwhile has to disable and enable the component.
         private bool played;
         private long seed;
@@ -28,11 +20,8 @@ namespace NetMQExample
         /// <summary>How many seconds one step takes.</summary>
         public virtual double Dt => 0.02;
 
-        /// <summary>Where the environment listens.</summary>
-        protected abstract string Endpoint { get; }
-
-        /// <summary>What answers for this scene.</summary>
-        protected abstract SimulatorBase MakeSimulator();
+        /// <inheritdoc/>
+        protected override bool Connects => !played;
 
         /// <summary>Begins an episode that is played by hand.</summary>
         protected abstract void ResetByHand(Chance chance);
@@ -44,42 +33,9 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            (before, Physics.simulationMode) = (Physics.simulationMode, SimulationMode.Script);
             played = byHand;
+            base.Begin();
             if (played) ResetByHand(new Chance(seed));
-            else base.Begin();
-        }
-
-        /// <inheritdoc/>
-        protected override void OnDisable()
-        {
-            if (!played) base.OnDisable();
-            Physics.simulationMode = before;
-        }
-
-        /// <inheritdoc/>
-        protected override void Talk(CancellationToken stop)
-        {
-            var words = Environment.GetCommandLineArgs();
-            var told = Array.IndexOf(words, "--endpoint") + 1;
-            var place = told > 0 && told < words.Length ? words[told] : Endpoint;
-            launched = told > 0;
-            Log($"asking {place}");
-            var simulator = MakeSimulator();
-            simulator.Mistake = Debug.LogException;
-            using var client = new EnvironmentClient(place, Seconds(patience), Log);
-            client.Run(simulator, count, FromUpdate, stop);
-            Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
-        }
-
-        /// <inheritdoc/>
-        protected override void Update()
-        {
-            // While Python steps, its next request comes within a millisecond. When none does, the frame goes on.
-            var clock = Stopwatch.StartNew();
-            for (var wait = 0; !played && clock.ElapsedMilliseconds < 10 && DoNext(wait); wait = 1) { }
-            // In the editor this does nothing. Not before the last line was logged.
-            if (launched && Done) Application.Quit();
         }
 
         /// <summary>Plays by hand.</summary>

@@ -1,7 +1,7 @@
 // Lesson 10 in Unity: derive from this, and Python decides when time passes for all agents of your scene.
 //
 // Use: start a Python program that makes the environment, add your component to any GameObject, press Play. To play by
-// hand, without Python, tick By Hand. How it goes with physics and frames, see SimulatorBehaviour.cs.
+// hand, without Python, tick By Hand. How it goes with physics and frames, see SteppedBehaviour.cs.
 using System.Collections.Generic;
 using System.Linq;
 using UnityEngine;

@@ -1,0 +1,70 @@
+// Lesson 09 in Unity: what every scene shares that Python steps, be it one world or many.
+//
+// Physics is stepped by this component alone, and stands still while Python thinks. No frame waits for that: Update
+// takes what has come, and goes on to the next frame when nothing more does. A game that Python launches takes the
+// endpoint from its command line, and quits when Python closes it.
+using System;
+using System.Threading;
+using UnityEngine;
+using Stopwatch = System.Diagnostics.Stopwatch;
+
+namespace NetMQExample
+{
+    /// <summary>A component with a simulator, which Python asks to step.</summary>
+    public abstract class SteppedBehaviour : NetworkBehaviour
+    {
+        [SerializeField, Min(0), Tooltip("End after so many episodes; 0: when Python closes it")] private int count;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float patience = 30;
+
+        private SimulationMode before;
+        private volatile bool launched;
+
+        /// <summary>Where the environment listens.</summary>
+        protected abstract string Endpoint { get; }
+
+        /// <summary>Whether Python steps it; else it has no network thread.</summary>
+        protected virtual bool Connects => true;
+
+        /// <summary>What answers for this scene. Called on the network thread.</summary>
+        protected abstract SimulatorBase MakeSimulator();
+
+        /// <inheritdoc/>
+        protected override void Begin()
+        {
+            (before, Physics.simulationMode) = (Physics.simulationMode, SimulationMode.Script);
+            if (Connects) base.Begin();
+        }
+
+        /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            if (Connects) base.OnDisable();
+            Physics.simulationMode = before;
+        }
+
+        /// <inheritdoc/>
+        protected override void Talk(CancellationToken stop)
+        {
+            var words = Environment.GetCommandLineArgs();
+            var told = Array.IndexOf(words, "--endpoint") + 1;
+            var place = told > 0 && told < words.Length ? words[told] : Endpoint;
+            launched = told > 0;
+            Log($"asking {place}");
+            var simulator = MakeSimulator();
+            simulator.Mistake = Debug.LogException;
+            using var client = new EnvironmentClient(place, Seconds(patience), Log);
+            client.Run(simulator, count, FromUpdate, stop);
+            Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
+        }
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            // While Python steps, its next request comes within a millisecond. When none does, the frame goes on.
+            var clock = Stopwatch.StartNew();
+            for (var wait = 0; Connects && clock.ElapsedMilliseconds < 10 && DoNext(wait); wait = 1) { }
+            // In the editor this does nothing. Not before the last line was logged.
+            if (launched && Done) Application.Quit();
+        }
+    }
+}
