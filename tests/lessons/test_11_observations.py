@@ -345,7 +345,7 @@ def test_observations_are_copies_and_begin_with_nothing(alone):
         ("agent", r"bad-observation: 'bus'@\['value'\] = \$: there is no 'bus'"),
         ("number", r"bad-value: Odd.Number: NaN is not finite"),
         ("type", r"no-space: Odd.Number: no space takes a Version"),
-        ("throw", r"error-in-simulation: System.InvalidOperationException: as it was told"),
+        ("throw", r"error-in-simulation: InvalidOperationException: as it was told"),
     ],
 )
 def test_what_is_wrong_is_one_clear_line_and_the_next_episode_is_fine(what, said, alone):
