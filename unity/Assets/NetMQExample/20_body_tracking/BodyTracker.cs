@@ -23,7 +23,7 @@ namespace NetMQExample
         private volatile BodyPose newest;
 
         /// <summary>False before the first pose, and while nobody is there.</summary>
-        public bool Present => newest?.Places != null;
+        public bool Present => filter.Begun && newest?.Places != null;
 
         /// <summary>Where a landmark is, from the middle of the hips, in Unity's axes.</summary>
         public Vector3 Place(int landmark)

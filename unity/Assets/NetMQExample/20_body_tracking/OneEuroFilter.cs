@@ -13,7 +13,6 @@ namespace NetMQExample
     {
         private readonly double cutoff, beta, fastest;
         private readonly double[] speeds;
-        private bool begun;
 
         /// <summary>Made for landmarks in metres; other units want other numbers.</summary>
         /// <param name="count">How many numbers.</param>
@@ -27,6 +26,9 @@ namespace NetMQExample
             (Values, speeds) = (new double[count], new double[count]);
         }
 
+        /// <summary>Whether there was a step: before it the values are no place.</summary>
+        public bool Begun { get; private set; }
+
         /// <summary>The smoothed numbers.</summary>
         public double[] Values { get; }
 
@@ -36,10 +38,10 @@ namespace NetMQExample
         public void Step(double[] target, double dt)
         {
             // Unity shows a frame of no time while the game is paused.
-            if (dt <= 0 && begun) return;
+            if (dt <= 0 && Begun) return;
             for (var i = 0; i < Values.Length; i++)
             {
-                if (!begun) Values[i] = target[i];
+                if (!Begun) Values[i] = target[i];
                 var way = target[i] - Values[i];
                 if (way == 0 && speeds[i] == 0) continue;
                 // The speed is smoothed too, with 1 Hz.
@@ -47,7 +49,7 @@ namespace NetMQExample
                 var move = Share(cutoff + beta * Math.Abs(speeds[i]), dt) * way;
                 Values[i] += Math.Max(-fastest * dt, Math.Min(fastest * dt, move));
             }
-            begun = true;
+            Begun = true;
         }
 
         // How much of the way a low-pass filter of this frequency goes in one step.
