@@ -4,7 +4,7 @@
         for news in client.watch(client.goal("picture", 100)):                    or: client.ask("status")
             print(news.kind, news.values)                                         client.cancel() in between
 
-Once a second it asks again, the same: a goal that is there is only watched. So it makes no difference what was lost,
+Again and again it asks the same: a goal that is there is only watched. So it makes no difference what was lost,
 and who was started again. What comes is the newest state; the last message is the result.
 Take home: this file, with messages.py of lesson 05.
 """
@@ -57,7 +57,8 @@ class JobClient:
         self.request, silent, seq, since = request, 0, -1, time.monotonic()
         while True:
             self.send(self.request)
-            again = time.monotonic() + min(AGAIN, self.patience)
+            # Twice within its patience: work that has nothing to say for so long is no server that is away.
+            again = time.monotonic() + min(AGAIN, self.patience / 2)
             while time.monotonic() < again:
                 for news in self.arrived():
                     since, silent = time.monotonic(), 0

@@ -6,7 +6,7 @@
 //
 // Take home: this file and JobNews.cs, Message.cs and MessageJson.cs (lesson 05), NetMQConnection.cs and
 // NetMQLifetime.cs. The Python side is python/14_long_jobs/server.py, whose header says what the bytes are.
-// Once a second it asks again, the same: a goal that is there is only watched. So it makes no difference what was
+// Again and again it asks the same: a goal that is there is only watched. So it makes no difference what was
 // lost, and who was started again. What comes is the newest state; the last message is the result.
 using System;
 using System.Collections.Generic;
@@ -80,10 +80,12 @@ namespace NetMQExample
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {
             var (silent, seq, since) = (0, -1L, Stopwatch.StartNew());
+            // Twice within its patience: work that has nothing to say for so long is no server that is away.
+            var again = patience / 2 < Again ? patience / 2 : Again;
             while (true)
             {
                 Send(request, stop);
-                for (var asked = Stopwatch.StartNew(); asked.Elapsed < (patience < Again ? patience : Again);)
+                for (var asked = Stopwatch.StartNew(); asked.Elapsed < again;)
                 {
                     if (Interlocked.Exchange(ref cancel, 0) > 0) Send(request = Ask("cancel"), stop);
                     if (!TryReceive(stop, out var news)) continue;
