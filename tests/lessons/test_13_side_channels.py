@@ -6,13 +6,20 @@ import re
 import subprocess
 import sys
 import time
-import uuid
 
 import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from tests.conftest import CLIENTS, PYTHON
+from tests.conftest import PYTHON
+from tests.lessons.test_13_side_channels_bytes import (
+    LOG,
+    RUNTIMES,
+    STRANGER,
+    GameLog,
+    each_client,
+    each_runtime,
+)
 from tests.programs import ROOT, steady_port
 from tests.unity.test_unity_play import needs_mono
 
@@ -23,34 +30,12 @@ from carrier import Carrier  # noqa: E402
 from engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
 from float_properties_channel import FloatPropertiesChannel  # noqa: E402
 from raw_bytes_channel import RawBytesChannel  # noqa: E402
-from side_channel import IncomingMessage, OutgoingMessage, SideChannel  # noqa: E402
 from side_channel_manager import SideChannelManager  # noqa: E402
-
-LOG, STRANGER = uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"), uuid.UUID("00112233-4455-6677-8899-aabbccddeeff")
-RUNTIMES = {".net": "dotnet", "mono": "mono"}
-each_client = pytest.mark.parametrize("kind", CLIENTS)
-each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
 
 
 @pytest.fixture(scope="session")
 def program(engine):
     return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "side_channels")
-
-
-class GameLog(SideChannel):
-    """As in its documentation; only the import is another one."""
-
-    def __init__(self) -> None:
-        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
-        self.lines = []
-
-    def on_message_received(self, msg: IncomingMessage) -> None:
-        self.lines.append(msg.read_string())
-
-    def send_string(self, data: str) -> None:
-        msg = OutgoingMessage()
-        msg.write_string(data)
-        super().queue_message_to_send(msg)
 
 
 # The programs
