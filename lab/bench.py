@@ -28,6 +28,7 @@ from lab.contest import (
     POOLED,
     SPIN,
     STEER,
+    STEPS,
     SUBSCRIBER,
     TCP,
     WEBSOCKET,
@@ -48,7 +49,7 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     """Run everything, print the tables, keep the results and draw them."""
     if not dotnet.sdk():
         raise KitError(f"the lab's clients are C#, and there is {dotnet.DOWNLOAD}")
-    python = python_setup.interpreter("tests", optional=("05_messages", "08_see_and_steer", "bench"))
+    python = python_setup.interpreter("tests", optional=("05_messages", "08_see_and_steer", "09_environment", "bench"))
     started = time.monotonic()
     lab = Lab(python, engines(engine), *((2, 0.04) if quick else (9, 0.2)), free=free)
     busy = machine.busy()
@@ -130,6 +131,7 @@ def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     for count in (1, 10, 100) if quick else (1, 10, 100, 1000):
         found.append(lab.work(f"{count} clients, 32 B", [TCP, HELLO, BARE, WEBSOCKET, HTTP], f"{echo} {count}"))
     found.append(lab.work("a server that takes 10 ms", [HELLO, BUSY], echo, "--delay", "0.01"))
+    found.append(lab.work("steps of CartPole", STEPS, f"steps {{name}} {lab.moment}"))
     return found
 
 
@@ -174,7 +176,7 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
     """What lesson 04's client costs Unity's main thread in a frame, in the player at 60 frames a second."""
     found = []
     for name, client in list(lab.clients.items()):
-        if name in ("grpc", "pool"):
+        if name in ("grpc", "pool", "trainer"):
             continue
         try:
             endpoint = lab.server("04_background_client").endpoint

@@ -49,6 +49,14 @@ GRPC = Contender("gRPC, Python both sides", "grpc", "grpc", "grpc", "grpcio")
 JSON = Contender("JSON lines, Base64", "dotnet", "json", "json")
 FAST = Contender("fast server, 64 in flight", "dotnet", "many@64", "many", only_small=True)
 SUBSCRIBER = Contender("NetMQ, PUB and SUB", "dotnet", "subscriber", "zmq")
+# A trainer that launches its simulators itself: there is no server to start.
+STEPS = [
+    Contender("Gymnasium's own, in process", "trainer", "own", "", "gymnasium"),
+    Contender("lesson 09, C#", "trainer", "csharp", "", "gymnasium"),
+    Contender("lesson 09, Python both sides", "trainer", "python", "", "gymnasium"),
+    Contender("Gymnasium's own, 16 in process", "trainer", "own@16", "", "gymnasium"),
+    Contender("lesson 10, 16 areas, C#", "trainer", "csharp@16", "", "gymnasium"),
+]
 
 
 def many(window: int) -> Contender:
@@ -129,12 +137,17 @@ class Lab:
     def program(self, name: str) -> Client:
         """A client program, started when it is first needed."""
         if name not in self.clients:
+            cores = self.client_cores
             if name == "grpc":
                 command = [str(self.python), str(LAB / "grpc_client.py")]
+            elif name == "trainer":
+                console = dotnet.build(self.python, self.engines["dotnet"])
+                # What it launches would have to share its cores.
+                command, cores = [str(self.python), str(LAB / "trainer.py"), str(console)], set()
             else:
                 dll = dotnet.build(self.python, self.engines[name], ROOT / "lab" / "csharp")
                 command = ["mono" if name == "mono" else "dotnet", str(dll), *(["pool"] if name == "pool" else [])]
-            self.clients[name] = Client(command, self.client_cores)
+            self.clients[name] = Client(command, cores)
         return self.clients[name]
 
     def server(self, name: str, *options: str) -> Server:
@@ -158,7 +171,7 @@ class Lab:
             self.installed[need] = not each.package or python_setup.has(self.python, [need])
         if not self.installed[need]:
             self.skipped[each.label] = f'it needs a package: pip install "{need}"'
-        elif each.program != "grpc" and each.program not in self.engines:
+        elif each.program not in ("grpc", "trainer") and each.program not in self.engines:
             libzmq = each.program == "offline" and self.engines["dotnet"].name == "libzmq"
             why = "the engine of this run is libzmq: the other rows have it" if libzmq else "this machine has none"
             self.skipped[each.label] = why
@@ -172,11 +185,13 @@ class Lab:
             progress(f"{title}: round {number} of {self.rounds}", last=number == self.rounds)
             for each, row in list(rows.items()):
                 try:
-                    server = self.server(each.server, *options)
                     client = self.program(each.program)
-                    before = client.spent(), server.spent()
-                    answer = client.ask(line.format(name=each.name, endpoint=server.endpoint))
-                    used = [side.spent().since(then) for side, then in zip((client, server), before, strict=True)]
+                    server = self.server(each.server, *options) if each.server else None
+                    sides = [client, server] if server else [client]
+                    before = [side.spent() for side in sides]
+                    answer = client.ask(line.format(name=each.name, endpoint=server.endpoint if server else ""))
+                    used = [side.spent().since(then) for side, then in zip(sides, before, strict=True)]
+                    used += [(math.nan, math.nan)] * (2 - len(used))
                 except KitError as error:
                     self.failed(each.label, title, error)
                     del rows[each]

@@ -62,6 +62,8 @@ def test_a_quick_run_measures_everything_that_can_run_here(quick):
         "a server that takes 10 ms",
     ):
         assert labels(results, title), output
+    for contender in contest.STEPS:
+        assert (contender.label in labels(results, "steps of CartPole")) != (contender.label in skipped), output
     assert {row["label"] for row in results["first"]} >= {"program: C# client", "connection: lesson 01"}
     assert results["frames"][0]["label"] == ".NET"
     assert not [what for what in results["skipped"] if "(" in what], "something failed on the way"
