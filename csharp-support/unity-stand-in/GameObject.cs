@@ -102,6 +102,20 @@ namespace UnityEngine
             MainThread.Only(nameof(GetComponent));
             return Owner.GetComponent<T>();
         }
+
+        public T GetComponentInParent<T>()
+        {
+            for (var here = transform; here != null; here = here.parent)
+                if (here.Owner.GetComponent<T>() is T found) return found;
+            return default;
+        }
+
+        public T[] GetComponentsInChildren<T>()
+        {
+            MainThread.Only(nameof(GetComponentsInChildren));
+            // Inactive ones are left out, as in Unity.
+            return Scene.Objects.Where(thing => thing.activeSelf && thing.transform.IsBelow(transform)).SelectMany(thing => thing.Components).OfType<T>().ToArray();
+        }
     }
 
     public class Behaviour : Component
@@ -269,6 +283,8 @@ namespace UnityEngine
             MainThread.Only(nameof(SetPositionAndRotation));
             (this.position, this.rotation) = (position, rotation);
         }
+
+        internal bool IsBelow(Transform top) => this == top || (above != null && above.IsBelow(top));
 
         internal bool IsPartOf(GameObject whole) => above != null && above.Owner == whole;
     }

@@ -11,6 +11,7 @@
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
+//     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
 // It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
@@ -45,6 +46,7 @@ namespace NetMQExample.PlayTest
                 case "events": Events.Print(); return 0;
                 case "habits": Habits.Print(); return 0;
                 case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
+                case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2], words.Skip(3).ToArray());
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();

@@ -13,8 +13,14 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5559";
 
+        // Whether another one above it in the hierarchy, such as lesson 10's PythonAreas, steps it with others.
+        private bool together;
+
         /// <inheritdoc/>
         protected override string Endpoint => endpoint;
+
+        /// <inheritdoc/>
+        protected override bool Connects => base.Connects && !together;
 
         /// <inheritdoc/>
         protected override SimulatorBase MakeSimulator() => new Simulator(this);
@@ -53,7 +59,21 @@ namespace NetMQExample
         public void Apply(double[] action)
         {
             Act(action);
-            Physics.Simulate((float)Dt);
+            if (!together) Physics.Simulate((float)Dt);
+        }
+
+        /// <inheritdoc/>
+        protected override void Begin()
+        {
+            var parent = transform.parent;
+            together = parent != null && parent.GetComponentInParent<SteppedBehaviour>() != null;
+            if (!together) base.Begin();
+        }
+
+        /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            if (!together) base.OnDisable();
         }
 
         /// <inheritdoc/>

@@ -21,6 +21,10 @@ namespace NetMQExample
         /// <summary>For simulations of one kind, at least one, which from then on nobody else steps.</summary>
         public AreaSimulator(IEnumerable<ISimulation> areas) => this.areas = areas.ToArray();
 
+        /// <summary>Called when all that step have done their actions, and before any begins anew: in Unity physics
+        /// moves then.</summary>
+        public Action Moved { get; set; } = () => { };
+
         /// <inheritdoc/>
         public override string Name => areas[0].Name;
 
@@ -58,10 +62,14 @@ namespace NetMQExample
             if (state.Length != 0 && state.Length != areas[0].StateSize)
                 throw new MessageException("bad-state",
                     $"a state is {areas[0].StateSize} numbers, not {state.Length}");
+            var stepping = Enumerable.Range(0, actions?.Length ?? 0).Where(i => mask[i] == 0).ToArray();
+            foreach (var i in stepping) areas[i].Apply(actions[i]);
+            Steps += stepping.Length;
+            if (actions != null) Moved();
             var infos = areas.Select(area => new Dictionary<string, object>()).ToArray();
             var judged = areas.Select((area, i) => mask[i] != 0
                 ? Begin(area, new Chance(seeds[i]), request.Values, state)
-                : actions == null ? (0, false, false) : Step(area, actions[i], infos[i])).ToArray();
+                : actions == null ? (0, false, false) : area.Judge(infos[i])).ToArray();
             var answer = new Message("state", request.Id);
             answer.Values["infos"] = Infos.Pack(infos.Select((info, area) =>
                 ((object)area, (IReadOnlyDictionary<string, object>)info)).Where(one => one.Item2.Count > 0));
@@ -76,14 +84,6 @@ namespace NetMQExample
             area.ResetWorld(chance, options, state);
             Episodes++;
             return (0, false, false);
-        }
-
-        private (double Reward, bool Terminated, bool Truncated) Step(
-            ISimulation area, double[] action, IDictionary<string, object> info)
-        {
-            area.Apply(action);
-            Steps++;
-            return area.Judge(info);
         }
 
         private T[] Numbers<T>(MessageArray array) where T : struct

@@ -1,0 +1,38 @@
+// Lesson 10 in Unity: derive from this, and one message steps many copies of a world in your scene.
+//
+// Use: public sealed class MyAreas : PythonAreas<MyEnvironment> { }, where MyEnvironment is your PythonEnvironment of
+// lesson 09. Make a prefab of one area with it, put as many as you like below one GameObject, far enough apart for
+// physics, and add MyAreas to that. In Python: make_vec("NetMQExample/NAME-v0", num_envs=16).
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>A scene with many areas as a vector environment. What is found below it does not connect by
+    /// itself.</summary>
+    /// <typeparam name="TArea">What each area has.</typeparam>
+    public abstract class PythonAreas<TArea> : SteppedBehaviour where TArea : PythonEnvironment
+    {
+        [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";
+
+        private TArea[] areas;
+
+        /// <inheritdoc/>
+        protected override string Endpoint => endpoint;
+
+        /// <inheritdoc/>
+        protected override bool Connects => areas.Length > 0;
+
+        /// <inheritdoc/>
+        protected override void Begin()
+        {
+            areas = GetComponentsInChildren<TArea>();
+            if (!Connects)
+                Debug.LogError($"gave up: {name} has no {typeof(TArea).Name} below it; put one into each area");
+            base.Begin();
+        }
+
+        /// <inheritdoc/>
+        protected override SimulatorBase MakeSimulator() =>
+            new AreaSimulator(areas) { Moved = () => Physics.Simulate((float)areas[0].Dt) };
+    }
+}
