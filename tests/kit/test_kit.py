@@ -153,6 +153,10 @@ class Stopped:
         else:
             self.process.send_signal(how)
         code = self.process.wait(60)
+        # What was killed is gone when the system has had time for it.
+        deadline = time.monotonic() + 20
+        while self.running() and time.monotonic() < deadline:
+            time.sleep(0.02)
         assert self.running() == []
         assert "Traceback" not in self.printed
         return code

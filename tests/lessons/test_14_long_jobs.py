@@ -183,7 +183,8 @@ def test_cancel_in_the_queue_and_forget_too_early(serve, peer):
     assert last.goal().hear("accepted").values["position"] == 2
     assert running.ask("forget").hear("rejected").values["code"] == "not-ended"
     assert waiting.ask("cancel").result("canceled").values["done"] == 0
-    assert last.ask("status").hear("accepted").values["position"] == 1, "it moved up"
+    # Whoever was asked twice answers twice, and the second answer may be an old one.
+    last.ask("status").hear("accepted", until=lambda news: news.values["position"] == 1)
 
 
 def test_the_race_of_a_cancel_with_the_end(serve, peer):
@@ -385,7 +386,7 @@ def test_what_a_frame_costs(work, serve, start, engine, capsys):
     _, endpoint = serve(KEY)
     harness = dotnet.build(PYTHON, engine, ROOT / "tests" / "unity" / "play")
     words = [f"endpoint={endpoint}", f"kind={work}", "count=10000" if work == "count" else "count=200"]
-    player = start("dotnet", harness, "cost", "14", "300", *words)
+    player = start("dotnet", harness, "cost", "14", "300", "after= of ", *words)
     assert player.wait() == 0, player.output
     cost = player.wait_for("^cost: .*")[0]
     with capsys.disabled():

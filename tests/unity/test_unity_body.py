@@ -145,7 +145,7 @@ def test_an_avatar_does_what_the_person_does(
     # Turned half to the side in mid-step, and as it comes.
     body = walk()[7]
     # The smoothing needs some frames to get there: it stands still meanwhile.
-    program = play(runtime, endpoint, "count=40", "every=1")
+    program = play(runtime, endpoint, "count=40", "every=1", "patience=60")
     assert stream.poll(20_000) and stream.recv() == b"\x01pose/0/"
     publish(stream, [body] * 40, 1, program)
     assert program.wait() == 0, program.output
@@ -180,7 +180,7 @@ def test_a_restart_of_the_server_makes_no_jump(
     """After it the person stands two metres away: the body gets there, and no joint is faster than the limit."""
     stream, endpoint = stage
     body = walk()[0]
-    program = play(".net", endpoint, "count=60", "every=1")
+    program = play(".net", endpoint, "count=60", "every=1", "patience=60")
     assert stream.poll(20_000)
     publish(stream, [body] * 10, 1, program)
     publish(stream, [[(x + 2, y, z, v) for x, y, z, v in body]] * 50, 1, program)

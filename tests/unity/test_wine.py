@@ -88,13 +88,13 @@ def test_a_client(key: str, unity: bool, wine: Callable[..., Program], serve: Ca
         key,
         *(["--unity", "--set", f"endpoint={endpoint}"] if unity else ["--endpoint", endpoint]),
     )
-    assert client.wait(120) == 0, client.output
+    assert client.wait(400) == 0, client.output
     assert not [line for line in client.lines if "gave up" in line], client.output
 
 
 def test_a_client_without_a_server(wine: Callable[..., Program]) -> None:
     client = wine("csharp-console.exe", "1", "--endpoint", f"tcp://127.0.0.1:{free_port()}", "--patience", "1")
-    assert client.wait(120) == 1, client.output
+    assert client.wait(400) == 1, client.output
     assert "no reply" in client.lines[-1]
 
 
