@@ -49,11 +49,11 @@ def ollama_talk(count: int, finished: bytes, prompt: str, *, url: str, model: st
                     break
     except TimeoutError:
         raise WorkError(f"{model} at {url} said nothing for {SILENCE} s: try a smaller model") from None
-    except ConnectionError as error:
-        cure = "did Ollama crash?" if done else "start Ollama: ollama serve"
-        raise WorkError(f"no connection with {url} ({error.strerror or error}): {cure}") from None
     except (OSError, HTTPException) as error:
-        raise WorkError(f"cannot ask {url} ({error!r:.80}): is that Ollama's address?") from None
+        if done:
+            raise WorkError(f"{url} ended in the middle: did Ollama crash?") from None
+        why = getattr(error, "strerror", "") or type(error).__name__
+        raise WorkError(f"no connection with {url} ({why}): start Ollama: ollama serve") from None
     except (ValueError, KeyError, TypeError, AttributeError):
         raise WorkError(f"what answers at {url} is not Ollama: check --ollama") from None
     yield Step(done, done, text[:LONGEST])
@@ -74,4 +74,4 @@ def pieces(connection: HTTPConnection, path: str, count: int, prompt: str, model
         yield news["message"]["content"]
         if news["done"]:
             return
-    raise ConnectionResetError("it ended in the middle")
+    raise ConnectionResetError

@@ -42,4 +42,4 @@ class Speech:
         status = take(result.values, "status", str)
         if status == "aborted":
             raise TimeoutError(f"the answer broke off: {take(result.values, 'text', str)}; ask again")
-        return f"done: {self.words} words" + ", and you walked away" * (status == "canceled")
+        return f"done: {self.words} words{', and you walked away' if status == 'canceled' else ''}"
