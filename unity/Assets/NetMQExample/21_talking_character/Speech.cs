@@ -24,9 +24,10 @@ namespace NetMQExample
         /// <param name="prompt">What to answer, in at most 1000 characters.</param>
         /// <param name="most">How many words to listen to.</param>
         /// <exception cref="ArgumentException">The prompt is empty or too long.</exception>
-        public static Message Ask(JobClient client, string prompt, int most) => prompt.Length > 0 && prompt.Length <= 1000
-            ? client.Goal("talk", most, prompt)
-            : throw new ArgumentException("prompt takes 1 to 1000 characters");
+        public static Message Ask(JobClient client, string prompt, int most) =>
+            prompt.Length > 0 && prompt.Length <= 1000
+                ? client.Goal("talk", most, prompt)
+                : throw new ArgumentException("prompt takes 1 to 1000 characters");
 
         /// <summary>Takes the newest state.</summary>
         /// <param name="news">Of the job.</param>
