@@ -23,6 +23,9 @@ try:
     from simulator import Simulator
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let python3 kit.py run 9 do it")
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit("stopped")
 
 ENDPOINT = "tcp://127.0.0.1:5559"
 WORLDS: dict[str, Callable[[], Simulation]] = {"CartPole": CartPole, "Car": RoadCar}

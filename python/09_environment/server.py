@@ -16,20 +16,24 @@ import re
 import signal
 import sys
 import time
-from collections.abc import Callable
 from typing import Any
 
-import environment  # noqa: F401, it registers the environments.
-import gymnasium
 import zmq
-from messages import LIMIT, MessageError
-from policies import by_hand
+
+try:
+    import environment  # noqa: F401, it registers the environments.
+    import gymnasium
+    from messages import LIMIT, MessageError
+    from policies import by_hand
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit()
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5559", zmq.ROUTER, 4 * LIMIT
 EPISODES = 10
 
 
-def play(env: gymnasium.Env[Any, Any], policy: Callable[[Any], Any], number: int) -> str:
+def play(env: gymnasium.Env[Any, Any], policy: Any, number: int) -> str:
     """One episode, as Gymnasium plays it everywhere."""
     seen, info = env.reset(seed=number)
     steps, total, over = 0, 0.0, False

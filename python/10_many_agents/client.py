@@ -17,12 +17,18 @@ from socket import getaddrinfo
 
 # In its own lesson's folder; at home they lie beside this file.
 sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
-from agents import AgentSimulator
-from areas import AreaSimulator
-from cart_pole import CartPole
-from environment_client import EnvironmentClient
-from pursuit import Pursuit
-from real_time import RealTime
+try:
+    from agents import AgentSimulator
+    from areas import AreaSimulator
+    from cart_pole import CartPole
+    from environment_client import EnvironmentClient
+    from pursuit import Pursuit
+    from real_time import RealTime
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 10 installs it")
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit("stopped")
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 

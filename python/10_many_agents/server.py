@@ -20,12 +20,19 @@ import sys
 import time
 from typing import Any
 
-import gymnasium
-import vector  # noqa: F401, it registers the vector environments.
 import zmq
-from messages import LIMIT, MessageError
-from parallel import ZmqParallelEnv
-from players import balance, play
+
+try:
+    import gymnasium
+    import vector  # noqa: F401, it registers the vector environments.
+    from messages import LIMIT, MessageError
+    from parallel import ZmqParallelEnv
+    from players import balance, play
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium and pettingzoo; python3 kit.py run 10 installs them")
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit()
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5560", zmq.ROUTER, 4 * LIMIT
 PLAYS = {"CartPole": balance, "Pursuit": play}

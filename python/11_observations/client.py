@@ -14,12 +14,17 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
-from coin_car import CoinCar
-from scene_simulator import SceneSimulator
-
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
-from environment_client import EnvironmentClient
+try:
+    from coin_car import CoinCar
+    from environment_client import EnvironmentClient
+    from scene_simulator import SceneSimulator
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 11 installs it")
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit("stopped")
 
 ENDPOINT = "tcp://127.0.0.1:5561"
 

@@ -18,11 +18,18 @@ import sys
 import time
 from typing import Any
 
-import gymnasium
-import observations  # noqa: F401, it registers the environment.
 import zmq
-from collector import ACTION, play, seen_space
-from messages import LIMIT, MessageError
+
+try:
+    import gymnasium
+    import observations  # noqa: F401, it registers the environment.
+    from collector import ACTION, play, seen_space
+    from messages import LIMIT, MessageError
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 11 installs it")
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit()
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5561", zmq.ROUTER, 4 * LIMIT
 EPISODES = 10

@@ -46,8 +46,8 @@ class JobClient:
         self.context, self.endpoint, self.job, self.patience, self.tries = context, endpoint, job, patience, tries
         self.report, self.request, self.socket = report, self.ask("status"), self.connect()
 
-    def goal(self, kind: str, count: int) -> Message:
-        return self.ask("goal", kind=kind, count=count)
+    def goal(self, kind: str, count: int, text: str = "") -> Message:
+        return self.ask("goal", kind=kind, count=count, text=text)
 
     def ask(self, verb: str, **values: str | int) -> Message:
         return Message(verb, values={"job": self.job, **values})

@@ -5,7 +5,7 @@
     python python/14_long_jobs/client.py          or: dotnet run --project csharp-console -- 14
 
 Bytes: messages of lesson 05, whose kind is the verb and whose value `job` is the client's id; DEALER and ROUTER.
-    goal {kind, count}   cancel   status   forget                                         what a client sends
+    goal {kind, count, text}   cancel   status   forget                                   what a client sends
     accepted {position}   rejected {code, text}   feedback {done, total, text}   canceling   forgotten
     result {status: succeeded, canceled or aborted, done, total, text}                    what it is answered
 What is finished so far comes along as an array. `seq` grows with each message about a job. A client that asked is told
@@ -26,29 +26,19 @@ import sys
 import zmq
 from job_journal import Journal
 from jobs import Jobs
-from verbs import answer
+from verbs import exchange
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5564", zmq.ROUTER, 65_536
-# So many messages are read before the workers have their turn.
-MOST = 100
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     jobs = Jobs(options.journal, options.workers, options.queue, options.grace)
     while True:
-        # A wait with a limit: on Windows Ctrl-C does not interrupt a longer one, and a deaf worker has its time.
-        zmq.select([socket, jobs.workers.bell], [], [], 0.1)
-        with contextlib.suppress(zmq.Again):
-            for _ in range(MOST):
-                client, *frames = socket.recv_multipart(zmq.NOBLOCK)
-                answer(jobs, client, frames)
-        jobs.turn()
-        for client, news in jobs.outbox:
+        for client, news in exchange(jobs, socket):
             if news.kind == "feedback" and news.values["done"] >= (options.crash_on or float("inf")):
                 os._exit(1)
             # This never waits: ROUTER drops what is for a client that has gone, or does not read. It will ask again.
             socket.send_multipart([client, *news.frames()])
-        jobs.outbox.clear()
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -1,6 +1,7 @@
 """Lesson 14, the verbs: what a client may say about a job, and what it is answered.
 
-    answer(jobs, client, frames)                    the reply, and what it sets off, is in jobs.outbox
+    for client, news in exchange(jobs, socket): ...             one turn of the server, and what it has to send
+    answer(jobs, client, frames)                                the reply, and what it sets off, is in jobs.outbox
 
     goal       begins the job, unless there is one with this id already
     cancel     asks for its end; after the end it changes nothing
@@ -13,12 +14,29 @@ Take home: this file, jobs.py, job.py, job_journal.py, workers.py, worker.py and
 import re
 import sqlite3
 import time
+from collections.abc import Iterator
+from contextlib import suppress
 
+import zmq
 from jobs import WATCH, Jobs
 from messages import Message, MessageError, read, take
 from work import KINDS
 
+# So many messages are read before the workers have their turn, and so long may a goal's text be.
+MOST, LONGEST = 100, 1000
 NOT_WRITTEN = MessageError("journal", "the server cannot write its journal now; try again later")
+
+
+def exchange(jobs: Jobs, socket: zmq.Socket[bytes]) -> Iterator[tuple[bytes, Message]]:
+    # A wait with a limit: on Windows Ctrl-C does not interrupt a longer one, and a deaf worker has its time.
+    zmq.select([socket, jobs.workers.bell], [], [], 0.1)
+    with suppress(zmq.Again):
+        for _ in range(MOST):
+            client, *frames = socket.recv_multipart(zmq.NOBLOCK)
+            answer(jobs, client, frames)
+    jobs.turn()
+    yield from jobs.outbox
+    jobs.outbox.clear()
 
 
 def answer(jobs: Jobs, client: bytes, frames: list[bytes]) -> None:
@@ -70,7 +88,10 @@ def read_goal(id: str, request: Message) -> Message:
     if kind not in KINDS or not 1 <= count <= KINDS[kind].most:
         kinds = ", ".join(f"{name} up to {KINDS[name].most}" for name in KINDS)
         raise MessageError("bad-goal", f"{kind!a:.40} with count {count} is none of: {kinds}")
-    return Message("goal", values={"job": id, "kind": kind, "count": count})
+    text = take({"text": ""} | request.values, "text", str)
+    if len(text) > LONGEST:
+        raise MessageError("bad-goal", f"'text' has {len(text)} characters; the most are {LONGEST}")
+    return Message("goal", values={"job": id, "kind": kind, "count": count, "text": text})
 
 
 def find(jobs: Jobs, id: str) -> tuple[Message, Message] | None:

@@ -1,9 +1,10 @@
 """Lesson 14, the kinds of work: each is a generator that yields a step whenever it could stop.
 
-    for step in picture(100, b""): ...
+    for step in picture(100, b"", ""): ...
 
-Between two steps its worker shows how far it is, keeps its checkpoint, and hears a cancel. A checkpoint is an array of
-all that is finished; work that is begun with its bytes goes on from there. Put your own kinds into KINDS.
+It gets the goal's count, its checkpoint's bytes and the goal's text. Between two steps its worker shows how far it is,
+keeps its checkpoint, and hears a cancel. A checkpoint is an array of all that is finished; work that is begun with its
+bytes goes on from there. Put your own kinds into KINDS.
 Take home: this file, with messages.py of lesson 05.
 """
 
@@ -23,6 +24,10 @@ from messages import Array
 UNIT, INSIDE = 0.02, 2000
 
 
+class WorkError(Exception):
+    """Why it cannot be done, in words for whoever wants it done. Any other exception is a mistake in the work."""
+
+
 class Step(NamedTuple):
     done: int
     total: int
@@ -30,7 +35,7 @@ class Step(NamedTuple):
     checkpoint: Array | None = None
 
 
-def count(total: int, finished: bytes) -> Iterator[Step]:
+def count(total: int, finished: bytes, text: str) -> Iterator[Step]:
     """Waits a little for each unit. Its checkpoint has a byte for each, so that one sees that none is done twice."""
     for unit in range(len(finished) + 1, total + 1):
         time.sleep(UNIT)
@@ -38,7 +43,7 @@ def count(total: int, finished: bytes) -> Iterator[Step]:
         yield Step(unit, total, checkpoint=Array("uint8", (unit,), finished))
 
 
-def picture(side: int, finished: bytes) -> Iterator[Step]:
+def picture(side: int, finished: bytes, text: str) -> Iterator[Step]:
     """The Mandelbrot set in stripes, from the top; RGB. What is drawn so far is the checkpoint."""
     for y in range(len(finished) // (3 * side), side):
         stripe = bytearray()
@@ -51,7 +56,7 @@ def picture(side: int, finished: bytes) -> Iterator[Step]:
         yield Step(y + 1, side, checkpoint=Array("uint8", (y + 1, side, 3), finished))
 
 
-def path(size: int, finished: bytes) -> Iterator[Step]:
+def path(size: int, finished: bytes, text: str) -> Iterator[Step]:
     """The shortest way from corner to corner, through walls with one gap each. To keep a search costs more than to
     search again: it has no checkpoint."""
     side = 10 * size
@@ -71,7 +76,7 @@ def path(size: int, finished: bytes) -> Iterator[Step]:
     yield Step(side * side, side * side, f"a path of {steps[-1]} steps")
 
 
-def deaf(total: int, finished: bytes) -> Iterator[Step]:
+def deaf(total: int, finished: bytes, text: str) -> Iterator[Step]:
     """Trouble on command: it never stops in between, and so hears no cancel."""
     yield Step(1, total, "deaf from here on")
     time.sleep(total * UNIT)
@@ -79,7 +84,7 @@ def deaf(total: int, finished: bytes) -> Iterator[Step]:
 
 
 class Kind(NamedTuple):
-    work: Callable[[int, bytes], Iterator[Step]]
+    work: Callable[[int, bytes, str], Iterator[Step]]
     most: int
     has_checkpoint: bool = False
 

@@ -18,7 +18,7 @@ from queue import SimpleQueue
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Message, read
-from work import KINDS, Step
+from work import KINDS, Kind, Step, WorkError
 
 # Feedback is a state: nobody needs it more often. So a checkpoint is at most so many seconds old.
 INTERVAL = 0.1
@@ -34,8 +34,9 @@ def receive(pipe: Connection) -> Message:
     return read(list(iter(pipe.recv_bytes, b"")))
 
 
-def labour(pipe: Connection) -> None:
-    """What a worker's process does."""
+def labour(pipe: Connection, kinds: dict[str, Kind]) -> None:
+    """What a worker's process does. It has the kinds of work that the server has."""
+    KINDS.update(kinds)
     # Ctrl-C in a terminal reaches it too; when to end, the server says.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     goals, cancel = SimpleQueue[Message](), threading.Event()
@@ -65,7 +66,7 @@ def labour(pipe: Connection) -> None:
 
 def perform(pipe: Connection, goal: Message, cancel: threading.Event) -> Message:
     """Does the job, and returns its result."""
-    job, total = goal.values["job"], goal.values["count"]
+    job, total, text = goal.values["job"], goal.values["count"], goal.values["text"]
     finished = bytes(goal.arrays[0].data) if goal.arrays else b""
     told, step = 0.0, Step(goal.values["done"], total, checkpoint=goal.arrays[0] if goal.arrays else None)
 
@@ -74,13 +75,15 @@ def perform(pipe: Connection, goal: Message, cancel: threading.Event) -> Message
         return Message(kind, values=facts | values, arrays=[step.checkpoint] if step.checkpoint else [])
 
     try:
-        for step in KINDS[goal.values["kind"]].work(total, finished):
+        for step in KINDS[goal.values["kind"]].work(total, finished, text):
             if cancel.is_set():
                 return said(step, "result", status="canceled")
             if time.monotonic() >= told + INTERVAL:
                 told = time.monotonic()
                 send(pipe, said(step, "feedback"))
         return said(step, "result", status="succeeded")
+    except WorkError as error:
+        return said(step, "result", status="aborted", text=f"{error!s:.200}")
     except Exception as error:
         # A mistake in the work: its place is for whoever writes it.
         traceback.print_exc()

@@ -1,7 +1,7 @@
 """Lesson 14, the workers: processes that do one job at a time, and can be killed.
 
     workers = Workers(4)
-    workers.start(goal)             a message with the values job, kind, count and done; its array is a checkpoint
+    workers.start(goal)             a message with the values job, kind, count, text and done; its array is a checkpoint
     for job, news in workers.news().items(): ...            feedback, a result, or None if the process died
 
 Python computes on one thread at a time, so threads would share one core, and no thread can be killed. What a process
@@ -22,6 +22,7 @@ from threading import Thread
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Message
+from work import KINDS
 from worker import labour, receive, send
 
 # A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
@@ -33,7 +34,7 @@ class Worker:
 
     def __init__(self) -> None:
         self.pipe, theirs = SPAWN.Pipe()
-        self.process = SPAWN.Process(target=labour, args=(theirs,), daemon=True)
+        self.process = SPAWN.Process(target=labour, args=(theirs, KINDS), daemon=True)
         self.process.start()
         self.doomed = False
         # Only the process itself has that end now, so that its death ends every wait at this one.

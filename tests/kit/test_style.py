@@ -38,6 +38,8 @@ LONGER = {
     # What is recorded, and by whom it is driven, is chosen here.
     "python/08_see_and_steer/server.py": 78,
     "python/07_catch_up/server.py": 62,
+    # What it needs takes seconds to import: what is missing, and Ctrl-C, are said in a line.
+    "python/10_many_agents/server.py": 64,
     # The game's loop stands beside its thread for the network.
     "python/12_video/client.py": 62,
     # What is filmed is chosen here, and trouble by a slow disk.
@@ -172,6 +174,23 @@ def test_a_lesson_is_whole(lesson):
     assert lesson.guide.exists()
     assert "\n```mermaid\nsequenceDiagram\n" in lesson.guide.read_text(encoding="utf-8")
     assert (ROOT / "tests" / "lessons" / f"test_{lesson.key}.py").exists()
+
+
+def test_no_two_lessons_have_a_module_or_a_class_of_one_name():
+    """A reader takes home files of several lessons into one folder, and Unity has all classes in one assembly."""
+    modules, classes = {}, {}
+    for lesson in lessons():
+        for path in lesson.python.glob("*.py"):
+            # Programs, which nobody imports.
+            if path.name not in ("server.py", "client.py", "train.py"):
+                modules.setdefault(path.stem.lower(), set()).add(lesson.key)
+        for path in lesson.unity.glob("*.cs"):
+            text = path.read_text(encoding="utf-8")
+            for name in re.findall(r"^    (?:[a-z]+ )*(?:class|struct|interface|enum) (\w+)", text, re.MULTILINE):
+                classes.setdefault(name, set()).add(lesson.key)
+    assert len(modules) > 50 and len(classes) > 50
+    assert {name: keys for name, keys in modules.items() if len(keys) > 1} == {}
+    assert {name: keys for name, keys in classes.items() if len(keys) > 1} == {}
 
 
 def test_the_drawn_tree_is_there():

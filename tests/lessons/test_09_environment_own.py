@@ -247,12 +247,33 @@ def test_what_the_trainer_cannot_do_it_says_at_once(words, code, text, start):
     assert text in trainer.lines[-1] and "Traceback" not in trainer.output
 
 
-@pytest.mark.parametrize("program", ["server.py", "client.py", "train.py"])
-def test_a_python_without_gymnasium_says_what_is_missing(program, start, tmp_path):
-    (tmp_path / "gymnasium.py").write_text("raise ImportError('No module named gymnasium')", encoding="utf-8")
-    ended = start(PYTHON, LESSON / program, PYTHONPATH=str(tmp_path))
+PROGRAMS = [
+    *(f"09_environment/{name}.py" for name in ("server", "client", "train")),
+    *(f"{key}/{name}.py" for key in ("10_many_agents", "11_observations") for name in ("server", "client")),
+]
+
+
+@pytest.mark.parametrize(
+    ("program", "missing"),
+    [*((program, "gymnasium") for program in PROGRAMS), ("10_many_agents/server.py", "pettingzoo")],
+)
+def test_a_python_without_what_a_lesson_needs_says_what_is_missing(program, missing, start, tmp_path):
+    (tmp_path / f"{missing}.py").write_text(f"raise ImportError('No module named {missing}')", encoding="utf-8")
+    ended = start(PYTHON, ROOT / "python" / program, PYTHONPATH=str(tmp_path))
     assert ended.wait() == 1
-    assert "this lesson needs gymnasium" in ended.lines[-1] and len(ended.lines) == 1
+    assert re.search(f"this lesson needs .*{missing}", ended.lines[-1]) and len(ended.lines) == 1
+
+
+@posix
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_ctrl_c_before_gymnasium_is_there_is_no_traceback(program, start, tmp_path):
+    slow = "import time\nprint('importing', flush=True)\ntime.sleep(60)\n"
+    (tmp_path / "gymnasium.py").write_text(slow, encoding="utf-8")
+    ended = start(PYTHON, ROOT / "python" / program, PYTHONPATH=str(tmp_path))
+    ended.wait_for("^importing$")
+    server = program.endswith("server.py")
+    assert ended.stop(signal.SIGINT) == (0 if server else 1)
+    assert ended.lines == ["importing", *([] if server else ["stopped"])]
 
 
 # Simulators of somebody else's

@@ -24,7 +24,7 @@ KEYS = [lesson.key for lesson in lessons()]
 each_lesson = pytest.mark.parametrize("key", KEYS)
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Options that take any text; every other value can be wrong.
-FREE_TEXT = {"--record", "--model", "--text", "--journal", "--topic", "--view"}
+FREE_TEXT = {"--record", "--model", "--text", "--journal", "--topic", "--view", "--prompt"}
 # How many there are at least is one.
 NEVER_ZERO = {"--tries", "--window", "--workers", "--queue"}
 

@@ -363,7 +363,7 @@ def test_a_phone_closes_the_sockets_of_a_game_that_is_not_seen(
     alone = key.startswith(("09", "10", "11", "12"))
     clients, lines = (1, 2) if alone else (2, 4)
     unity = editor(runtime, "keep", key, endpoint, clients, f"{key} x {clients}, paused as on a phone")
-    replies = r"^\d+: |^frame \d+: |^received |^snapshot|^person 0: pose |^job \w+: "
+    replies = r"^\d+: |^frame \d+: |^received |^snapshot|^person 0: pose |^job \w+: |^she: "
     reply = "^asking |^simulating | can film " if alone else replies
     unity.play()
     for _ in range(lines):

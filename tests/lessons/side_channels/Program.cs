@@ -5,7 +5,8 @@
 //     process EXCHANGE            what all channels make of it: lines, what is drawn of parameters, what they send
 //     moved EXCHANGE              what the classes of Moved.cs and MovedRaw.cs make of it
 //
-// And `settings EXCHANGE`, what Unity has then, `speed COUNT` and `pictures ENDPOINT COUNT`, which print numbers.
+// And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, `speed COUNT` and
+// `pictures ENDPOINT COUNT`, which print numbers.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -27,7 +28,8 @@ namespace NetMQExample.Tests
             var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
             (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
             CultureInfo.CurrentCulture = german;
-            if (words.Length == 2 && words[0] == "settings") Settings(Bytes(words[1]));
+            if (words.Length > 0 && words[0] == "steps") Steps(words[2]);
+            else if (words.Length == 2 && words[0] == "settings") Settings(Bytes(words[1]));
             else if (words.Length == 2) Speed(int.Parse(words[1]));
             else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));
             else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
@@ -143,6 +145,13 @@ namespace NetMQExample.Tests
             Console.WriteLine(FormattableString.Invariant($"{Time.timeScale} {Application.targetFrameRate} {Time.captureFramerate}"));
         }
 
+        private static void Steps(string endpoint)
+        {
+            Academy.Instance.Begin((kind, values) => { });
+            using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
+            client.Run(new SideChannelSimulator(new Simulator(new Moon())), 0, answer => answer());
+        }
+
         private static void Speed(int count)
         {
             // What a scene says most often: a name and a number.
@@ -187,5 +196,33 @@ namespace NetMQExample.Tests
             : Enumerable.Range(0, digits.Length / 2).Select(i => Convert.ToByte(digits.Substring(2 * i, 2), 16)).ToArray();
 
         private static string Digits(byte[] bytes) => bytes.Length == 0 ? "-" : string.Concat(bytes.Select(one => one.ToString("x2", CultureInfo.InvariantCulture)));
+    }
+
+    // What it sees is the gravity that its reset knew of; what it records is each action.
+    internal sealed class Moon : ISimulation
+    {
+        private double gravity;
+
+        public string Name => "Moon";
+
+        public double Dt => 0.02;
+
+        public int StateSize => 1;
+
+        public GymSpace Observation { get; } = GymSpace.Box(new[] { 0.0 }, new[] { 100.0 });
+
+        public GymSpace Action { get; } = GymSpace.Discrete(9);
+
+        public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state) =>
+            gravity = state.Length + Academy.Instance.EnvironmentParameters.GetWithDefault("gravity", 9.75f);
+
+        public void Apply(double[] action) =>
+            Academy.Instance.StatsRecorder.Add("action", (float)action[0], StatAggregationMethod.Sum);
+
+        public MessageArray Observe() => Observation.Of(gravity);
+
+        public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) => (0, false, false);
+
+        public MessageArray Render() => throw new NotSupportedException();
     }
 }

@@ -184,7 +184,7 @@ namespace NetMQExample.PlayTest
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
                     // As a rule so many that it is still asking when Stop comes.
-                    if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : count);
+                    if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : script is TalkingCharacter ? Math.Min(count, 200) : count);
                 }
             thing.SetActive(on);
             return thing;

@@ -56,10 +56,10 @@ namespace NetMQExample
         public static string NewId() => Guid.NewGuid().ToString("N");
 
         /// <summary>What to ask to have the job begun, or watched if it is there already.</summary>
-        public Message Goal(string kind, int count)
+        public Message Goal(string kind, int count, string text = "")
         {
             var goal = Ask("goal");
-            (goal.Values["kind"], goal.Values["count"]) = (kind, (long)count);
+            (goal.Values["kind"], goal.Values["count"], goal.Values["text"]) = (kind, (long)count, text);
             return goal;
         }
 

@@ -132,15 +132,16 @@ namespace NetMQExample
         /// <summary>What a peer sent, fit for one line of a log: no control characters, cut to a readable
         /// length.</summary>
         /// <param name="text">Whatever came.</param>
-        /// <returns>At most 200 characters and an ellipsis; a question mark for each one that cannot be
+        /// <param name="most">What is a readable length.</param>
+        /// <returns>At most so many characters and an ellipsis; a question mark for each one that cannot be
         /// shown.</returns>
-        public static string Printable(string text)
+        public static string Printable(string text, int most = 200)
         {
             var line = new StringBuilder();
             var at = 0;
             for (var length = 0; text != null && at < text.Length; length++)
             {
-                if (length == 200) return line.Append('…').ToString();
+                if (length == most) return line.Append('…').ToString();
                 // What lies beyond the first 65,536 characters, such as an emoji, takes two chars.
                 var width = char.IsSurrogatePair(text, at) ? 2 : 1;
                 var kind = CharUnicodeInfo.GetUnicodeCategory(text, at);

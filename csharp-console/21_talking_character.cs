@@ -1,0 +1,40 @@
+// Application 21 in a terminal: the terminal client of TalkingCharacter.cs, with the same Speech.
+//
+//     dotnet run --project csharp-console -- 21                            a line for each sentence, which grows
+//     dotnet run --project csharp-console -- 21 --prompt "Who are you?"
+//     dotnet run --project csharp-console -- 21 --leave-after 5            walks away when 5 words were said
+using System;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson21
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5571");
+            var prompt = arguments.Text("prompt", "Who built this bridge?");
+            var (count, leaveAfter) = (arguments.Whole("count", 200), arguments.Whole("leave-after", 0));
+            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 10));
+            arguments.RefuseTheRest();
+
+            var (speech, last) = (new Speech(), (JobNews?)null);
+            void Say(string line) => Console.WriteLine(speech.Text == "" ? line : $"\n{line}");
+            using var client = new JobClient(endpoint, JobClient.NewId(), patience, tries, Say);
+            var goal = Speech.Ask(client, prompt, count);
+            Console.WriteLine($"asking {endpoint}: {NetMQLifetime.Printable(prompt)}");
+            try
+            {
+                foreach (var news in client.Watch(goal))
+                {
+                    Console.Write(speech.Hear(last = news));
+                    if (news.Kind == "feedback" && leaveAfter > 0 && speech.Words >= leaveAfter) client.Cancel();
+                }
+            }
+            catch (MessageException e)
+            {
+                throw new TimeoutException(e.Message, e);
+            }
+            Console.WriteLine(speech.Outcome(last!));
+        }
+    }
+}

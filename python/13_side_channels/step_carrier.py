@@ -1,0 +1,91 @@
+"""Lesson 13 on lesson 09's steps: one exchange each way in every reset and step, as ML-Agents has it.
+
+    env = gymnasium.make("NetMQExample/CartPole-v0")
+    carry(env, SideChannelManager([parameters, stats]))
+    parameters.set_float_parameter("gravity", 1.62)
+    env.reset()                                                            is a reset that knows of it
+    client.run(SideChannelSimulator(Simulator(world), manager))            in the simulator, if that is in Python
+
+So what is set before a step is there in that step, and what the simulator records in it comes with its state.
+Bytes: lesson 09's, with the value side_channel, true, and the exchange as one more array, the last one, uint8. The C#
+side is SideChannelSimulator.cs.
+Take home: this file, side_channel_manager.py, side_channel.py and side_channel_messages.py, with connection.py,
+simulator.py, simulation.py and spaces.py of lesson 09 and messages.py of lesson 05. They need gymnasium.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+# In their own lessons' folders; at home they lie beside this file.
+sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
+from connection import Lost
+from messages import Array, Message, MessageError
+from side_channel import UnitySideChannelException
+from side_channel_manager import SideChannelManager
+from simulator import SimulatorBase
+
+CURE = "is the simulator in a SideChannelSimulator?"
+
+
+def carry(env: Any, manager: SideChannelManager) -> None:
+    """From now on the steps of this environment carry these channels."""
+    env.unwrapped.connection = StepCarrier(env.unwrapped.connection, manager)
+
+
+def receive(manager: SideChannelManager, message: Message) -> bool:
+    """Take an exchange out of a message and deliver it. False if there is none."""
+    if message.values.pop("side_channel", False) is not True or not message.arrays:
+        return False
+    try:
+        manager.process_side_channel_message(bytes(message.arrays.pop().data))
+    except UnitySideChannelException as error:
+        manager.report(str(error))
+    return True
+
+
+class StepCarrier:
+    """Stands in front of an environment's connection."""
+
+    def __init__(self, connection: Any, manager: SideChannelManager) -> None:
+        self.connection, self.manager, self.unsent, self.known = connection, manager, b"", False
+
+    def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
+        if kind not in ("reset", "step"):
+            return self.connection.ask(kind, values, arrays)  # type: ignore[no-any-return]
+        data, self.unsent = self.unsent or bytes(self.manager.generate_side_channel_messages()), b""
+        exchange = Array("uint8", (len(data),), data)
+        try:
+            state: Message = self.connection.ask(kind, values | {"side_channel": True}, [*arrays, exchange])
+        except Lost:
+            # Nobody knows whether it came. The next simulator is told.
+            self.unsent = data
+            raise
+        except MessageError as error:
+            # It may have taken the exchange for something of its own.
+            raise error if self.known else MessageError(error.code, f"{error.text}; {CURE}") from None
+        if not receive(self.manager, state):
+            raise MessageError("no-side-channels", CURE)
+        self.known = True
+        return state
+
+
+class SideChannelSimulator(SimulatorBase):
+    """Around a simulator, whose requests and answers then carry side channels."""
+
+    def __init__(self, simulator: SimulatorBase, manager: SideChannelManager) -> None:
+        super().__init__(simulator.name)
+        self.simulator, self.manager = simulator, manager
+
+    def describe(self) -> Message:
+        return self.simulator.describe()
+
+    def do(self, request: Message) -> Message:
+        carried = receive(self.manager, request)
+        state = self.simulator.do(request)
+        self.episodes, self.steps = self.simulator.episodes, self.simulator.steps
+        if carried:
+            data = bytes(self.manager.generate_side_channel_messages())
+            state.values["side_channel"] = True
+            state.arrays.append(Array("uint8", (len(data),), data))
+        return state

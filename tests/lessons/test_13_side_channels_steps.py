@@ -1,0 +1,136 @@
+"""Lesson 13 on lesson 09's steps: what was set before a step is there in it, what it records comes with its state."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.lessons.test_13_side_channels_bytes import RUNTIMES
+from tests.programs import ROOT
+from tests.unity.test_unity_play import needs_mono
+
+KEY = "13_side_channels"
+
+
+@pytest.fixture(scope="session")
+def program(engine):
+    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "side_channels")
+
+
+MOON = f"""
+import sys
+sys.path += [{str(ROOT / "python" / "09_environment")!r}, {str(ROOT / "python" / KEY)!r}]
+import numpy as np
+from environment_client import EnvironmentClient
+from environment_parameters_channel import EnvironmentParametersChannel
+from gymnasium.spaces import Box, Discrete
+from messages import MessageError
+from side_channel import OutgoingMessage
+from side_channel_manager import SideChannelManager
+from simulation import Simulation
+from simulator import Simulator
+from stats_side_channel import StatsSideChannel
+from step_carrier import SideChannelSimulator
+
+class Parameters(EnvironmentParametersChannel):
+    gravity = 9.75
+    def on_message_received(self, msg):
+        name, kind, self.gravity = msg.read_string(), msg.read_int32(), msg.read_float32()
+
+class Moon(Simulation):
+    name, dt, size, observation, action = "Moon", 0.02, 1, Box(0, 100, (1,)), Discrete(9)
+    def reset(self, chance, options, state):
+        self.gravity = len(state) + parameters.gravity
+    def apply(self, action):
+        message = OutgoingMessage()
+        message.write_string("action")
+        message.write_float32(float(action))
+        message.write_int32(2)
+        stats.queue_message_to_send(message)
+    def observe(self):
+        return np.array([self.gravity], np.float32)
+    def judge(self):
+        return dict(reward=0, terminated=False, truncated=False)
+
+parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
+if "--without" not in sys.argv:
+    simulator = SideChannelSimulator(simulator, SideChannelManager([parameters, stats]))
+EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], 20).run(simulator)
+"""
+
+
+@pytest.fixture
+def moon(tmp_path):
+    """moon(*words): an environment that launches such a simulator, and its channels."""
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
+    sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "09_environment", "05_messages")]
+    from environment import ZmqEnv
+    from environment_parameters_channel import EnvironmentParametersChannel
+    from side_channel_manager import SideChannelManager
+    from stats_side_channel import StatsSideChannel
+    from step_carrier import carry
+
+    (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
+    made = []
+
+    def make(*words):
+        parameters, stats, said = EnvironmentParametersChannel(), StatsSideChannel(), []
+        made.append(ZmqEnv("Moon", launch=[str(word) for word in words or (PYTHON, tmp_path / "moon.py")]))
+        carry(made[-1], SideChannelManager([parameters, stats], said.append))
+        return made[-1], parameters, stats, said
+
+    yield make
+    for env in made:
+        env.close()
+
+
+@pytest.mark.parametrize("kind", ["python", ".net", "mono"])
+def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes_with_its_state(
+    kind, moon, engine, program
+):
+    if kind == "mono":
+        needs_mono(engine)
+    env, parameters, stats, said = moon(*([] if kind == "python" else [RUNTIMES[kind], program, "steps"]))
+    assert env.reset(seed=1)[0] == 9.75, "nothing was set"
+    parameters.set_float_parameter("gravity", 1.5)
+    assert env.reset(seed=1)[0] == 1.5
+    assert env.reset(seed=1, options={"state": [0.0]})[0] == 2.5, "the state is an array of its own"
+    for action in (3, 5):
+        seen, reward, *_, info = env.step(action)
+        assert (seen, reward, info) == (1.5 + 1, 0.0, {})
+        assert stats.get_and_reset_stats() == {"action": [(float(action), 2)]}
+    parameters.set_float_parameter("gravity", 4.0)
+    env.step(0)
+    assert env.reset(seed=1)[0] == 4.0, "it came with the step"
+    assert said == []
+
+
+def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
+    env, parameters, stats, _ = moon()
+    env.reset(seed=1)
+    parameters.set_float_parameter("gravity", 1.5)
+    env.simulators.process.kill()
+    assert "lost" in env.step(1)[-1]
+    assert env.reset(seed=1)[0] == 1.5
+    assert stats.get_and_reset_stats() == {}
+
+
+def test_a_simulator_without_side_channels_is_named_with_the_cure(moon, tmp_path):
+    from messages import MessageError
+
+    env, parameters, _, _ = moon(PYTHON, tmp_path / "moon.py", "--without")
+    for _ in range(2):
+        with pytest.raises(MessageError, match=r"is the simulator in a SideChannelSimulator\?$"):
+            env.reset(seed=1)
+        parameters.set_float_parameter("gravity", 1.5)
+
+
+def test_a_cut_exchange_is_a_line_and_the_step_is_done(moon):
+    env, _, _, said = moon()
+    env.reset(seed=1)
+    env.connection.unsent = b"cut"
+    assert env.step(1)[0] == 9.75
+    assert said == []

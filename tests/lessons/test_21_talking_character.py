@@ -1,0 +1,327 @@
+"""Application 21: words while they are made, walking away, a server that is started again, and Ollama's side of it.
+
+What lesson 14's tests say of jobs is not said again.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import ClassVar
+
+import pytest
+import zmq
+
+from kitlib.setup import dotnet
+from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.long_jobs.peers import Message, Peer, read
+from tests.programs import LIMIT, ROOT, free_port, steady_port
+
+KEY = "21_talking_character"
+sys.path += [str(ROOT / "python" / KEY), str(ROOT / "python" / "14_long_jobs")]
+import small_talk  # noqa: E402
+
+each_client = pytest.mark.parametrize("kind", CLIENTS)
+PROMPT = "Who built this bridge?"
+
+
+def sentences(text):
+    return [f"she: {one}" for one in re.sub(r"(?<=[.!?]) ", "\n", text).splitlines()]
+
+
+@pytest.fixture
+def talk(start, client_command):
+    def talk(kind, endpoint, *options):
+        # On a busy machine a second without a word comes by itself.
+        return start(*client_command(kind, KEY, endpoint, "--patience", "25", *options))
+
+    return talk
+
+
+@each_client
+@pytest.mark.parametrize(("seed", "prompt"), [(0, PROMPT), (7, "Größe? \U0001f600 And: why. Now!")], ids=["0", "7"])
+def test_what_is_said_is_heard_whole(kind, seed, prompt, serve, talk):
+    """Each sentence is a line, whatever pieces it came in; the same for every client."""
+    server, endpoint = serve(KEY, "--delay", "0.01", "--seed", str(seed))
+    client = talk(kind, endpoint, "--prompt", prompt)
+    assert client.wait() == 0, client.output
+    said = small_talk.reply(prompt, seed)
+    assert client.lines == [f"asking {endpoint}: {prompt}", *sentences(said), f"done: {len(said.split())} words"]
+    server.wait_for(r"succeeded at (\d+) of \1$")
+
+
+def test_no_more_is_said_than_one_listens_to(serve, talk):
+    _, endpoint = serve(KEY, "--delay", "0")
+    client = talk("python", endpoint, "--count", "6")
+    assert client.wait() == 0, client.output
+    assert client.lines[1:] == [*sentences(" ".join(small_talk.reply(PROMPT, 0).split()[:6])), "done: 6 words"]
+
+
+@each_client
+def test_who_walks_away_ends_it(kind, serve, talk):
+    server, endpoint = serve(KEY)
+    client = talk(kind, endpoint, "--leave-after", "5")
+    assert client.wait() == 0, client.output
+    heard = int(re.fullmatch(r"done: (\d+) words, and you walked away", client.lines[-1])[1])
+    whole = small_talk.reply(PROMPT, 0).split()
+    assert 5 <= heard < len(whole)
+    assert client.lines[1:-1] == sentences(" ".join(whole[:heard]))
+    made = int(server.wait_for(rf"canceled at (\d+) of {len(whole)}$")[1])
+    assert heard <= made < len(whole), "the work ended too"
+
+
+@each_client
+def test_a_server_that_is_started_again_has_no_half_answer(kind, serve, talk, tmp_path):
+    """It could not go on in the middle, and says so: what was said stays, and the rest is not waited for."""
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    server, _ = serve(KEY, "--delay", "0.2", endpoint=endpoint)
+    client = talk(kind, endpoint)
+    client.wait_for("^she: Mind the third plank!$")
+    server.kill()
+    serve(KEY, endpoint=endpoint)
+    assert client.wait() == 1, client.output
+    why = "the answer broke off: the server was restarted; ask again"
+    assert any(line.endswith(f"gave up: {why}") for line in client.lines), client.output
+
+
+WALKER = """using System.Reflection;
+using NetMQExample;
+using UnityEngine;
+
+// The player: far away at first, then near, and away again after the first sentence.
+public class Walker : MonoBehaviour
+{
+    [SerializeField] private string endpoint = "";
+    private TalkingCharacter character;
+    private Transform eyes;
+    private int frames;
+
+    public bool Done => character != null && character.Done;
+
+    void OnEnable()
+    {
+        Application.logMessageReceived += Hear;
+        var player = new GameObject("player") { tag = "MainCamera" };
+        player.AddComponent<Camera>();
+        eyes = player.transform;
+        eyes.position = new Vector3(0, 0, 16);
+        var thing = new GameObject("character");
+        thing.SetActive(false);
+        character = (TalkingCharacter)thing.AddComponent(typeof(TalkingCharacter));
+        typeof(TalkingCharacter).GetField("endpoint", BindingFlags.NonPublic | BindingFlags.Instance)
+            .SetValue(character, endpoint);
+        thing.SetActive(true);
+    }
+
+    void OnDisable() { Application.logMessageReceived -= Hear; }
+
+    void Update()
+    {
+        if (++frames != 30) return;
+        Debug.Log("comes near");
+        eyes.position = new Vector3(0, 0, 14);
+    }
+
+    void Hear(string line, string stack, LogType type)
+    {
+        if (line.StartsWith("she: ")) eyes.position = new Vector3(0, 0, 16);
+    }
+}
+"""
+
+
+def test_in_unity_to_walk_away_is_a_distance(serve, start, console, engine, tmp_path):
+    (tmp_path / "Walker.cs").write_text(WALKER, encoding="utf-8")
+    scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "Walker.cs"])
+    server, endpoint = serve(KEY)
+    player = start(*console, scripts, "--unity", "--endpoint", endpoint)
+    assert player.wait() == 0, player.output
+    assert player.lines[:2] == ["comes near", f"asking {endpoint}: {PROMPT}"], player.output
+    assert player.lines[2] == "she: Mind the third plank!"
+    assert re.fullmatch(r"done: (\d+) words, and you walked away", player.lines[-1]), player.output
+    server.wait_for("canceled at")
+
+
+# A server that the test decides for
+
+SPOKEN = [
+    ("feedback", "A dog"),
+    # What was between them is lost.
+    ("feedback", "A dog \x1b[2Jbarks.\n\nAt the \u202emoon? Yes,"),
+    ("feedback", "A dog \x1b[2Jbarks.\n\nAt the \u202emoon? Yes, \U0001f600 e.g. this one."),
+]
+
+
+@pytest.fixture
+def stage(context):
+    """stage(client, *news): answers its goal with these messages, and returns the goal."""
+    with context.socket(zmq.ROUTER) as router:
+        router.linger = 0
+
+        def play(client, *news):
+            assert router.poll(LIMIT * 1000), client.output
+            way, *frames = router.recv_multipart()
+            goal = read(frames)
+            for seq, (kind, text) in enumerate(news):
+                facts = {"job": goal.values["job"], "seq": seq, "done": 1, "total": 9, "text": text}
+                status = {} if kind == "feedback" else {"status": kind}
+                message = Message("result" if status else kind, values=facts | status)
+                router.send_multipart([way, *message.frames()])
+            return goal
+
+        yield play, f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+
+
+@each_client
+@pytest.mark.parametrize(
+    ("end", "last"),
+    [
+        (("succeeded", SPOKEN[-1][1]), "done: 11 words"),
+        (("canceled", "it did not listen, and was killed"), "done: 11 words, and you walked away"),
+        (("aborted", "no \x1b[2Jwords"), "gave up: the answer broke off: no ?[2Jwords; ask again"),
+    ],
+    ids=["succeeded", "canceled", "aborted"],
+)
+def test_what_was_lost_is_in_the_next_one(kind, end, last, stage, talk):
+    play, endpoint = stage
+    client = talk(kind, endpoint)
+    goal = play(client, *SPOKEN, end)
+    assert goal.values == {"job": goal.values["job"], "kind": "talk", "count": 200, "text": PROMPT}
+    assert client.wait() == (end[0] == "aborted"), client.output
+    assert client.lines[1:4] == ["she: A dog ?[2Jbarks.", "she: At the ?moon?", "she: Yes, \U0001f600 e.g."]
+    assert client.lines[4] == "she: this one."
+    assert [line.removeprefix("error: ") for line in client.lines[5:] if line and not line.startswith("   ")] == [last]
+
+
+@each_client
+@pytest.mark.parametrize("prompt", ["", "x" * 1001], ids=["empty", "long"])
+def test_a_prompt_that_is_none_is_wrong_usage(kind, prompt, talk):
+    client = talk(kind, "tcp://127.0.0.1:1", f"--prompt={prompt}")
+    assert client.wait() == (1 if kind == "unity" else 2), client.output
+    assert re.search("prompt.* 1 to 1000 characters", client.output)
+
+
+# Ollama, by a small server that speaks as its documentation says
+
+
+class Ollama(BaseHTTPRequestHandler):
+    """What it does is what the prompt says."""
+
+    asked: ClassVar[list] = []
+    gone = threading.Event()
+
+    def do_POST(self):
+        request = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+        self.asked.append((self.path, request))
+        what = request["messages"][-1]["content"]
+        if what in ("missing", "page"):
+            body = b'{"error":"model \'tiny\' not found"}' if what == "missing" else b"<html>not found</html>"
+            self.send_response(404)
+            self.send_header("Content-Length", str(len(body)))
+            self.end_headers()
+            self.wfile.write(body)
+            return
+        self.send_response(200)
+        self.send_header("Transfer-Encoding", "chunked")
+        self.end_headers()
+        try:
+            self.speak(what)
+        except OSError:
+            self.gone.set()
+        self.close_connection = True
+
+    def speak(self, what):
+        for piece in ("Once", " there", " was a river."):
+            self.line({"message": {"role": "assistant", "content": piece}, "done": False})
+        if what == "error":
+            self.line({"error": "an error was encountered while running the model"})
+        if what == "list":
+            self.line([1])
+        while what == "endless":
+            self.line({"message": {"role": "assistant", "content": " and"}, "done": False})
+            self.gone.wait(0.01)
+        if what == "silent":
+            # Until the other side closes.
+            self.connection.recv(1)
+            self.gone.set()
+        if what == "whole":
+            self.line({"message": {"role": "assistant", "content": ""}, "done": True, "done_reason": "stop"})
+            self.wfile.write(b"0\r\n\r\n")
+
+    def line(self, news):
+        text = json.dumps(news).encode() + b"\n"
+        self.wfile.write(b"%x\r\n%s\r\n" % (len(text), text))
+
+    def log_message(self, *words):
+        pass
+
+
+@pytest.fixture
+def ollama(serve, context):
+    """The address of an Ollama, and a function that asks our server something, which asks it."""
+    Ollama.asked, Ollama.gone = [], threading.Event()
+    with ThreadingHTTPServer(("127.0.0.1", 0), Ollama) as http:
+        http.daemon_threads = True
+        threading.Thread(target=http.serve_forever, daemon=True).start()
+        url = f"http://127.0.0.1:{http.server_port}"
+        server, endpoint = serve(KEY, "--ollama", url, "--model", "tiny")
+        peers = []
+
+        def ask(what):
+            peers.append(Peer(context, endpoint))
+            return peers[-1].ask("goal", kind="talk", count=50, text=what)
+
+        yield server, url, ask
+        for peer in peers:
+            peer.socket.close()
+        http.shutdown()
+
+
+def test_a_model_talks_and_all_that_can_go_wrong_with_it_is_a_line(ollama):
+    server, url, ask = ollama
+    assert ask("whole").result("succeeded").values["text"] == "Once there was a river."
+    path, request = Ollama.asked[0]
+    assert (path, request["model"], request["stream"]) == ("/api/chat", "tiny", True)
+    assert request["options"] == {"num_predict": 50}
+    assert [message["role"] for message in request["messages"]] == ["system", "user"]
+    for what, why in {
+        "missing": "Ollama says: model 'tiny' not found; try: ollama pull tiny",
+        "error": "Ollama says: an error was encountered while running the model",
+        "page": f"what answers at {url} is not Ollama: check --ollama",
+        "list": f"what answers at {url} is not Ollama: check --ollama",
+        "cut": f"{url} ended in the middle: did Ollama crash?",
+    }.items():
+        assert ask(what).result("aborted").values["text"] == why
+    assert ask("whole").result("succeeded"), "it serves on"
+    assert "Traceback" not in server.output
+
+
+@pytest.mark.parametrize("what", ["endless", "silent"])
+def test_walking_away_stops_the_model(what, ollama):
+    """Its connection is closed, also while it says nothing."""
+    server, _, ask = ollama
+    talk = ask(what)
+    talk.hear("feedback")
+    assert not Ollama.gone.is_set()
+    talk.ask("cancel").result("canceled")
+    assert Ollama.gone.wait(LIMIT)
+    assert "Traceback" not in server.output
+
+
+def test_an_ollama_that_is_away_is_named_with_the_cure(serve, talk):
+    url = f"http://127.0.0.1:{free_port()}"
+    _, endpoint = serve(KEY, "--ollama", url)
+    client = talk("python", endpoint)
+    assert client.wait() == 1
+    why = f"no connection with {url} (Connection refused): start Ollama: ollama serve"
+    assert client.lines[-1] == f"gave up: the answer broke off: {why}; ask again"
+
+
+@pytest.mark.parametrize("url", ["127.0.0.1:11434", "ftp://x", "http://", "http://x:99999"])
+def test_an_address_that_is_none_is_wrong_usage(url, start):
+    server = start(PYTHON, ROOT / "python" / KEY / "server.py", "--ollama", url)
+    assert server.wait() == 2
+    assert server.lines[-1].endswith(f"bad address '{url}': write it like http://127.0.0.1:11434")

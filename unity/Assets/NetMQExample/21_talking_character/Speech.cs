@@ -1,0 +1,61 @@
+// Application 21, what a character has said so far: of a newer text only the end is new, however many were lost in
+// between.
+//
+// Take home: this file, with JobClient.cs and JobNews.cs (lesson 14), Message.cs and MessageJson.cs (lesson 05),
+// NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/21_talking_character/server.py.
+using System;
+using System.Text.RegularExpressions;
+
+namespace NetMQExample
+{
+    /// <summary>Of one speech. Use it on one thread.</summary>
+    public sealed class Speech
+    {
+        private string shown = "";
+
+        /// <summary>All of it, in one line.</summary>
+        public string Text { get; private set; } = "";
+
+        /// <summary>How many words that is.</summary>
+        public int Words { get; private set; }
+
+        /// <summary>What to ask, so that the character begins to speak.</summary>
+        /// <param name="client">Of a job that is not begun.</param>
+        /// <param name="prompt">What to answer, in at most 1000 characters.</param>
+        /// <param name="most">How many words to listen to.</param>
+        /// <exception cref="ArgumentException">The prompt is empty or too long.</exception>
+        public static Message Ask(JobClient client, string prompt, int most) =>
+            prompt.Length > 0 && prompt.Length <= 1000
+                ? client.Goal("talk", most, prompt)
+                : throw new ArgumentException("prompt takes 1 to 1000 characters");
+
+        /// <summary>Takes the newest state.</summary>
+        /// <param name="news">Of the job.</param>
+        /// <returns>What to write behind what was written so far: a line for each sentence.</returns>
+        public string Hear(JobNews news)
+        {
+            // At another end the text says why there is no more.
+            if (news.Kind == "feedback" || news.Status == "succeeded")
+            {
+                var words = news.Text.Split((char[])null, StringSplitOptions.RemoveEmptyEntries);
+                (Words, Text) = (words.Length, NetMQLifetime.Printable(string.Join(" ", words), int.MaxValue));
+            }
+            var lines = Text == "" ? "" : Regex.Replace($"she: {Text}", "(?<=[.!?]) ", "\nshe: ");
+            if (news.Kind == "result" && lines != "") lines += "\n";
+            var end = lines.Substring(Math.Min(shown.Length, lines.Length));
+            shown = lines;
+            return end;
+        }
+
+        /// <summary>What to say at the end.</summary>
+        /// <param name="result">Of the job.</param>
+        /// <exception cref="TimeoutException">It was aborted.</exception>
+        public string Outcome(JobNews result) => result.Status switch
+        {
+            "aborted" => throw new TimeoutException(
+                $"the answer broke off: {NetMQLifetime.Printable(result.Text)}; ask again"),
+            "canceled" => $"done: {Words} words, and you walked away",
+            _ => $"done: {Words} words",
+        };
+    }
+}

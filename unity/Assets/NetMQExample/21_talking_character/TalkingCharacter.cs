@@ -1,0 +1,55 @@
+// Application 21 in Unity: a character answers while its words are made. It begins when the player is near, and stops
+// when the player walks away.
+//
+// Use: start python/21_talking_character/server.py, add this component to a character, press Play. Enable it again to
+// ask again.
+using System.Threading;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Says what a model answers, in the corner of the game's view and in the console.</summary>
+    public sealed class TalkingCharacter : NetworkBehaviour
+    {
+        [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5571";
+        [SerializeField, Tooltip("What the player says")] private string prompt = "Who built this bridge?";
+        [SerializeField, Min(1), Tooltip("How many words to listen to at most")] private int count = 200;
+        [SerializeField, Tooltip("Who listens; none: the main camera")] private Transform player;
+        [SerializeField, Min(0), Tooltip("How near one must be to listen")] private float earshot = 15;
+        [SerializeField, Min(0), Tooltip("Walk away when so many words were said; 0: never")] private int leaveAfter;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float patience = 1;
+        [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
+
+        private volatile bool near;
+        private volatile string text = "";
+        private volatile JobClient client;
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            base.Update();
+            if (player == null && Camera.main != null) player = Camera.main.transform;
+            near = player == null || Vector3.Distance(player.position, transform.position) <= earshot;
+            if (!near) client?.Cancel();
+        }
+
+        private void OnGUI() => GUI.Label(new Rect(10, 10, 600, 300), text);
+
+        /// <inheritdoc/>
+        protected override void Talk(CancellationToken stop)
+        {
+            while (!near) if (stop.WaitHandle.WaitOne(20)) return;
+            var (speech, line, last) = (new Speech(), "", (JobNews)null);
+            using var mine = client = new JobClient(endpoint, JobClient.NewId(), Seconds(patience), tries, Log);
+            Log($"asking {endpoint}: {NetMQLifetime.Printable(prompt)}");
+            foreach (var news in mine.Watch(Speech.Ask(mine, prompt, count), stop))
+            {
+                var lines = (line + speech.Hear(last = news)).Split('\n');
+                (text, line) = (speech.Text, lines[lines.Length - 1]);
+                for (var i = 0; i < lines.Length - 1; i++) Log(lines[i]);
+                if (news.Kind == "feedback" && leaveAfter > 0 && speech.Words >= leaveAfter) mine.Cancel();
+            }
+            Log(speech.Outcome(last));
+        }
+    }
+}
