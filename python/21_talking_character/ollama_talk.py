@@ -54,9 +54,9 @@ def ollama_talk(count: int, finished: bytes, prompt: str, *, url: str, model: st
             raise WorkError(f"{url} ended in the middle: did Ollama crash?") from None
         why = getattr(error, "strerror", "") or type(error).__name__
         raise WorkError(f"no connection with {url} ({why}): start Ollama: ollama serve") from None
-    except (ValueError, KeyError, TypeError, AttributeError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise WorkError(f"what answers at {url} is not Ollama: check --ollama") from None
-    yield Step(done, done, text[:LONGEST])
+    yield Step(done, done, text if len(text) <= LONGEST else f"{text[:LONGEST]}…")
 
 
 def pieces(connection: HTTPConnection, path: str, count: int, prompt: str, model: str) -> Iterator[str]:

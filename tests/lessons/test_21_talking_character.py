@@ -240,6 +240,9 @@ class Ollama(BaseHTTPRequestHandler):
             self.line({"error": "an error was encountered while running the model"})
         if what == "list":
             self.line([1])
+        if what == "long":
+            for _ in range(60):
+                self.line({"message": {"role": "assistant", "content": "\U0001f600" * 100}, "done": False})
         while what == "endless":
             self.line({"message": {"role": "assistant", "content": " and"}, "done": False})
             self.gone.wait(0.01)
@@ -287,6 +290,8 @@ def test_a_model_talks_and_all_that_can_go_wrong_with_it_is_a_line(ollama):
     assert (path, request["model"], request["stream"]) == ("/api/chat", "tiny", True)
     assert request["options"] == {"num_predict": 50}
     assert [message["role"] for message in request["messages"]] == ["system", "user"]
+    long = ask("long").result("succeeded").values["text"]
+    assert (len(long), long[-2:]) == (5001, "\U0001f600…"), "and its header is not too large"
     for what, why in {
         "missing": "Ollama says: model 'tiny' not found; try: ollama pull tiny",
         "error": "Ollama says: an error was encountered while running the model",

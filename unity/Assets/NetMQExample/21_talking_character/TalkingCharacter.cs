@@ -24,6 +24,9 @@ namespace NetMQExample
         private volatile string text = "";
         private volatile JobClient client;
 
+        // IMGUI's own layout would cost a pass, and garbage, in each frame.
+        private void Awake() => useGUILayout = false;
+
         /// <inheritdoc/>
         protected override void Update()
         {
