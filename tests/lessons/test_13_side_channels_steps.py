@@ -128,9 +128,12 @@ def test_a_simulator_without_side_channels_is_named_with_the_cure(moon, tmp_path
         parameters.set_float_parameter("gravity", 1.5)
 
 
-def test_a_cut_exchange_is_a_line_and_the_step_is_done(moon):
+def test_a_cut_exchange_is_a_line_and_the_step_is_done(moon, capfd):
     env, _, _, said = moon()
     env.reset(seed=1)
     env.connection.unsent = b"cut"
     assert env.step(1)[0] == 9.75
     assert said == []
+    env.close()
+    # The launched simulator says it, on the terminal that it shares with this one.
+    assert "an exchange that ends with 3 bytes of a header" in "".join(capfd.readouterr())
