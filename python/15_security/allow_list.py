@@ -1,9 +1,9 @@
 """Lesson 15, the allow-list: a server lets in whose public key it has, and knows with each message whose it is.
 
-    with AllowList(Path("keys")) as allowed:   the server's own pair, and the keys in keys/allowed
-        allowed.answer(context)                from now on it is asked about each handshake; before bind
-        allowed.guard(socket)                  the socket gets its keys, and asks; before bind
-        allowed.name_of(frame)                 with each message: whose it is, or nothing
+    allowed = AllowList(Path("keys"))      the server's own pair, and the keys in keys/allowed
+    allowed.answer(context)                from now on it is asked about each handshake; before bind
+    allowed.guard(socket)                  the socket gets its keys, and asks; before bind
+    allowed.name_of(frame)                 with each message: whose it is, or nothing
 
 CURVE encrypts, and proves that the client has the secret key that belongs to its public one. Which keys are welcome,
 libzmq asks by ZAP (RFC 27): a request to the address inproc://zeromq.zap.01. pyzmq has an authenticator that answers,
@@ -16,7 +16,6 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Self
 
 import zmq
 from keys import load
@@ -37,16 +36,6 @@ class AllowList:
         self.known: dict[str, tuple[Path, int]] = {}
         self.refused: dict[str, int] = {}
         self.others, self.told, self.named = 0, time.monotonic(), 0
-        self.stop, self.thread = threading.Event(), threading.Thread()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.stop.set()
-        # One that was never started cannot be joined.
-        if self.thread.is_alive():
-            self.thread.join()
 
     def guard(self, socket: zmq.Socket[bytes]) -> None:
         socket.curve_server, socket.curve_secretkey = True, self.secret
@@ -55,12 +44,12 @@ class AllowList:
         socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 1)
 
     def answer(self, context: zmq.Context[zmq.Socket[bytes]]) -> None:
-        """Begin to answer libzmq's questions, on a thread of its own."""
-        zap = context.socket(zmq.REP)
+        """Begin to answer libzmq's questions, on a thread of its own, until the context ends."""
+        # Of the same context, which through this name does not know it: a socket is closed on its own thread.
+        zap: zmq.Socket[bytes] = zmq.Context.shadow(context.underlying).socket(zmq.REP)
         zap.linger = 0
         zap.bind("inproc://zeromq.zap.01")
-        self.thread = threading.Thread(target=self._answer, args=(zap,), daemon=True)
-        self.thread.start()
+        threading.Thread(target=self._answer, args=(zap,), daemon=True).start()
 
     def name_of(self, frame: zmq.Frame) -> str:
         """Asked with each message: the handshake of a revoked key may have been long ago."""
@@ -87,9 +76,9 @@ class AllowList:
         return ""
 
     def _answer(self, zap: zmq.Socket[bytes]) -> None:
-        with zap:
-            while not self.stop.is_set():
-                if zap.poll(100):
+        with zap, contextlib.suppress(zmq.ContextTerminated):
+            while True:
+                if zap.poll(1000):
                     version, request, domain, address, _, mechanism, *credentials = zap.recv_multipart()
                     key = z85.encode(credentials[0]).decode() if mechanism == b"CURVE" and domain == DOMAIN else ""
                     welcome = bool(key and self._name(key))

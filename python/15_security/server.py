@@ -93,10 +93,11 @@ def main() -> None:
     options = parser.parse_args()
     # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with zmq.Context() as context, context.socket(SOCKET) as socket, keys_for(context, socket, options) as allowed:
+    with zmq.Context() as context, context.socket(SOCKET) as socket:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
         # Who announces more than the largest message is disconnected before it is in memory.
         socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, LARGEST, 200
+        allowed = keys_for(context, socket, options)
         try:
             socket.bind(options.endpoint)
         except zmq.ZMQError as error:
