@@ -14,8 +14,10 @@ The files are those of czmq (zcert): zmq.auth.load_certificate reads them. Take 
 """
 
 import argparse
+import contextlib
 import os
 import re
+import struct
 import sys
 from pathlib import Path
 
@@ -45,23 +47,28 @@ def make(folder: Path, role: str) -> bytes:
     return public
 
 
+def checked(key: bytes) -> bytes:
+    """What is no key is said here and not by a socket, later."""
+    with contextlib.suppress(ValueError, KeyError, struct.error):
+        if len(z85.decode(key)) == 32:
+            return key
+    raise ValueError(f"no key: {key.decode(errors='replace')!r:.60}; a key has 40 characters, as in server.key")
+
+
 def load(path: Path) -> tuple[bytes, bytes]:
     """The public key in a file, and the secret one if there is one."""
     try:
         public, secret = zmq.auth.load_certificate(path)
-        # What is no key is said here and not by a socket, later.
-        if any(len(z85.decode(key)) != 32 for key in (public, secret or public)):
-            raise ValueError
-    except (OSError, ValueError, KeyError):
+        return checked(public), checked(secret) if secret else b""
+    except (OSError, ValueError):
         cure = "keys.py makes keys, and server.key is a copy of the server's"
         raise ValueError(f"no key in {path}; {cure}") from None
-    return public, secret or b""
 
 
 def enrol(folder: Path, name: str, key: str) -> Path:
     """Let in who has this key, or the key in this file."""
     path = folder / "allowed" / f"{name}.key"
-    write(path, key.encode() if re.fullmatch(r"[!-~]{40}", key) else load(Path(key))[0])
+    write(path, checked(key.encode()) if len(key) == 40 and not Path(key).exists() else load(Path(key))[0])
     return path
 
 

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import zmq
-from keys import load, make
+from keys import checked, load, make
 
 LARGEST = 65_536
 # Seconds between two tries, where the first was over at once.
@@ -27,7 +27,7 @@ class ClientKeys:
     """Made at the first start: a secret key that came with a program would be everybody's."""
 
     def __init__(self, folder: Path, server_key: str = "") -> None:
-        self.server = server_key.encode() or load(folder / "server.key")[0]
+        self.server = checked(server_key.encode()) if server_key else load(folder / "server.key")[0]
         if not (folder / "client.key_secret").exists():
             make(folder, "client")
         self.public, self.secret = load(folder / "client.key_secret")

@@ -31,7 +31,7 @@ namespace NetMQExample
         {
             var (open, secret) = (Path.Combine(folder, "server.key"), Path.Combine(folder, "client.key_secret"));
             if (serverKey != "" && !Regex.IsMatch(serverKey, $"^{Key}$"))
-                throw new ArgumentException($"no key: '{serverKey}'; it has 40 characters, as in server.key");
+                throw new ArgumentException($"no key: '{serverKey}'; a key has 40 characters, as in server.key");
             if (serverKey == "") serverKey = Read(open, "public");
             server = Certificate(open, () => NetMQCertificate.FromPublicKey(serverKey));
             if (!File.Exists(secret)) Make(folder, secret);

@@ -92,12 +92,13 @@ namespace NetMQExample
         private bool Try(string text, CancellationToken stop, out string reply, out string trouble)
         {
             (reply, trouble) = ("", ThrownOut);
-            // Without waiting: where this is refused there is no connection to send on.
-            connection.TrySend(TimeSpan.Zero, stop, text);
+            var sent = false;
             foreach (var slice in NetMQConnection.Slices(patience, stop))
             {
-                if (connection.Socket.TryReceiveFrameString(slice, Encoding.UTF8, out reply)) return true;
-                reports.Poll(TimeSpan.Zero);
+                // Without waiting: where this was refused already there is no connection to send on.
+                sent = sent || connection.TrySend(TimeSpan.Zero, stop, text);
+                if (sent && connection.Socket.TryReceiveFrameString(slice, Encoding.UTF8, out reply)) return true;
+                reports.Poll(sent ? TimeSpan.Zero : slice);
                 if (!cutOff) continue;
                 // Most often it is refused again; and if the server was started anew, it is there a moment later.
                 stop.WaitHandle.WaitOne(Pause);
