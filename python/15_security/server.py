@@ -77,10 +77,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def endpoint(text: str) -> str:
-    """libzmq itself would listen on port 99999 - 65536 without a word."""
+    """libzmq itself would listen on port 99999 - 65536, and for everybody, without a word."""
     port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
     if not port or int(port[1].replace("*", "0")) > 65535:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
+    told = any(word.startswith(("--keys", "--open-to-anyone")) for word in sys.argv)
+    if not told and not re.match(r"tcp://(localhost|127\.[\d.]+):", text):
+        raise argparse.ArgumentTypeError(f"'{text}' lets anyone in: lesson 15 has keys, --open-to-anyone has none")
     return text
 
 

@@ -177,7 +177,8 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
     wrong = {endpoint.format(port(key)): 2 for endpoint in BAD}
     # Well written, but not of this machine.
     wrong |= {"tcp://no-such-host.invalid:0": 1, "tcp://192.0.2.1:0": 1}
-    command = [PYTHON, server_of(key), *kept_there(key, tmp_path)]
+    told = [] if key in KEYED else ["--open-to-anyone"]
+    command = [PYTHON, server_of(key), *kept_there(key, tmp_path), *told]
     servers = {endpoint: start(*command, "--endpoint", endpoint) for endpoint in wrong}
     for endpoint, server in servers.items():
         line = ended(server, wrong[endpoint])
@@ -187,6 +188,21 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
         )
         assert cure in line
         assert "listening" not in server.output
+
+
+@each_lesson
+def test_a_server_without_keys_is_for_this_machine_alone_unless_it_is_told(key, start, tmp_path):
+    for name in {"--endpoint", "--snapshots"} & options(server_of(key)).keys():
+
+        def begin(host, *words, name=name):
+            elsewhere = ["--endpoint", "tcp://127.0.0.1:0"] if name == "--snapshots" else []
+            command = [PYTHON, ROOT / server_of(key), *elsewhere, name, f"tcp://{host}:0", *words]
+            return start(*command, folder=tmp_path)
+
+        for server in [begin(host) for host in ("0.0.0.0", "*", "192.0.2.1", "127.0.0.1.example.org")]:
+            assert "lets anyone in: lesson 15 has keys, --open-to-anyone has none" in ended(server, 2)
+        told = ["--keys", str(tmp_path / "keys")] if key in KEYED else ["--open-to-anyone"]
+        begin("0.0.0.0", *told, *kept_there(key, tmp_path)).wait_for(r"^\w+ on tcp://0\.0\.0\.0:")
 
 
 @each_lesson
