@@ -4,9 +4,9 @@
 //     keys.Apply(socket);                         before Connect
 //
 // Take home: this file. It goes with any NetMQ socket that connects.
-// The pair is made at the first start, and its secret key never leaves the machine: one that came with the game would be
-// the same in every copy, a password that everybody has. What ships is the server's public key: as text in a field, or as
-// server.key in the folder. The owner of the server then enrols this client's public key, which is in client.key.
+// The pair is made at the first start, and its secret key never leaves the machine: one that came with the game would
+// be the same in every copy, a password that everybody has. What ships is the server's public key: as text in a field,
+// or as server.key in the folder. The owner of the server then enrols this client's public key: client.key.
 // The files are those of python/15_security/keys.py.
 using System;
 using System.IO;
@@ -87,7 +87,7 @@ namespace NetMQExample
 
         private static void OnlyMine(string path)
         {
-            // netstandard2.1 has no name for it. On Windows, on a phone and in a console the folder is the user's alone.
+            // netstandard2.1 has no name for it. On Windows and on a phone the folder is the user's alone.
             try { Chmod(path, Convert.ToInt32("600", 8)); }
             catch (Exception e) when (e is DllNotFoundException || e is EntryPointNotFoundException) { }
         }

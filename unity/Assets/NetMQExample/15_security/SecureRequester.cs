@@ -1,6 +1,6 @@
 // Lesson 15, the client's side: a requester with keys, that says so when it is refused.
 //
-//     using var requester = new SecureRequester("tcp://127.0.0.1:5565", new ClientKeys("keys"), patience, 3, Debug.Log);
+//     using var requester = new SecureRequester("tcp://127.0.0.1:5565", new ClientKeys("keys"), patience, 3, Log);
 //     requester.Request("Hello");        the reply, or TimeoutException
 //
 // Take home: this file and ClientKeys.cs, NetMQConnection.cs and NetMQLifetime.cs. The Python side is
