@@ -200,7 +200,7 @@ def shape(lines: Sequence[str]) -> list[str]:
     and now and then it has only digits.
     """
     # A key of lesson 15 has 40 characters, and some of any kind.
-    lines = [re.sub(r"(?<= key | is )[!-~]{40}(?= |$)", "KEY", line) for line in lines]
+    lines = [re.sub(r"( key| is) [!-~]{40}(?= |$)", r"\1 KEY", line) for line in lines]
     plain = [re.sub(r" *(\b[0-9a-f]{8,32}\b|(?<!\w)-?\d+(\.\d+)?|\d+(\.\d+)?)", " N", line) for line in lines]
     return [line for line, _ in groupby(plain)]
 

@@ -25,16 +25,16 @@ namespace NetMQExample
         // Between two tries, where the first was over at once.
         private static readonly TimeSpan Pause = TimeSpan.FromMilliseconds(250);
 
-        // It is never run: what the monitor reports is looked at here, between two slices of waiting.
-        private readonly NetMQPoller nobody = new NetMQPoller();
         private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly ClientKeys keys;
         private readonly TimeSpan patience;
         private readonly int tries;
         private readonly Action<string> report;
-        private PairSocket reports;
+        // It is never run: what the monitor reports is looked at here, between two slices of waiting.
+        private NetMQPoller nobody;
         private NetMQMonitor monitor;
+        private PairSocket reports;
         private bool cutOff;
         private int number;
 
@@ -51,13 +51,9 @@ namespace NetMQExample
                 throw new ArgumentException("tries must be 1 or more, and patience longer than 0 s");
             (this.endpoint, this.keys, this.patience) = (endpoint, keys, patience);
             (this.tries, this.report) = (tries, report);
-            try { connection = new NetMQConnection(endpoint, Make); }
-            catch
-            {
-                monitor?.Dispose();
-                nobody.Dispose();
-                throw;
-            }
+            // Before there is anything to close again.
+            NetMQConnection.Check(endpoint);
+            connection = new NetMQConnection(endpoint, Make);
         }
 
         /// <summary>Sends a request until it is answered.</summary>
@@ -85,7 +81,6 @@ namespace NetMQExample
         public void Dispose()
         {
             Close();
-            nobody.Dispose();
             connection.Dispose();
         }
 
@@ -123,14 +118,15 @@ namespace NetMQExample
             (reports, cutOff) = (new PairSocket(), false);
             monitor = new NetMQMonitor(reports, where, true);
             monitor.Disconnected += (sender, e) => cutOff = true;
-            monitor.AttachToPoller(nobody);
+            monitor.AttachToPoller(nobody = new NetMQPoller());
             return socket;
         }
 
         private void Close()
         {
             monitor?.Dispose();
-            monitor = null;
+            nobody?.Dispose();
+            (monitor, nobody) = (null, null);
             connection.Close();
         }
     }
