@@ -61,8 +61,11 @@ class AllowList:
 
     def _name(self, key: str) -> str:
         path, stamp = self.known.get(key, (self.folder, 0))
-        with contextlib.suppress(OSError):
-            return path.stem if path.stat().st_mtime_ns == stamp else self._look_up(key)
+        try:
+            if path.stat().st_mtime_ns == stamp:
+                return path.stem
+        except OSError:
+            pass
         return self._look_up(key)
 
     def _look_up(self, key: str) -> str:

@@ -259,39 +259,56 @@ def test_nobody_on_the_wire_reads_a_word_and_a_recording_opens_nothing(kind, fol
 # Many strangers
 
 
-def rate(asker, count=100):
-    began = time.monotonic()
-    for _ in range(count):
+def asked(asker, seconds):
+    """How often in this time."""
+    end, count = time.monotonic() + seconds, 0
+    while time.monotonic() < end:
         assert ask(asker) == "Hello alice"
-    return count / (time.monotonic() - began)
+        count += 1
+    return count
 
 
-def test_half_handshakes_and_a_thousand_strangers_do_not_slow_an_honest_client_by_more_than_half(
-    folder, serve, connect, context
-):
-    """Best of three each, so that another program's moment does not count."""
+# What comes to the server, and the seconds in which the honest client's requests are counted.
+CROWDS = [
+    pytest.param("half handshakes", 0.5, id="half"),
+    # Their handshakes alone keep two cores busy for a moment: with them is compared what is asked in three seconds.
+    pytest.param("strangers", 3, marks=pytest.mark.long, id="strangers"),
+]
+STRANGERS = """
+import sys, threading, zmq
+endpoint, server_key = sys.argv[1:]
+context, pair = zmq.Context(), zmq.curve_keypair()
+context.max_sockets = 2000
+for _ in range(1000):
+    stranger = context.socket(zmq.DEALER)
+    stranger.curve_publickey, stranger.curve_secretkey = pair
+    stranger.curve_serverkey = server_key.encode()
+    stranger.connect(endpoint)
+threading.Event().wait(120)
+"""
+
+
+@pytest.mark.parametrize(("crowd", "seconds"), CROWDS)
+def test_a_crowd_does_not_slow_an_honest_client_by_more_than_half(crowd, seconds, folder, serve, start, connect):
+    """The better of two times each, so that another program's moment does not count."""
     server, endpoint = serve(KEY, "--keys", str(folder))
     alice = connect(endpoint)
-    alone = max(rate(alice) for _ in range(3))
+    alone = max(asked(alice, seconds) for _ in range(2))
     address = "127.0.0.1", int(endpoint.rpartition(":")[2])
     greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00CURVE" + bytes(15 + 32)
     with contextlib.ExitStack() as stack:
-        for number in range(300):
-            half = stack.enter_context(socket.create_connection(address, timeout=20))
-            half.sendall(greeting[: 5 + number % 60])
-        pair = zmq.curve_keypair()
-        for _ in range(1000):
-            stranger = stack.enter_context(context.socket(zmq.DEALER))
-            stranger.linger = 0
-            stranger.curve_publickey, stranger.curve_secretkey = pair
-            stranger.curve_serverkey = keys.load(folder / "server.key")[0]
-            stranger.connect(endpoint)
-        crowded = max(rate(alice) for _ in range(3))
-        again = connect(endpoint)
-        assert ask(again) == "Hello alice"
+        if crowd == "strangers":
+            start(PYTHON, "-c", STRANGERS, endpoint, keys.load(folder / "server.key")[0].decode())
+            crowded = asked(alice, seconds)
+            server.wait_for(r"^refused: key \S{40} from 127.0.0.1 is not in ")
+        else:
+            for number in range(300):
+                half = stack.enter_context(socket.create_connection(address, timeout=20))
+                half.sendall(greeting[: 5 + number % 60])
+            crowded = max(asked(alice, seconds) for _ in range(2))
+        assert ask(connect(endpoint)) == "Hello alice"
     assert crowded > alone / 2
     refused = [line for line in server.lines if line.startswith("refused: ")]
-    assert refused[0] == f"refused: key {pair[0].decode()} from 127.0.0.1 is not in {folder / 'allowed'}"
     assert all(re.fullmatch(r"refused: key \S{40} \d+ times more", line) for line in refused[1:])
 
 
