@@ -211,6 +211,44 @@ def test_a_file_that_is_no_key_lets_nobody_in_and_keeps_nobody_out(folder, serve
     assert "Traceback" not in server.output
 
 
+# A gate in front of a server that knows nothing of keys
+
+
+@pytest.mark.parametrize("kind", ["csharp", "unity"])
+@pytest.mark.parametrize("key", ["04_background_client", "08_see_and_steer", "14_long_jobs"])
+def test_the_clients_of_other_lessons_come_through_the_gate_with_keys(
+    key, kind, folder, tmp_path, serve, start, client_command
+):
+    if key.startswith("08"):
+        pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+    _, inside = serve(key)
+    gate = start(PYTHON, FOLDER / "gate.py", "--to", inside, "--endpoint", "tcp://127.0.0.1:0", "--keys", folder)
+    endpoint = gate.wait_for(r"^listening on (\S+)")[1]
+    command = client_command(kind, key, endpoint, "--count", "5")
+    with_keys = start(*command, "--with-keys", str(folder))
+    assert with_keys.wait() == 0, with_keys.output
+    tries = ["--tries", "1", "--patience", "0.3"]
+    without = start(*command, *tries)
+    assert without.wait() == 1, without.output
+    assert ran("revoke", "alice", folder=folder)[0] == 0
+    revoked = start(*command, *tries, "--with-keys", str(folder))
+    assert revoked.wait() == 1, revoked.output
+
+
+def test_who_is_revoked_is_not_passed_on_any_more(folder, serve, start, connect):
+    _, inside = serve("01_request_reply")
+    gate = start(PYTHON, FOLDER / "gate.py", "--to", inside, "--endpoint", "tcp://127.0.0.1:0", "--keys", folder)
+    alice = connect(gate.wait_for(r"^listening on (\S+)")[1])
+    for _ in range(3):
+        alice.send(b"Hello")
+        assert alice.poll(20_000)
+        assert alice.recv() == b"World"
+    assert ran("revoke", "alice", folder=folder)[0] == 0
+    alice.send(b"Hello")
+    gate.wait_for("^refused: a client that is not on the list any more$")
+    assert not alice.poll(500)
+
+
 # What is seen on the wire
 
 
