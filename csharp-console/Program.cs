@@ -1,4 +1,5 @@
 // Runs the terminal client of a lesson: dotnet run --project csharp-console -- NN [options].
+// With --with-keys DIR the client of any lesson has lesson 15's keys, for a server behind its gate.py.
 // With --unity it plays the lesson's MonoBehaviours instead; see unity-player/Play.cs.
 //
 // A twin is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
@@ -20,6 +21,12 @@ namespace NetMQExample.Terminal
             Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
             try
             {
+                var keys = Array.IndexOf(words, "--with-keys");
+                if (keys >= 0 && keys + 1 < words.Length)
+                {
+                    NetMQConnection.Prepare = new ClientKeys(words[keys + 1]).Apply;
+                    words = words.Where((word, i) => i != keys && i != keys + 1).ToArray();
+                }
                 if (words.Contains("--unity")) return Play.Run(words[0], new Arguments(words.Skip(1)));
                 var twin = Twin(words.FirstOrDefault());
                 Invoke(twin, new Arguments(words.Skip(1)));

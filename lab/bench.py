@@ -18,6 +18,7 @@ from lab.contest import (
     BARE,
     BARE_ACTION,
     BUSY,
+    CURVE,
     FAST,
     GRPC,
     HELLO,
@@ -124,6 +125,10 @@ def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     found = [lab.work("one way, frames of 230,400 B", one_way, stream)]
     picture = f"echo {{name}} {{endpoint}} {PICTURE} {lab.moment}"
     found.append(lab.work("a picture of 230,400 B, an action back", [BARE_ACTION, STEER], picture))
+    for title, size in SIZES.items():
+        if size in (32, PICTURE):
+            line = f"echo {{name}} {{endpoint}} {size} {lab.moment}"
+            found.append(lab.work(f"with keys, echo of {title}", [BARE, CURVE], line))
     for count in (1, 10, 100):
         publish = f"publish {{name}}@{count} {{endpoint}} 32 {(500 if quick else 10000) // count} {count}"
         found.append(lab.work(f"publish 32 B to {count}", [TCP, SUBSCRIBER, WEBSOCKET], publish))

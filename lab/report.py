@@ -62,6 +62,12 @@ def goals(results: dict[str, Any]) -> list[str]:
     if seen in [work["title"] for work in results["works"]]:
         ratio = middle(seen, "lesson 08", "rate") / middle(seen, "NetMQ alone", "rate")
         rows.append((f"lesson 08, {seen}, to NetMQ alone", "0.95", f"{ratio:.2f}", "", ""))
+    for what, aim in (("32 B", "0.85"), ("230,400 B", "300 a second")):
+        title = f"with keys, echo of {what}"
+        if title in [work["title"] for work in results["works"]]:
+            curve, plain = (middle(title, each, "rate") for each in ("NetMQ with CURVE", "NetMQ alone"))
+            shown = f"{curve:,.0f} a second" if "second" in aim else f"{curve / plain:.2f}"
+            rows.append((f"NetMQ with CURVE, echo of {what}, to NetMQ alone", aim, shown, "", ""))
     for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
         first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")
         if "flight" in other:

@@ -51,6 +51,12 @@ namespace UnityEngine
             get { MainThread.Only("get_isPlaying"); return Playing; }
         }
 
+        // Where the player was started; Unity has a folder of the user's for each game.
+        public static string persistentDataPath
+        {
+            get { MainThread.Only("get_persistentDataPath"); return Environment.CurrentDirectory; }
+        }
+
         public static bool runInBackground
         {
             get { MainThread.Only("get_runInBackground"); return background; }

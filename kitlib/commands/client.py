@@ -2,7 +2,7 @@
 
 import argparse
 
-from kitlib.commands.run import add_client, client_command
+from kitlib.commands.run import add_client, add_folder, client_command
 from kitlib.lessons import find
 from kitlib.programs import alone
 from kitlib.setup import python_setup
@@ -14,6 +14,7 @@ PASSES_ON = True
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON", help="its number or its name")
+    add_folder(parser)
     add_client(parser)
 
 
@@ -21,4 +22,4 @@ def do(options: argparse.Namespace) -> int:
     lesson = find(options.lesson)
     python = python_setup.interpreter(lesson.key)
     command = client_command(options.client, lesson, python, options.engine)
-    return alone([*command, *options.words], lesson.folder())
+    return alone([*command, *options.words], lesson.folder(options.folder))

@@ -15,6 +15,9 @@ namespace NetMQExample.Lab
     {
         public const byte NoAnswer = 0, Answer = 1, Publish = 2, Short = 3;
 
+        // Where curve_server.py makes them; the lab's programs run in the kit's folder.
+        private const string Keys = ".build/lab_keys";
+
         protected static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
 
         protected Contender(int size)
@@ -62,6 +65,7 @@ namespace NetMQExample.Lab
                 case "pooled": return new Messages(endpoint, size, true);
                 case "many": return new Many(endpoint, size, number);
                 case "bare": return new Bare(endpoint, size, number > 0 ? number : size);
+                case "curve": return new Bare(endpoint, size, size, new ClientKeys(Keys));
                 case "steer": return new Steer(endpoint, size);
                 case "subscriber": return new Subscriber(endpoint, endpoints[1], size, number);
                 default: throw new ArgumentException($"no contender {name}");

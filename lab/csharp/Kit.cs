@@ -165,7 +165,7 @@ namespace NetMQExample.Lab
         private readonly int answer;
         private Msg incoming = new Msg();
 
-        public Bare(string endpoint, int size, int answer) : base(size)
+        public Bare(string endpoint, int size, int answer, ClientKeys keys = null) : base(size)
         {
             this.answer = answer;
             if (answer < size) Payload[0] = Short;
@@ -173,6 +173,7 @@ namespace NetMQExample.Lab
             socket.Options.Linger = TimeSpan.Zero;
             // In a stream of large frames, more of them would only fill the memory.
             socket.Options.SendHighWatermark = 16;
+            keys?.Apply(socket);
             socket.Connect(endpoint);
         }
 

@@ -100,10 +100,14 @@ def reply_to(text: bytes) -> bytes:
 
 
 def endpoint(text: str) -> str:
-    """libzmq itself would listen on port 99999 - 65536 without a word."""
+    """libzmq itself would listen on port 99999 - 65536, and for everybody, without a word."""
     port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
     if not port or int(port[1].replace("*", "0")) > 65535:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
+    # Options are read one after the other, and this one may come first.
+    told = any(word.startswith(("--keys", "--open-to-anyone")) for word in sys.argv)
+    if not told and not re.match(r"tcp://(localhost|127\.[\d.]+):", text):
+        raise argparse.ArgumentTypeError(f"'{text}' lets anyone in: lesson 15 has keys, --open-to-anyone has none")
     return text
 
 
@@ -112,6 +116,7 @@ def main() -> None:
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="port 0 takes a free one")
+    parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
     add_options(parser)
     options = parser.parse_args()
     # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.

@@ -36,6 +36,7 @@ def main() -> None:
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Answers many clients, and knows which are there.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="port 0 takes a free one")
+    parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
     add_options(parser)
     options = parser.parse_args()
     # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.

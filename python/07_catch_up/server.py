@@ -55,10 +55,14 @@ def seconds(text: str) -> float:
 
 
 def endpoint(text: str) -> str:
-    """libzmq itself would listen on port 99999 - 65536 without a word."""
+    """libzmq itself would listen on port 99999 - 65536, and for everybody, without a word."""
     port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
     if not port or int(port[1].replace("*", "0")) > 65535:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
+    # Options are read one after the other, and this one may come first.
+    told = any(word.startswith(("--keys", "--open-to-anyone")) for word in sys.argv)
+    if not told and not re.match(r"tcp://(localhost|127\.[\d.]+):", text):
+        raise argparse.ArgumentTypeError(f"'{text}' lets anyone in: lesson 15 has keys, --open-to-anyone has none")
     return text
 
 
@@ -83,6 +87,7 @@ def main() -> None:
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="port 0 takes a free one")
+    parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
     parser.add_argument("--snapshots", type=endpoint, help="where to ask for one; if left out, the port 100 higher")
     parser.add_argument("--interval", type=seconds, default=1 / 60, help="seconds between two poses; 0 is a flood")
     parser.add_argument("--count", type=int, default=0, help="poses to publish, after that only snapshots; 0: no end")

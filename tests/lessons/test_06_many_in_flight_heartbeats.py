@@ -94,7 +94,7 @@ def cable():
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_pulled_cable_is_known_within_2_s(kind, cable, start, client_command):
     there, inside, set_cable = cable
-    server = start(*inside, PYTHON, SERVER, "--endpoint", f"tcp://{there}:*")
+    server = start(*inside, PYTHON, SERVER, "--endpoint", f"tcp://{there}:*", "--open-to-anyone")
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     options = ("--count", "6", "--window", "2", "--text", "sleep 1", "--patience", "2", "--tries", "30")
     client = start(*client_command(kind, KEY, endpoint, *options))

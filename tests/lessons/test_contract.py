@@ -20,11 +20,16 @@ from kitlib.lessons import lessons
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, free_port
 
+sys.path.append(str(ROOT / "python" / "15_security"))
+import keys
+
 KEYS = [lesson.key for lesson in lessons()]
 each_lesson = pytest.mark.parametrize("key", KEYS)
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Options that take any text; every other value can be wrong.
-FREE_TEXT = {"--record", "--model", "--text", "--journal", "--topic", "--view", "--prompt"}
+FREE_TEXT = {"--record", "--model", "--text", "--journal", "--topic", "--view", "--keys", "--server-key", "--prompt"}
+# What speaks to no stranger: the peers of this file get keys there as well.
+KEYED = {"15_security"}
 # How many there are at least is one.
 NEVER_ZERO = {"--tries", "--window", "--workers", "--queue"}
 
@@ -82,7 +87,33 @@ def serve(serve, tmp_path):
 
 
 def kept_there(key, folder):
+    if key in KEYED:
+        return ["--keys", str(folder / "keys")]
     return ["--journal", str(folder / "journal.sqlite3")] if "--journal" in options(server_of(key)) else []
+
+
+@pytest.fixture
+def client_command(client_command, tmp_path):
+    """As the shared one, and where a lesson has keys, with those that its server makes for a first client."""
+
+    def command(kind, key, endpoint, *words):
+        if key in KEYED and not (tmp_path / "keys").exists():
+            keys.example(tmp_path / "keys")
+        return client_command(kind, key, endpoint, *(kept_there(key, tmp_path) if key in KEYED else []), *words)
+
+    return command
+
+
+def give_keys(key, folder, socket, server):
+    """The keys of that server, or of its client, for a socket of this file, where a lesson has keys."""
+    if key in KEYED:
+        socket.curve_publickey, socket.curve_secretkey = keys.load(
+            folder / f"{'server' if server else 'client'}.key_secret"
+        )
+        if server:
+            socket.curve_server = True
+        else:
+            socket.curve_serverkey = keys.load(folder / "server.key")[0]
 
 
 def places(server):
@@ -146,7 +177,8 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
     wrong = {endpoint.format(port(key)): 2 for endpoint in BAD}
     # Well written, but not of this machine.
     wrong |= {"tcp://no-such-host.invalid:0": 1, "tcp://192.0.2.1:0": 1}
-    command = [PYTHON, server_of(key), *kept_there(key, tmp_path)]
+    told = [] if key in KEYED else ["--open-to-anyone"]
+    command = [PYTHON, server_of(key), *kept_there(key, tmp_path), *told]
     servers = {endpoint: start(*command, "--endpoint", endpoint) for endpoint in wrong}
     for endpoint, server in servers.items():
         line = ended(server, wrong[endpoint])
@@ -156,6 +188,21 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
         )
         assert cure in line
         assert "listening" not in server.output
+
+
+@each_lesson
+def test_a_server_without_keys_is_for_this_machine_alone_unless_it_is_told(key, start, tmp_path):
+    for name in {"--endpoint", "--snapshots"} & options(server_of(key)).keys():
+
+        def begin(host, *words, name=name):
+            elsewhere = ["--endpoint", "tcp://127.0.0.1:0"] if name == "--snapshots" else []
+            command = [PYTHON, ROOT / server_of(key), *elsewhere, name, f"tcp://{host}:0", *words]
+            return start(*command, folder=tmp_path)
+
+        for server in [begin(host) for host in ("0.0.0.0", "*", "192.0.2.1", "127.0.0.1.example.org")]:
+            assert "lets anyone in: lesson 15 has keys, --open-to-anyone has none" in ended(server, 2)
+        told = ["--keys", str(tmp_path / "keys")] if key in KEYED else ["--open-to-anyone"]
+        begin("0.0.0.0", *told, *kept_there(key, tmp_path)).wait_for(r"^\w+ on tcp://0\.0\.0\.0:")
 
 
 @each_lesson
@@ -178,7 +225,9 @@ def test_a_taken_port_is_named_with_its_cure(key, serve, start, tmp_path):
 
 
 @each_lesson
-def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(key, serve, start, client_command):
+def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
+    key, serve, start, client_command, tmp_path
+):
     server, endpoint = serve(key)
     greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
     half = [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, b"\xff" * 64, greeting[:20], greeting, greeting + b"\x04\xff" * 20]
@@ -189,6 +238,7 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(k
     with zmq.Context() as context, context.socket(zmq.DEALER) as rude:
         # A PUB socket takes no notice.
         rude.linger = 0
+        give_keys(key, tmp_path / "keys", rude, server=False)
         for place in places(server).values():
             rude.connect(place)
         # Without REQ's empty frame, with it, and with an id: each kind of server answers one of them.
@@ -267,10 +317,13 @@ def test_a_client_names_what_is_wrong_with_an_endpoint(key, kind, start, client_
 
 @each_lesson
 @each_client
-def test_what_a_server_sends_is_printed_without_harm(key, kind, start, client_command):
+def test_what_a_server_sends_is_printed_without_harm(key, kind, start, client_command, tmp_path):
     kind_of_server = zmq.XPUB if only_publishes(key) else zmq.ROUTER
     with zmq.Context() as context, context.socket(kind_of_server) as router:
         router.linger = 0
+        if key in KEYED:
+            keys.example(tmp_path / "keys")
+        give_keys(key, tmp_path / "keys", router, server=True)
         endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
         second = ["--snapshots", endpoint] if takes(key, kind, "--snapshots") else []
         # It gives up, but not before it has subscribed, which on a busy machine takes its time.

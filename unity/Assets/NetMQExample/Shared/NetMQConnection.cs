@@ -47,6 +47,10 @@ namespace NetMQExample
         /// enough to cost nothing.</summary>
         public static TimeSpan Slice { get; } = TimeSpan.FromMilliseconds(10);
 
+        /// <summary>What every socket of this kit gets before it connects, such as lesson 15's keys:
+        /// <c>NetMQConnection.Prepare = new ClientKeys("keys").Apply</c>, before the first client.</summary>
+        public static Action<NetMQSocket> Prepare { get; set; }
+
         /// <summary>The socket; after <see cref="Close"/> a new one.</summary>
         public NetMQSocket Socket => socket ?? Open();
 
@@ -135,6 +139,7 @@ namespace NetMQExample
             // What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
             socket.Options.Linger = TimeSpan.Zero;
             socket.Options.MaxMsgSize = maxBytes;
+            Prepare?.Invoke(socket);
             Connect(socket, endpoint);
             return socket;
         }
