@@ -3,7 +3,7 @@
     python python/16_web_gateway/client.py                     by WebSocket
     python python/16_web_gateway/client.py --socketio          the same by Socket.IO
 
-The bytes are said in server.py. Take home: this file and web_requester.py.
+The bytes are said in server.py. Take home: this file, web_requester.py and socketio_requester.py.
 """
 
 import argparse
@@ -12,7 +12,8 @@ import re
 import sys
 from socket import getaddrinfo
 
-from web_requester import SocketIORequester, WebSocketRequester
+from socketio_requester import SocketIORequester
+from web_requester import WebSocketRequester
 
 ENDPOINT = "http://127.0.0.1:5566"
 

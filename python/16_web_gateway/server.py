@@ -17,8 +17,6 @@ Take home: this file, browser_socket.py, door.py, over_websocket.py, over_socket
 import argparse
 import asyncio
 import contextlib
-import os
-import re
 import signal
 import sys
 from pathlib import Path
@@ -28,7 +26,7 @@ import over_websocket
 import zmq.asyncio
 from aiohttp import web
 from browser_socket import BrowserSocket, Listener, Requester
-from door import LOOPBACK, Door
+from door import Door, address, behind, listen
 
 ENDPOINT = "http://127.0.0.1:5566"
 # Your own servers go here. A browser asks for a name: it must never choose an address of the network behind.
@@ -54,39 +52,6 @@ async def serve(options: argparse.Namespace) -> None:
     while True:
         # In slices: on Windows Ctrl-C does not interrupt a longer wait.
         await asyncio.sleep(0.2)
-
-
-async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, int]:
-    """The host and the port at which this gateway is now."""
-    host, port = endpoint.removeprefix("http://").rsplit(":", 1)
-    runner = web.AppRunner(app, access_log=None)
-    await runner.setup()
-    try:
-        if host not in LOOPBACK and not token:
-            raise OSError(None, "everybody in the network could come in; give --token, a word that they must know")
-        await web.TCPSite(runner, host, int(port.replace("*", "0"))).start()
-    except OSError as error:
-        why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror
-        sys.exit(f"cannot listen on {endpoint}: {why}; try --endpoint http://127.0.0.1:0, which takes a free port")
-    port = runner.addresses[0][1]
-    print(f"listening on http://{host}:{port}", flush=True)
-    return host, port
-
-
-def address(text: str) -> str:
-    """Where browsers come to."""
-    port = re.fullmatch(r"http://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
-    if not port or int(port[1].replace("*", "0")) > 65535:
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
-    return text
-
-
-def behind(text: str) -> str:
-    """A server behind the gateway; libzmq itself takes port 99999 without a word, and waits."""
-    port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", text, re.ASCII)
-    if not port or not 0 < int(port[1]) < 65536:
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551")
-    return text
 
 
 # From here on all servers of this kit are the same, as far as they need it.

@@ -12,7 +12,7 @@ namespace NetMQExample
         private readonly int number;
 
         /// <summary>Begins to connect.</summary>
-        /// <param name="address">A <c>ws://</c> or <c>wss://</c> address; a page that came by https needs the latter.</param>
+        /// <param name="address">A <c>ws://</c> or <c>wss://</c> address; a page of https needs the latter.</param>
         public BrowserConnection(string address) => number = KitWebOpen(address);
 
         /// <inheritdoc/>

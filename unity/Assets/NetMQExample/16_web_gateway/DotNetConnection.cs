@@ -45,8 +45,8 @@ namespace NetMQExample
             sending = Task.Run(async () =>
             {
                 await before.ConfigureAwait(false);
-                var bytes = new ArraySegment<byte>(Encoding.UTF8.GetBytes(text));
-                try { await socket.SendAsync(bytes, WebSocketMessageType.Text, true, stop.Token).ConfigureAwait(false); }
+                var (bytes, kind) = (new ArraySegment<byte>(Encoding.UTF8.GetBytes(text)), WebSocketMessageType.Text);
+                try { await socket.SendAsync(bytes, kind, true, stop.Token).ConfigureAwait(false); }
                 catch (Exception e) { closed ??= e.Message; }
             });
         }

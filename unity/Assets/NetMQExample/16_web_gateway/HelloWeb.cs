@@ -18,54 +18,42 @@ namespace NetMQExample
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
 
         private WebRequester requester;
-        private int replies;
+        private int asked, replies;
 
         /// <summary>True once the last line, or the reason why there is none, was logged.</summary>
-        public bool Done { get; private set; }
+        public bool Done => !enabled;
 
         private void OnEnable()
         {
             // Without it Unity stops calling Update when another window has the focus.
             Application.runInBackground = true;
-            (replies, Done) = (0, false);
-            Try(() =>
-            {
-                requester = WebRequester.To(endpoint, "hello", socketio, token, TimeSpan.FromSeconds(patience));
-                Debug.Log($"asking {endpoint}");
-                Ask();
-            });
+            (requester, asked, replies) = (null, 0, 0);
+            Debug.Log($"asking {endpoint}");
         }
 
-        private void Update() => Try(() =>
+        private void Update()
         {
-            if (Done || !requester.TryReceive(out var frames)) return;
-            Debug.Log($"{++replies}: sent Hello, received {WebText.Printable(string.Join(" ", frames))}");
-            Ask();
-        });
-
-        private void Ask()
-        {
-            Done = replies >= count;
-            if (Done) Debug.Log($"done: {replies} replies");
-            else requester.Ask("Hello");
-        }
-
-        private void Try(Action action)
-        {
-            try { action(); }
-            catch (Exception e) when (e is TimeoutException || e is ArgumentException)
+            try
             {
-                Done = true;
-                Debug.LogError($"gave up: {e.Message}");
+                requester ??= WebRequester.To(endpoint, "hello", socketio, token, TimeSpan.FromSeconds(patience));
+                if (asked == replies && asked++ < count) requester.Ask("Hello");
+                if (replies < count && requester.TryReceive(out var frames))
+                    Debug.Log($"{++replies}: sent Hello, received {WebText.Printable(string.Join(" ", frames))}");
+                if (replies < count) return;
+                Debug.Log($"done: {replies} replies");
             }
+            catch (Exception e) when (e is TimeoutException || e is ArgumentException) { GaveUp(e); }
+            enabled = false;
         }
+
+        private static void GaveUp(Exception e) => Debug.LogError($"gave up: {e.Message}");
 
         private void OnDisable() => requester?.Dispose();
 
         private void OnApplicationPause(bool paused)
         {
             // iOS and Android take the sockets of an app that is not seen; it begins again when it is back.
-            if (!Application.isMobilePlatform || Done) return;
+            if (!Application.isMobilePlatform || !isActiveAndEnabled) return;
             if (paused) OnDisable();
             else OnEnable();
         }

@@ -1,9 +1,9 @@
 // Lesson 16 over Socket.IO, protocol 5, by hand: what a client needs of it are five kinds of text messages. They begin
 // with digits: Engine.IO's, which only carries, then Socket.IO's.
 //
-//     0{…}   the connection is there                    40{"token":…}   and we come in    40{…}   we may    44{…}   no
-//     421["hello","Hello"]   event 1                    431["World"]   the reply to event 1
-//     2   are you there?                                3   yes
+//     0{…}   the connection is there         40{"token":…}   we want to come in      40{…}   yes    44{…}   no
+//     421["hello","Hello"]   event 1         431["World"]   the reply to event 1
+//     2   are you there?                     3   yes
 //
 // Take home: this file, and the files that WebSocketRequester.cs names.
 using System;
@@ -24,7 +24,8 @@ namespace NetMQExample
         /// <param name="name">The server behind it, such as hello.</param>
         /// <param name="token">The word that the gateway was given as --token.</param>
         /// <param name="patience">How long to wait for each reply.</param>
-        public SocketIORequester(string endpoint, string name, string token, TimeSpan patience) : base(endpoint, patience) =>
+        public SocketIORequester(string endpoint, string name, string token, TimeSpan patience)
+            : base(endpoint, patience) =>
             (this.name, this.token) = (name, token);
 
         /// <inheritdoc/>
@@ -41,11 +42,12 @@ namespace NetMQExample
         protected override void Read(string text)
         {
             var reply = FormattableString.Invariant($"43{number}");
-            if (text.StartsWith("0", StringComparison.Ordinal)) Say("40" + new JObject { ["token"] = token }.ToString(Formatting.None));
-            else if (text.StartsWith("40", StringComparison.Ordinal)) ready = true;
-            else if (text.StartsWith("44", StringComparison.Ordinal)) throw GiveUp(Refused);
+            bool Begins(string with) => text.StartsWith(with, StringComparison.Ordinal);
+            if (Begins("0")) Say("40" + new JObject { ["token"] = token }.ToString(Formatting.None));
+            else if (Begins("40")) ready = true;
+            else if (Begins("44")) throw GiveUp(Refused);
             else if (text == "2") Say("3");
-            else if (text.StartsWith(reply + "[", StringComparison.Ordinal))
+            else if (Begins(reply + "["))
             {
                 var frames = WebText.Parse(text.Substring(reply.Length));
                 // In place of frames there may be one object, which says why there are none.

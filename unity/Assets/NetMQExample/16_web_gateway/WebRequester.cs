@@ -49,9 +49,11 @@ namespace NetMQExample
         /// <param name="patience">How long to wait for each reply.</param>
         /// <returns>A requester, which connects with the first request.</returns>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public static WebRequester To(string endpoint, string name, bool socketIO, string token, TimeSpan patience) => socketIO
-            ? (WebRequester)new SocketIORequester(endpoint, name, token, patience)
-            : new WebSocketRequester(endpoint, name, token, patience);
+        public static WebRequester To(string endpoint, string name, bool socketIO, string token, TimeSpan patience)
+        {
+            if (socketIO) return new SocketIORequester(endpoint, name, token, patience);
+            return new WebSocketRequester(endpoint, name, token, patience);
+        }
 
         /// <summary>Where the gateway listens for this kind, behind its <c>ws://host:port</c>.</summary>
         protected abstract string Path { get; }
@@ -123,7 +125,8 @@ namespace NetMQExample
         {
             Close();
             var late = FormattableString.Invariant($"no reply from {endpoint} within {patience.TotalSeconds} s");
-            return new TimeoutException(refused == "" ? late + trouble : $"{endpoint} does not let this client in: {refused}");
+            return new TimeoutException(
+                refused == "" ? late + trouble : $"{endpoint} does not let this client in: {refused}");
         }
 
         private void Again(string why)

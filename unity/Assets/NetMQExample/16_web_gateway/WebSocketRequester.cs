@@ -15,7 +15,8 @@ namespace NetMQExample
         /// <param name="name">The server behind it, such as hello.</param>
         /// <param name="token">The word that the gateway was given as --token.</param>
         /// <param name="patience">How long to wait for each reply.</param>
-        public WebSocketRequester(string endpoint, string name, string token, TimeSpan patience) : base(endpoint, patience) =>
+        public WebSocketRequester(string endpoint, string name, string token, TimeSpan patience)
+            : base(endpoint, patience) =>
             Path = $"/ws/{name}?token={Uri.EscapeDataString(token)}";
 
         /// <inheritdoc/>

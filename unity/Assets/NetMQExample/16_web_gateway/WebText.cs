@@ -20,7 +20,8 @@ namespace NetMQExample
             try
             {
                 // Otherwise a text that looks like a date becomes one, and another text when it is written again.
-                using var reader = new JsonTextReader(new StringReader(text)) { DateParseHandling = DateParseHandling.None };
+                using var reader = new JsonTextReader(new StringReader(text));
+                reader.DateParseHandling = DateParseHandling.None;
                 if (JToken.ReadFrom(reader) is JContainer found) return found;
             }
             catch (JsonException) { /* The same as a lone number. */ }
