@@ -9,6 +9,7 @@ Take home: this file, along with server.py.
 
 import asyncio
 import functools
+import logging
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from typing import Any
@@ -17,6 +18,7 @@ import socketio
 from aiohttp import web
 from browser_socket import LARGEST, BrowserSocket
 from door import Door
+from engineio.payload import Payload
 
 # So many requests of one browser may wait, and so many answers for it. Socket.IO itself has no limit.
 MOST = 64
@@ -36,6 +38,11 @@ class Browser:
 
 
 def attach(app: web.Application, door: Door, names: Iterable[str], opened: Callable[[str], BrowserSocket]) -> None:
+    # With more than 16 requests at once by HTTP, python-socketio would drop them all without a word.
+    Payload.max_decode_packets = LARGEST
+    # What it reports are the mistakes of strangers, each with a traceback.
+    noise = logging.getLogger("noise")
+    noise.setLevel(logging.CRITICAL)
     # It looks at the Origin itself. A browser that was not heard for both times is not there any more.
     server = socketio.AsyncServer(
         async_mode="aiohttp",
@@ -43,6 +50,7 @@ def attach(app: web.Application, door: Door, names: Iterable[str], opened: Calla
         max_http_buffer_size=LARGEST,
         ping_interval=10,
         ping_timeout=10,
+        engineio_logger=noise,
     )
     browsers: dict[str, Browser] = {}
 
