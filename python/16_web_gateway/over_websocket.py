@@ -39,6 +39,9 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
 async def talk(browser: web.WebSocketResponse, socket: BrowserSocket) -> None:
     """One at a time: the next request is read when this one is answered."""
     async for message in browser:
+        # Longer than the largest message: the browser was told so, and it was the last.
+        if message.type == WSMsgType.ERROR:
+            return
         binary = message.type == WSMsgType.BINARY
         try:
             answer = pack(await socket.ask(unpack(message)), binary)

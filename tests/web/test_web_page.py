@@ -5,6 +5,7 @@ And JavaScript's own Socket.IO client, run by node.
 
 from __future__ import annotations
 
+import base64
 import functools
 import http.server
 import json
@@ -34,11 +35,15 @@ def say(page, form, text):
     page.press("Enter")
 
 
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
 @pytest.fixture
 def elsewhere(tmp_path):
     """A web server of a stranger: its address, and its folder."""
-    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=tmp_path)
-    handler.log_message = lambda *_: None
+    handler = functools.partial(Quiet, directory=tmp_path)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         (tmp_path / "index.html").write_text("<!doctype html><title>a stranger's page</title>")
@@ -67,10 +72,8 @@ def test_the_page_asks_and_listens(serve, open_page):
 
 def test_the_page_shows_pictures_in_their_own_colours(serve, open_page, tmp_path):
     """Those of lesson 08's bridge to LeRobot, in which red and blue have changed places."""
-    image = pytest.importorskip("PIL.Image")
+    image = pytest.importorskip("PIL.Image", reason="lesson 08's pictures need Pillow: pip install pillow")
     image.new("RGB", (64, 48), (0, 0, 255)).save(tmp_path / "red.jpg")
-    import base64
-
     text = json.dumps({"images": {"center": base64.b64encode((tmp_path / "red.jpg").read_bytes()).decode()}})
     with zmq.Context() as context, context.socket(zmq.PUB) as camera:
         camera.linger = 0
@@ -82,9 +85,8 @@ def test_the_page_shows_pictures_in_their_own_colours(serve, open_page, tmp_path
         assert "feColorMatrix" in page.evaluate("document.querySelector('#red-and-blue').innerHTML")
         page.evaluate("document.querySelector('#picture').scrollIntoView()")
         page.picture(tmp_path / "page.png")
-    red = sum(
-        1 for r, g, b in image.open(tmp_path / "page.png").convert("RGB").getdata() if r > 200 and g < 60 and b < 60
-    )
+    colours = image.open(tmp_path / "page.png").convert("RGB").getcolors(1 << 24)
+    red = sum(count for count, (r, g, b) in colours if r > 200 and g < 60 and b < 60)
     assert red > 10_000, "no red picture on the page"
 
 
