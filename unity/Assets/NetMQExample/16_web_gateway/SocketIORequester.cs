@@ -5,7 +5,7 @@
 //     421["hello","Hello"]   event 1         431["World"]   the reply to event 1
 //     2   are you there?                     3   yes
 //
-// Take home: this file, and the files that WebSocketRequester.cs names.
+// Take home: this file, and those that WebRequester.cs names.
 using System;
 using Newtonsoft.Json;
 using Newtonsoft.Json.Linq;

@@ -1,7 +1,6 @@
 // Lesson 16 over plain WebSocket: a request is one message, a JSON list of its frames, and so is its reply.
 //
-// Take home: this file, WebRequester.cs, IWebConnection.cs, DotNetConnection.cs, and for WebGL BrowserConnection.cs and
-// BrowserConnection.jslib. The Python side is python/16_web_gateway/server.py.
+// Take home: this file, and those that WebRequester.cs names.
 using System;
 using Newtonsoft.Json;
 
