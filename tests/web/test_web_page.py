@@ -17,6 +17,8 @@ import threading
 import pytest
 import zmq
 
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
 from tests.programs import ROOT
 
 KEY = "16_web_gateway"
@@ -215,6 +217,13 @@ def test_the_webgl_half_of_the_client_in_a_browser(serve, open_page):
     assert "is away" in page.evaluate("until(() => library.KitWebClosed(one)).then(UTF8ToString)")
     assert page.evaluate("library.KitWebSend(one, text('x')); library.KitWebClose(one); library.KitWebIsOpen(one)") == 0
     assert page.errors == []
+
+
+def test_a_webgl_build_compiles_without_netmq(engine):
+    """The browser's half, which no other build sees, and nothing of the assembly that WebGL leaves out."""
+    built = dotnet.build(PYTHON, engine, ROOT / "tests" / "web" / "webgl")
+    assert b"KitWebOpen" in built.read_bytes() and b"BrowserConnection" in built.read_bytes()
+    assert "NetMQ.dll" not in {path.name for path in built.parent.iterdir()}
 
 
 SOCKET_IO = """

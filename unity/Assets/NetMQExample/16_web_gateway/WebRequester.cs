@@ -4,9 +4,9 @@
 //     requester.Ask("Hello");
 //     if (requester.TryReceive(out var frames)) …           once a frame, until it is true
 //
-// Take home: this file, WebSocketRequester.cs, SocketIORequester.cs, WebText.cs, IWebConnection.cs, DotNetConnection.cs,
-// and for WebGL BrowserConnection.cs with BrowserConnection.jslib. They need Newtonsoft.Json, and neither NetMQ nor a
-// thread. The Python side is python/16_web_gateway/server.py.
+// Take home: this file, WebSocketRequester.cs, SocketIORequester.cs, WebText.cs, IWebConnection.cs,
+// DotNetConnection.cs, and for WebGL BrowserConnection.cs with BrowserConnection.jslib. They need Newtonsoft.Json, and
+// neither NetMQ nor a thread. The Python side is python/16_web_gateway/server.py.
 using System;
 using System.Diagnostics;
 using System.Text.RegularExpressions;
