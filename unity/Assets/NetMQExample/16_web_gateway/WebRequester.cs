@@ -27,7 +27,7 @@ namespace NetMQExample
         private IWebConnection connection;
         private string[] asked, answer;
         private string trouble = "; is the server running?";
-        private bool sent;
+        private bool sent, disposed;
 
         /// <summary>Connects with the first request.</summary>
         /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
@@ -71,10 +71,12 @@ namespace NetMQExample
 
         /// <summary>Looks whether the reply has come. Call it once a frame until it has.</summary>
         /// <param name="frames">Its frames.</param>
-        /// <returns>False if it has not.</returns>
+        /// <returns>False if it has not, and after Dispose.</returns>
         /// <exception cref="TimeoutException">It has not come in time, or the gateway lets nobody in.</exception>
         public bool TryReceive(out string[] frames)
         {
+            frames = null;
+            if (disposed) return false;
             if (connection?.Closed is string why) Again(why);
             if (connection == null && (!sinceClosed.IsRunning || sinceClosed.Elapsed > Pause))
                 connection = WebConnection.To("ws" + endpoint.Substring(4) + Path);
@@ -88,8 +90,12 @@ namespace NetMQExample
             return (frames = answer) != null;
         }
 
-        /// <summary>Leaves at once.</summary>
-        public void Dispose() => Close();
+        /// <summary>Leaves at once, and does not come again.</summary>
+        public void Dispose()
+        {
+            disposed = true;
+            Close();
+        }
 
         /// <summary>Whether a request may be sent as soon as the connection is open.</summary>
         protected virtual bool IsReady => true;
