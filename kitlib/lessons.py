@@ -120,6 +120,23 @@ class Lesson:
         """What else belongs to a run, as the header says it: `Also started: gateway.py --port 0`."""
         return [line.split() for line in re.findall(r"^ *Also started: (.+)$", self.header, re.MULTILINE)]
 
+    @property
+    def anywhere(self) -> str:
+        """An endpoint for its server, at a free port."""
+        return f"{self.scheme}://127.0.0.1:0"
+
+    @property
+    def scheme(self) -> str:
+        """How its endpoints begin: a gateway's are those of the web."""
+        return "http" if re.search(r" listening on http://", self.header) else "tcp"
+
+    @property
+    def behind(self) -> list[tuple[str, Lesson]]:
+        """What it passes requests on to, as the header says it: `Started behind it: --hello 01_request_reply`. The
+        option takes where that lesson's server listens."""
+        lines = re.findall(r"^ *Started behind it: (.+)$", self.header, re.MULTILINE)
+        return [(name, Lesson(key)) for line in lines for name, key in re.findall(r"(--\w+) (\w+)", line)]
+
 
 def lessons() -> list[Lesson]:
     """Every lesson, in order."""

@@ -94,8 +94,8 @@ class Program:
 
     def endpoints(self) -> dict[str, str]:
         """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""
-        self.wait_for(r"^listening on tcp://\S+$")
-        said = [match for line in self.lines if (match := re.match(r"(\w+) on (tcp://\S+)$", line))]
+        self.wait_for(r"^listening on (tcp|http)://\S+$")
+        said = [match for line in self.lines if (match := re.match(r"(\w+) on ((?:tcp|http)://\S+)$", line))]
         found = {match[1]: match[2] for match in said}
         return {"endpoint": found.pop("listening"), **found}
 

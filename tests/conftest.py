@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from kitlib.lessons import KitError
+from kitlib.lessons import KitError, Lesson
 from kitlib.setup import dotnet
 from tests.programs import ROOT, Program
 
@@ -89,11 +89,15 @@ def start() -> Iterator[Callable[..., Program]]:
 def serve(start: Callable[..., Program], tmp_path: Path) -> Callable[..., tuple[Program, str]]:
     """serve("01_request_reply", "--delay", "1") starts a lesson's server on a free port: (program, endpoint).
 
-    It works in a folder of this test's own: side by side, two of lesson 02's would share one journal.
+    It works in a folder of this test's own: side by side, two of lesson 02's would share one journal. What a lesson has
+    behind it is started before, unless the options say where that is.
     """
 
-    def serve(key: str, *options: str, endpoint: str = "tcp://127.0.0.1:0", **environment: str) -> tuple[Program, str]:
-        words = [ROOT / "python" / key / "server.py", "--endpoint", endpoint, *options]
+    def serve(key: str, *options: str, endpoint: str = "", **environment: str) -> tuple[Program, str]:
+        for name, other in Lesson(key).behind:
+            if name not in options:
+                options = (*options, name, serve(other.key)[1])
+        words = [ROOT / "python" / key / "server.py", "--endpoint", endpoint or Lesson(key).anywhere, *options]
         program = start(PYTHON, *words, folder=tmp_path, **environment)
         return program, program.wait_for(r"^listening on (\S+)")[1]
 

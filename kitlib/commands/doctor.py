@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, lessons, writable
+from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, find, lessons, writable
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import coloured
@@ -92,7 +92,7 @@ def port_row(number: int) -> Row:
             why = "the system reserves it (netsh int ipv4 show excludedportrange protocol=tcp); "
             if error.errno not in (errno.EACCES, 10013):
                 why = taken(port)
-            return False, f"port {port}", f"{why}use `{KIT} run {number} --endpoint tcp://127.0.0.1:0`"
+            return False, f"port {port}", f"{why}use `{KIT} run {number} --endpoint {find(str(number)).anywhere}`"
     return True, f"port {port}", "free"
 
 

@@ -54,11 +54,18 @@ def do(options: argparse.Namespace) -> int:
     client = [*client_command(options.client, lesson, python, options.engine), *for_client]
     given = ["--endpoint", options.endpoint] if options.endpoint else []
     others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
-    return run(lesson.folder(options.folder), [*server_command(lesson, python), *given, *for_server], others, client)
+    server = [*server_command(lesson, python), *given, *for_server]
+    return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server))
 
 
 def server_command(lesson: Lesson, python: Path) -> list[str]:
     return [str(python), str(lesson.python / "server.py")]
+
+
+def behind(lesson: Lesson, python: Path, words: list[str]) -> dict[str, list[str]]:
+    """The servers that this one passes requests on to, by the option that says where, unless the words say it."""
+    here = [(name, other) for name, other in lesson.behind if name not in words]
+    return {name: [*server_command(other, python), "--endpoint", other.anywhere] for name, other in here}
 
 
 def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) -> list[str]:
@@ -78,8 +85,10 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
     return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]
 
 
-def run(folder: Path, server: list[str], others: list[list[str]], client: list[str]) -> int:
-    """Run both sides, and what else the lesson starts; returns the client's exit code."""
+def run(
+    folder: Path, server: list[str], others: list[list[str]], client: list[str], behind: dict[str, list[str]]
+) -> int:
+    """Run both sides, and what else the lesson starts; returns the client's exit code, or without one the server's."""
     started: list[Program] = []
     last: list[str] = []
 
@@ -93,11 +102,18 @@ def run(folder: Path, server: list[str], others: list[list[str]], client: list[s
             show("client", last.pop())
 
     try:
+        for name, command in behind.items():
+            with later():
+                heard = functools.partial(show, name.strip("-"))
+                started.append(Program(command, folder=folder, heard=heard))
+            server = [*server, name, ready(started[-1])["endpoint"]]
         with later():
             heard = functools.partial(show, "server")
             started.append(Program(server, folder=folder, heard=heard))
+        if not client:
+            return wait(started[-1].process)
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
-        for name, address in ready(started[0]).items():
+        for name, address in ready(started[-1]).items():
             client = [*client, f"--{name}", address]
         for other in others:
             with later():

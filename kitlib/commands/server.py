@@ -3,7 +3,7 @@
 import argparse
 import socket
 
-from kitlib.commands.run import add_folder, server_command
+from kitlib.commands.run import add_folder, behind, run, server_command
 from kitlib.lessons import find
 from kitlib.programs import alone
 from kitlib.setup import python_setup
@@ -24,7 +24,10 @@ def do(options: argparse.Namespace) -> int:
     python = python_setup.interpreter(lesson.key)
     if any("0.0.0.0" in word for word in options.words):
         say(f"0.0.0.0 stands for every network that this machine is in; other machines connect to {address()}")
-    return alone([*server_command(lesson, python), *options.words], lesson.folder(options.folder))
+    command, folder = [*server_command(lesson, python), *options.words], lesson.folder(options.folder)
+    if lesson.behind and "--help" not in options.words:
+        return run(folder, command, [], [], behind(lesson, python, options.words))
+    return alone(command, folder)
 
 
 def address() -> str:

@@ -144,8 +144,9 @@ def folder() -> tempfile.TemporaryDirectory[str]:
 def run_command(source: str, engine: str | None = None) -> list[str | Path]:
     """The words that start `kit.py run SOURCE`, on ports that are free and in a folder that will go."""
     chosen = ["--engine", engine] if engine else []
-    apart = ["--endpoint", "tcp://127.0.0.1:0", "--folder", folder().name]
-    return [sys.executable, ROOT / "kit.py", "run", *shlex.split(source), *chosen, *apart]
+    words = shlex.split(source)
+    apart = ["--endpoint", find(words[0]).anywhere, "--folder", folder().name]
+    return [sys.executable, ROOT / "kit.py", "run", *words, *chosen, *apart]
 
 
 @functools.cache
@@ -160,9 +161,9 @@ def printed(source: str, engine: str | None = None) -> tuple[str, ...]:
 def with_own_ports(output: str, source: str) -> str:
     """A run takes free ports. Its ready line names the lesson's own; what else listens has the port 100 higher."""
     number = find(shlex.split(source)[0]).number
-    found = re.findall(r"\b(\w+) on tcp://127\.0\.0\.1:(\d+)", output)
+    found = re.findall(r"\b(\w+) on (?:tcp|http)://127\.0\.0\.1:(\d+)", output)
     ports = {port: str(number + (5550 if name == "listening" else 5650)) for name, port in found}
-    return re.sub(r"(?<=tcp://127\.0\.0\.1:)\d+", lambda port: ports.get(port[0], port[0]), output)
+    return re.sub(r"(?<=p://127\.0\.0\.1:)\d+", lambda port: ports.get(port[0], port[0]), output)
 
 
 def said(lines: Sequence[str], side: str) -> list[str]:

@@ -156,7 +156,10 @@ def take_home(folder: Path) -> list[Path]:
         code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
         chosen += [other for other in others if other not in chosen and uses(code, other.stem)]
     chosen += sorted(path for path in (PACKAGE / STUB).iterdir() if path.suffix in (".cs", ".asmdef"))
+    # The browser's half of a script, and the assembly of scripts that know nothing of NetMQ.
+    chosen += [path for script in chosen if (path := script.with_suffix(".jslib")).exists()]
     folders = sorted({path.parent for path in chosen})
+    chosen += [path for folder in folders if folder.name[:1].isdigit() for path in folder.glob("*.asmdef")]
     # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
     return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml", PACKAGE / "NetMQExample.asmdef"]
 

@@ -26,6 +26,30 @@ IMPORTERS = {
     ),
     ".asmdef": "AssemblyDefinitionImporter:\n  externalObjects: {}\n",
     "package.json": "PackageManifestImporter:\n  externalObjects: {}\n",
+    # JavaScript, which Unity adds to a WebGL build.
+    ".jslib": (
+        "PluginImporter:\n"
+        "  externalObjects: {}\n"
+        "  serializedVersion: 2\n"
+        "  iconMap: {}\n"
+        "  executionOrder: {}\n"
+        "  defineConstraints: []\n"
+        "  isPreloaded: 0\n"
+        "  isOverridable: 0\n"
+        "  isExplicitlyReferenced: 0\n"
+        "  validateReferences: 1\n"
+        "  platformData:\n"
+        "  - first:\n"
+        "      Any:\n"
+        "    second:\n"
+        "      enabled: 0\n"
+        "      settings: {}\n"
+        "  - first:\n"
+        "      WebGL: WebGL\n"
+        "    second:\n"
+        "      enabled: 1\n"
+        "      settings: {}\n"
+    ),
     ".json": "TextScriptImporter:\n  externalObjects: {}\n",
     ".xml": "TextScriptImporter:\n  externalObjects: {}\n",
     ".md": "TextScriptImporter:\n  externalObjects: {}\n",

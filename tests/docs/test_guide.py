@@ -125,8 +125,10 @@ def test_every_command_runs(block, serve, start, client_command, engine, tmp_pat
 
 def run_kit(words, serve, start, engine, folder):
     if words[0] == "server":
-        server = start(PYTHON, ROOT / "kit.py", *words, "--endpoint", "tcp://127.0.0.1:0", "--folder", folder)
-        server.wait_for("^listening on ")
+        free = ["--endpoint", find(words[1]).anywhere]
+        server = start(PYTHON, ROOT / "kit.py", *words, *free, "--folder", folder)
+        # Where others are behind it, each line says whose it is.
+        server.wait_for(r"^(server +\| )?listening on ")
         server.stop()
         return
     if words[0] == "client":

@@ -16,7 +16,7 @@ import sys
 import pytest
 import zmq
 
-from kitlib.lessons import lessons
+from kitlib.lessons import Lesson, lessons
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, free_port
 
@@ -27,7 +27,7 @@ KEYS = [lesson.key for lesson in lessons()]
 each_lesson = pytest.mark.parametrize("key", KEYS)
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Options that take any text; every other value can be wrong.
-FREE_TEXT = {"--record", "--model", "--text", "--journal", "--topic", "--view", "--keys", "--server-key", "--prompt"}
+FREE_TEXT = {"--record", "--model", "--text", "--journal", "--topic", "--view", "--keys", "--server-key", "--prompt", "--origin", "--token"}
 # What speaks to no stranger: the peers of this file get keys there as well.
 KEYED = {"15_security"}
 # How many there are at least is one.
@@ -55,6 +55,18 @@ def client_of(key):
 def port(key):
     """The lesson's own."""
     return 5550 + int(key[:2])
+
+
+def at(key, place):
+    """An endpoint of this lesson: of ZeroMQ, or of the web."""
+    return place.replace("tcp", Lesson(key).scheme)
+
+
+def told(key, folder):
+    """The words with which a server listens for other machines too."""
+    if key in KEYED:
+        return ["--keys", str(folder / "keys")]
+    return ["--token", "word"] if Lesson(key).scheme == "http" else ["--open-to-anyone"]
 
 
 def takes(key, kind, name):
@@ -118,7 +130,7 @@ def give_keys(key, folder, socket, server):
 
 def places(server):
     """Where a server listens, all its endpoints: {"listening": …, "snapshots": …}."""
-    return dict(re.findall(r"^(\w+) on (tcp://\S+)$", server.output, re.MULTILINE))
+    return dict(re.findall(r"^(\w+) on ((?:tcp|http)://\S+)$", server.output, re.MULTILINE))
 
 
 def others(server):
@@ -140,8 +152,8 @@ def ended(program, code, limit=LIMIT):
 @each_lesson
 @pytest.mark.parametrize("free", ["0", "*"])
 def test_port_0_and_a_star_take_a_free_port_and_the_ready_line_has_it(key, free, serve):
-    server, endpoint = serve(key, endpoint=f"tcp://127.0.0.1:{free}")
-    assert re.fullmatch(r"tcp://127\.0\.0\.1:[1-9]\d+", endpoint)
+    server, endpoint = serve(key, endpoint=at(key, f"tcp://127.0.0.1:{free}"))
+    assert re.fullmatch(at(key, r"tcp://127\.0\.0\.1:[1-9]\d+"), endpoint)
     for place in places(server).values():
         socket.create_connection(("127.0.0.1", int(place.rpartition(":")[2])), timeout=20).close()
 
@@ -156,7 +168,7 @@ def test_the_default_port_is_the_lessons_own_everywhere(key):
         [lesson.twin],
         sorted(lesson.unity.glob("*.cs")),
     ):
-        ports = [re.findall(r'"tcp://127\.0\.0\.1:(\d+)"', path.read_text(encoding="utf-8")) for path in paths]
+        ports = [re.findall(r'"(?:tcp|http)://127\.0\.0\.1:(\d+)"', path.read_text(encoding="utf-8")) for path in paths]
         assert any(str(port(key)) in found for found in ports), paths
 
 
@@ -174,19 +186,16 @@ NO_HOST = ["tcp://no-such-host.invalid:{}", f"tcp://{'a' * 100}:{{}}"]
 
 @each_lesson
 def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
-    wrong = {endpoint.format(port(key)): 2 for endpoint in BAD}
+    wrong = {at(key, endpoint.format(port(key))): 2 for endpoint in BAD}
     # Well written, but not of this machine.
-    wrong |= {"tcp://no-such-host.invalid:0": 1, "tcp://192.0.2.1:0": 1}
-    told = [] if key in KEYED else ["--open-to-anyone"]
-    command = [PYTHON, server_of(key), *kept_there(key, tmp_path), *told]
+    wrong |= {at(key, "tcp://no-such-host.invalid:0"): 1, at(key, "tcp://192.0.2.1:0"): 1}
+    command = [PYTHON, server_of(key), *kept_there(key, tmp_path), *told(key, tmp_path)]
     servers = {endpoint: start(*command, "--endpoint", endpoint) for endpoint in wrong}
     for endpoint, server in servers.items():
         line = ended(server, wrong[endpoint])
         assert endpoint in line
-        cure = (
-            f"write it like tcp://127.0.0.1:{port(key)}" if wrong[endpoint] == 2 else "try --endpoint tcp://127.0.0.1:0"
-        )
-        assert cure in line
+        cure = "try --endpoint tcp://127.0.0.1:0" if wrong[endpoint] == 1 else f"like tcp://127.0.0.1:{port(key)}"
+        assert at(key, cure) in line
         assert "listening" not in server.output
 
 
@@ -196,13 +205,16 @@ def test_a_server_without_keys_is_for_this_machine_alone_unless_it_is_told(key, 
 
         def begin(host, *words, name=name):
             elsewhere = ["--endpoint", "tcp://127.0.0.1:0"] if name == "--snapshots" else []
-            command = [PYTHON, ROOT / server_of(key), *elsewhere, name, f"tcp://{host}:0", *words]
+            command = [PYTHON, ROOT / server_of(key), *elsewhere, name, at(key, f"tcp://{host}:0"), *words]
             return start(*command, folder=tmp_path)
 
         for server in [begin(host) for host in ("0.0.0.0", "*", "192.0.2.1", "127.0.0.1.example.org")]:
-            assert "lets anyone in: lesson 15 has keys, --open-to-anyone has none" in ended(server, 2)
-        told = ["--keys", str(tmp_path / "keys")] if key in KEYED else ["--open-to-anyone"]
-        begin("0.0.0.0", *told, *kept_there(key, tmp_path)).wait_for(r"^\w+ on tcp://0\.0\.0\.0:")
+            if Lesson(key).scheme == "http":
+                assert "everybody in the network could come in; give --token" in ended(server, 1)
+            else:
+                assert "lets anyone in: lesson 15 has keys, --open-to-anyone has none" in ended(server, 2)
+        more = [word for word in kept_there(key, tmp_path) if key not in KEYED]
+        begin("0.0.0.0", *told(key, tmp_path), *more).wait_for(at(key, r"^\w+ on tcp://0\.0\.0\.0:"))
 
 
 @each_lesson
@@ -216,7 +228,7 @@ def test_a_taken_port_is_named_with_its_cure(key, serve, start, tmp_path):
         )
         second = start(PYTHON, server_of(key), *kept_there(key, elsewhere), *words)
         cause = zmq.strerror(zmq.EADDRINUSE)
-        cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
+        cure = at(key, "try --endpoint tcp://127.0.0.1:0, which takes a free port")
         assert ended(second, 1) == f"cannot listen on {place}: {cause}; {cure}"
         assert "listening" not in second.output
 
@@ -240,11 +252,11 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
         rude.linger = 0
         give_keys(key, tmp_path / "keys", rude, server=False)
         for place in places(server).values():
-            rude.connect(place)
+            rude.connect(place.replace("http", "tcp"))
         # Without REQ's empty frame, with it, and with an id: each kind of server answers one of them.
         for frames in ([HARM], [HARM, HARM], [b"", HARM], [b"", HARM, HARM], [HARM[:50], HARM]):
             rude.send_multipart(frames)
-        if not only_publishes(key):
+        if not only_publishes(key) and Lesson(key).scheme == "tcp":
             assert rude.poll(20_000), "no answer to what is no request"
             assert HARM not in rude.recv_multipart()[-1:]
         # While the stranger is still there: when one that sends REP no empty frame leaves at once, libzmq up to 4.3.5
@@ -285,7 +297,7 @@ def test_a_client_with_its_defaults_ends_by_itself(key, kind, serve, start, clie
 @each_lesson
 @each_client
 def test_a_client_without_a_server_gives_up(key, kind, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    endpoint = at(key, f"tcp://127.0.0.1:{free_port()}")
     client = start(*client_command(kind, key, endpoint, *impatient(key, kind)))
     ended(client, 1)
     why = "\n".join(line for line in client.lines if "gave up: " in line)
@@ -303,21 +315,21 @@ def test_a_client_names_what_is_wrong_with_an_endpoint(key, kind, start, client_
     # A Play goes on after an error, and says at its end that there was one.
     code = 1 if kind == "unity" else 2
     clients = {}
-    for endpoint in (each.format(port(key)) for each in wrong):
+    for endpoint in (at(key, each.format(port(key))) for each in wrong):
         clients[endpoint] = start(*client_command(kind, key, endpoint))
     for endpoint, client in clients.items():
         ended(client, code)
         (line,) = [line for line in client.lines if f"bad endpoint '{endpoint}'" in line]
         if "no-such" in endpoint or "aaa" in endpoint:
-            assert f"unknown host '{endpoint[6:].partition(':')[0]}'" in line
+            assert f"unknown host '{endpoint.partition('//')[2].partition(':')[0]}'" in line
         else:
-            assert f"write it like tcp://127.0.0.1:{port(key) if kind == 'python' else 'PORT'}" in line
+            assert at(key, f"write it like tcp://127.0.0.1:{port(key) if kind == 'python' else 'PORT'}") in line
         assert kind != "python" or not [line for line in client.lines if line.startswith("asking")], "it asks nobody"
 
 
 @each_lesson
 @each_client
-def test_what_a_server_sends_is_printed_without_harm(key, kind, start, client_command, tmp_path):
+def test_what_a_server_sends_is_printed_without_harm(key, kind, serve, start, client_command, tmp_path):
     kind_of_server = zmq.XPUB if only_publishes(key) else zmq.ROUTER
     with zmq.Context() as context, context.socket(kind_of_server) as router:
         router.linger = 0
@@ -326,6 +338,9 @@ def test_what_a_server_sends_is_printed_without_harm(key, kind, start, client_co
         give_keys(key, tmp_path / "keys", router, server=True)
         endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
         second = ["--snapshots", endpoint] if takes(key, kind, "--snapshots") else []
+        # What is behind a gateway is not the gateway's.
+        if Lesson(key).behind:
+            endpoint = serve(key, *[word for name, _ in Lesson(key).behind for word in (name, endpoint)])[1]
         # It gives up, but not before it has subscribed, which on a busy machine takes its time.
         client = start(*client_command(kind, key, endpoint, *second, "--count", "1", *impatient(key, kind, "2")))
         asked = False
@@ -369,9 +384,9 @@ def test_wrong_usage_is_one_line_and_2(key, side, start, client_command, tmp_pat
     programs = []
     for words in wrong:
         if side == "server":
-            command = [PYTHON, server_of(key), *kept_there(key, tmp_path), "--endpoint", "tcp://127.0.0.1:0", *words]
+            command = [PYTHON, server_of(key), *kept_there(key, tmp_path), "--endpoint", Lesson(key).anywhere, *words]
         else:
-            command = client_command(side, key, "tcp://127.0.0.1:1", *words)
+            command = client_command(side, key, at(key, "tcp://127.0.0.1:1"), *words)
         programs.append(start(*command))
     for words, program in zip(wrong, programs, strict=True):
         assert words[0].lstrip("-") in ended(program, 2) or f"bad endpoint '{words[1]}'" in program.lines[-1], words

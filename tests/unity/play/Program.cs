@@ -180,7 +180,7 @@ namespace NetMQExample.PlayTest
             foreach (var script in types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))))
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
-                    if (field.GetValue(script) is string text && text.StartsWith("tcp://", StringComparison.Ordinal)) field.SetValue(script, endpoint);
+                    if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:")) field.SetValue(script, endpoint);
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
                     // As a rule so many that it is still asking when Stop comes.

@@ -1,5 +1,5 @@
-// The lessons are left out of a WebGL build, because NetMQ cannot work there. This says so in the browser's console,
-// instead of a scene that does nothing.
+// All lessons but 16 are left out of a WebGL build, because NetMQ cannot work there. This says so in the browser's
+// console, instead of a scene that does nothing.
 #if UNITY_WEBGL && !UNITY_EDITOR
 using UnityEngine;
 
@@ -12,7 +12,7 @@ namespace NetMQExample
     {
         [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.BeforeSceneLoad)]
         private static void Say() =>
-            Debug.LogError("NetMQExample does not run in a browser: it has no TCP sockets and no threads for NetMQ. See docs/guide/devices.md.");
+            Debug.Log("NetMQExample needs its gateway in a browser, which has no sockets for NetMQ: lesson 16. See docs/guide/devices.md.");
     }
 }
 #endif

@@ -1,0 +1,103 @@
+"""Lesson 16 over Socket.IO (protocol 5, that of its clients 3 and 4): the name of an event is the name of a server.
+
+    socket.emit("hello", "Hello", world => …)          the callback gets the frames of the answer
+    socket.emit("poses", "pose/", newest => …)         or, if there is none, {error: why}
+
+A text is a frame, and so are bytes. Who sends bytes is answered with bytes.
+Take home: this file, browser_socket.py and door.py.
+"""
+
+import asyncio
+import functools
+import logging
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from typing import Any
+
+import socketio
+from aiohttp import web
+from browser_socket import LARGEST, BrowserSocket
+from door import Door
+from engineio.payload import Payload
+
+# So many requests of one browser may wait, and so many answers for it. Socket.IO itself has no limit.
+MOST = 64
+
+
+class Browser:
+    """One connection, and a ZeroMQ socket for each server that it has asked for something."""
+
+    def __init__(self) -> None:
+        self.sockets: dict[str, tuple[BrowserSocket, asyncio.Lock]] = {}
+        self.waiting, self.inside = 0, ExitStack()
+
+    def close(self) -> None:
+        self.inside.close()
+        for socket, _ in self.sockets.values():
+            socket.close()
+
+
+def attach(app: web.Application, door: Door, names: Iterable[str], opened: Callable[[str], BrowserSocket]) -> None:
+    # With more than 16 requests at once by HTTP, python-socketio would drop them all without a word.
+    Payload.max_decode_packets = LARGEST
+    # What it reports are the mistakes of strangers, each with a traceback.
+    noise = logging.getLogger("noise")
+    noise.setLevel(logging.CRITICAL)
+    # It looks at the Origin itself. A browser that was not heard for both times is not there any more.
+    server = socketio.AsyncServer(
+        async_mode="aiohttp",
+        cors_allowed_origins=door.origins,
+        max_http_buffer_size=LARGEST,
+        ping_interval=10,
+        ping_timeout=10,
+        engineio_logger=noise,
+    )
+    browsers: dict[str, Browser] = {}
+
+    async def come_in(sid: str, environ: dict[str, Any], auth: Any = None) -> None:
+        token = auth.get("token") if isinstance(auth, dict) else None
+        if why := door.refusal(environ.get("HTTP_ORIGIN"), token):
+            raise socketio.exceptions.ConnectionRefusedError(why)
+        browsers[sid] = Browser()
+        browsers[sid].inside.enter_context(door.entered("Socket.IO"))
+
+    async def leave(sid: str, reason: str = "") -> None:
+        if sid in browsers:
+            browsers.pop(sid).close()
+
+    async def asked(name: str, sid: str, *frames: Any) -> Any:
+        browser = browsers[sid]
+        unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
+        if unread > MOST or browser.waiting == MOST:
+            print(f"let a browser go: {MOST} of its requests, or answers for it, wait", flush=True)
+            await server.disconnect(sid)
+            return {"error": "too many requests at once"}
+        socket, turn = browser.sockets.setdefault(name, (opened(name), asyncio.Lock()))
+        browser.waiting += 1
+        try:
+            # A ZeroMQ socket has one request under way.
+            async with turn:
+                return answer(frames, await socket.ask([to_bytes(frame) for frame in frames]))
+        except (TimeoutError, ValueError) as error:
+            return {"error": str(error)}
+        finally:
+            browser.waiting -= 1
+
+    server.on("connect", come_in)
+    server.on("disconnect", leave)
+    for name in names:
+        server.on(name, functools.partial(asked, name))
+    server.attach(app)
+
+
+def to_bytes(frame: Any) -> bytes:
+    if not isinstance(frame, str | bytes):
+        raise ValueError("a frame is a text or bytes")
+    return frame.encode(errors="replace") if isinstance(frame, str) else frame
+
+
+def answer(asked: tuple[Any, ...], frames: list[bytes]) -> Any:
+    """A tuple: to Socket.IO those are several arguments of the callback, and a list would be one."""
+    if any(isinstance(frame, bytes) for frame in asked):
+        return tuple(frames)
+    return tuple(frame.decode(errors="replace") for frame in frames)

@@ -1,0 +1,270 @@
+"""Lesson 16 in a real browser: the gateway's page, pages of strangers, and the WebGL half of its C# client.
+
+And JavaScript's own Socket.IO client, run by node.
+"""
+
+from __future__ import annotations
+
+import base64
+import functools
+import http.server
+import json
+import re
+import shutil
+import subprocess
+import threading
+
+import pytest
+import zmq
+
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.programs import ROOT
+
+KEY = "16_web_gateway"
+POSE = "document.querySelector('#pose').innerText"
+NEWEST = "document.querySelector('#replies li')?.innerText"
+
+
+def state(name):
+    return f"document.querySelector('#{name}-state').innerText"
+
+
+def say(page, form, text):
+    """By keyboard: into the field, and Enter."""
+    page.evaluate(f"document.querySelector('#{form}-text').select()")
+    page.type(text)
+    page.press("Enter")
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """A web server of a stranger: its address, and its folder."""
+    handler = functools.partial(Quiet, directory=tmp_path)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        (tmp_path / "index.html").write_text("<!doctype html><title>a stranger's page</title>")
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+def test_the_page_asks_and_listens(serve, open_page):
+    _, endpoint = serve(KEY)
+    page = open_page(endpoint)
+    page.wait_for(f"{state('hello')} === 'connected'")
+    say(page, "hello", "Hello")
+    page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
+    say(page, "background", "echo äöü €")
+    page.wait_for(f"{NEWEST} === 'sent echo äöü €, received äöü €'")
+    say(page, "hello", "Goodbye")
+    page.wait_for(f"{NEWEST}?.includes('error: expected Hello')")
+    first = page.wait_for(f"/^pose [0-9]+: x/.test({POSE}) && {POSE}")
+    page.wait_for(f"{POSE} !== {json.dumps(first)}")
+    drawn = "document.querySelector('#cube').getContext('2d').getImageData(0, 0, 320, 200).data.some(value => value)"
+    assert page.evaluate(drawn)
+    # Nobody publishes pictures.
+    page.wait_for(f"{state('pictures')}.includes('nothing new')")
+    assert page.errors == [] and page.said == []
+
+
+def test_the_page_shows_pictures_in_their_own_colours(serve, open_page, tmp_path):
+    """Those of lesson 08's bridge to LeRobot, in which red and blue have changed places."""
+    image = pytest.importorskip("PIL.Image", reason="lesson 08's pictures need Pillow: pip install pillow")
+    image.new("RGB", (64, 48), (0, 0, 255)).save(tmp_path / "red.jpg")
+    text = json.dumps({"images": {"center": base64.b64encode((tmp_path / "red.jpg").read_bytes()).decode()}})
+    with zmq.Context() as context, context.socket(zmq.PUB) as camera:
+        camera.linger = 0
+        port = camera.bind_to_random_port("tcp://127.0.0.1")
+        page = open_page(serve(KEY, "--pictures", f"tcp://127.0.0.1:{port}")[1])
+        seen = "document.querySelector('#picture').naturalWidth"
+        while page.evaluate(seen) != 64:
+            camera.send_string(text)
+        assert "feColorMatrix" in page.evaluate("document.querySelector('#red-and-blue').innerHTML")
+        page.evaluate("document.querySelector('#picture').scrollIntoView()")
+        page.picture(tmp_path / "page.png")
+    colours = image.open(tmp_path / "page.png").convert("RGB").getcolors(1 << 24)
+    red = sum(count for count, (r, g, b) in colours if r > 200 and g < 60 and b < 60)
+    assert red > 10_000, "no red picture on the page"
+
+
+def test_a_gateway_that_is_killed(serve, open_page):
+    gateway, endpoint = serve(KEY)
+    page = open_page(endpoint)
+    page.wait_for(f"{state('hello')} === 'connected' && {POSE}")
+    gateway.kill()
+    for name in ("hello", "poses"):
+        page.wait_for(f"{state(name)} === 'the gateway is away; trying again'")
+    say(page, "hello", "Hello")
+    before = page.text("#pose")
+    serve(KEY, endpoint=endpoint)
+    page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
+    page.wait_for(f"{POSE} !== {json.dumps(before)} && {state('poses')} === 'connected'")
+    assert page.errors == []
+
+
+def test_a_server_that_is_killed(serve, open_page):
+    server, behind = serve("01_request_reply")
+    page = open_page(serve(KEY, "--hello", behind)[1])
+    page.wait_for(f"{state('hello')} === 'connected'")
+    server.kill()
+    say(page, "hello", "Hello")
+    page.wait_for(f"{state('hello')} === 'no reply from {behind} within 1 s; is the server running?'")
+    # Who asks the others does not wait for it.
+    say(page, "background", "hello")
+    page.wait_for(f"{NEWEST} === 'sent hello, received world'")
+    serve("01_request_reply", endpoint=behind)
+    page.wait_for(f"{NEWEST} === 'sent Hello, received World' && {state('hello')} === 'connected'")
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_the_page_on_a_phone_and_by_keyboard(dark, serve, open_page):
+    page = open_page(serve(KEY)[1], width=390, dark=dark)
+    page.wait_for(f"{state('hello')} === 'connected'")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    for field in ("hello-text", None, "background-text", None, "replies"):
+        page.press("Tab")
+        assert page.evaluate("document.activeElement.id || null") == field
+        if field is None:
+            page.press("Enter")
+    page.wait_for("document.querySelectorAll('#replies li').length === 2")
+    colours = page.evaluate(
+        "[getComputedStyle(document.body).color, getComputedStyle(document.documentElement).colorScheme]"
+    )
+    assert colours == ["rgb(255, 255, 255)" if dark else "rgb(0, 0, 0)", "light dark"]
+
+
+def test_the_page_with_a_token(serve, open_page):
+    _, endpoint = serve(KEY, "--token", "grün & 7")
+    page = open_page(endpoint)
+    page.wait_for(f"{state('hello')}.startsWith('the token is missing or wrong')")
+    page.go(f"{endpoint}/?token=gr%C3%BCn%20%26%207")
+    page.wait_for(f"{state('hello')} === 'connected'")
+    say(page, "hello", "Hello")
+    page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
+
+
+# What a page of any address may do: open a WebSocket to this machine, and ask.
+STRANGER = """new Promise(resolve => {{
+    const socket = new WebSocket({address});
+    socket.onopen = () => socket.send('["Hello"]');
+    socket.onmessage = event => resolve(event.data);
+    socket.onclose = () => resolve('refused');
+}})"""
+
+
+def test_the_page_of_a_stranger_does_not_come_in(serve, open_page, elsewhere):
+    _, endpoint = serve(KEY)
+    page = open_page(elsewhere)
+    address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
+    assert page.evaluate(STRANGER.format(address=address)) == "refused"
+    # And his who may come in does.
+    _, endpoint = serve(KEY, "--origin", elsewhere)
+    address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
+    assert page.evaluate(STRANGER.format(address=address)) == '["World"]'
+
+
+# As Emscripten does it, but that a text's address is its number in a list.
+EMSCRIPTEN = """
+var texts = [null], library = {{}};
+var LibraryManager = {{ library: library }};
+var mergeInto = (all, more) => Object.assign(all, more);
+var UTF8ToString = at => texts[at];
+var lengthBytesUTF8 = text => new TextEncoder().encode(text).length;
+var _malloc = size => texts.push(size) - 1;
+var stringToUTF8 = (text, at, size) => {{
+    if (size !== texts[at] || size <= lengthBytesUTF8(text)) throw new Error("room");
+    texts[at] = text;
+}};
+{jslib}
+var KitWeb = library.$KitWeb;
+var text = value => texts.push(value) - 1;
+var until = async (what, limit = 20000) => {{
+    for (const end = Date.now() + limit; Date.now() < end; await new Promise(next => setTimeout(next, 5)))
+        {{ const value = what(); if (value) return value; }}
+    throw new Error("never: " + what);
+}};
+"""
+
+
+def test_the_webgl_half_of_the_client_in_a_browser(serve, open_page):
+    """The very file that Unity compiles in, and each function that BrowserConnection.cs calls."""
+    folder = ROOT / "unity/Assets/NetMQExample/16_web_gateway"
+    jslib = (folder / "BrowserConnection.jslib").read_text(encoding="utf-8")
+    called = set(re.findall(r"extern \w+ (\w+)\(", (folder / "BrowserConnection.cs").read_text(encoding="utf-8")))
+    gateway, endpoint = serve(KEY)
+    page = open_page(endpoint)
+    page.evaluate(f"(0, eval)({json.dumps(EMSCRIPTEN.format(jslib=jslib))})")
+    there = page.evaluate("Object.keys(library).filter(name => !/^\\$|__deps$/.test(name))")
+    assert set(there) == called
+    assert page.evaluate("Object.keys(library).filter(name => /__deps$/.test(name)).length") == len(called)
+    address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
+    assert page.evaluate(f"var one = library.KitWebOpen(text({address})); library.KitWebIsOpen(one)") == 0
+    page.evaluate("until(() => library.KitWebIsOpen(one) === 1)")
+    assert page.evaluate("library.KitWebReceive(one)") == 0, "nothing has come: null"
+    page.evaluate("""library.KitWebSend(one, text('["Hello"]'))""")
+    assert page.evaluate("until(() => library.KitWebReceive(one)).then(UTF8ToString)") == '["World"]'
+    assert page.evaluate("library.KitWebClosed(one)") == 0
+    # Two at a time, an address that cannot work, one where nobody is, and a gateway that ends.
+    bad = page.evaluate("library.KitWebOpen(text('nonsense://'))")
+    assert page.evaluate(f"UTF8ToString(library.KitWebClosed({bad}))").startswith("SyntaxError")
+    assert page.evaluate(f"library.KitWebSend({bad}, text('x')); library.KitWebClose({bad}); true")
+    gateway.kill()
+    assert "is away" in page.evaluate("until(() => library.KitWebClosed(one)).then(UTF8ToString)")
+    assert page.evaluate("library.KitWebSend(one, text('x')); library.KitWebClose(one); library.KitWebIsOpen(one)") == 0
+    assert page.errors == []
+
+
+def test_a_webgl_build_compiles_without_netmq(engine):
+    """The browser's half, which no other build sees, and nothing of the assembly that WebGL leaves out."""
+    built = dotnet.build(PYTHON, engine, ROOT / "tests" / "web" / "webgl")
+    assert b"KitWebOpen" in built.read_bytes() and b"BrowserConnection" in built.read_bytes()
+    assert "NetMQ.dll" not in {path.name for path in built.parent.iterdir()}
+
+
+SOCKET_IO = """
+const { io } = require('socket.io-client');
+const [endpoint, token] = process.argv.slice(1);
+(async () => {
+    for (const transports of [['polling'], ['websocket'], ['polling', 'websocket']]) {
+        const socket = io(endpoint, { transports, auth: { token }, reconnection: false });
+        await new Promise((resolve, reject) => { socket.on('connect', resolve); socket.on('connect_error', reject); });
+        const ask = (...words) => socket.timeout(20000).emitWithAck(...words);
+        // emitWithAck gives the first frame only: the id.
+        const all = (...words) => new Promise(done => socket.emit(...words, (...frames) => done(frames)));
+        const ids = Array.from({ length: 20 }, (_, i) => `${transports} ${i}`);
+        const many = await Promise.all(ids.map(id => ask('background', id, 'hello')));
+        const whole = await all('background', 'id', 'hello');
+        const bytes = await all('background', Buffer.from([0xff]), 'hello');
+        console.log(JSON.stringify([await ask('hello', 'Hello'), new Set(many).size, whole, bytes.map(Buffer.isBuffer),
+            (await ask('poses', 'pose/')).slice(0, 5), await ask('hello', { no: 'text' })]));
+        socket.disconnect();
+    }
+})().catch(error => { console.log(String(error)); process.exit(1); });
+"""
+
+
+@pytest.fixture
+def node(start):
+    """Runs a script that may require socket.io-client."""
+    program = shutil.which("node")
+    if not program or subprocess.run([program, "-e", "require('socket.io-client')"], capture_output=True).returncode:
+        pytest.skip(
+            "no node, or no socket.io-client where it looks: npm install socket.io-client, NODE_PATH=…/node_modules"
+        )
+    return lambda script, *words: start(program, "-e", script, *words)
+
+
+def test_javascripts_own_socket_io_client(serve, node):
+    _, endpoint = serve(KEY, "--token", "secret")
+    client = node(SOCKET_IO, endpoint, "secret")
+    assert client.wait() == 0, client.output
+    wanted = ["World", 20, ["id", "world"], [True, True], "pose/", {"error": "a frame is a text or bytes"}]
+    assert [json.loads(line) for line in client.lines] == [wanted] * 3
+    refused = node(SOCKET_IO, endpoint, "guessed")
+    assert refused.wait() == 1
+    assert refused.lines == ["Error: the token is missing or wrong; it is what the gateway was given as --token"]

@@ -1,0 +1,96 @@
+// The WebSocket of .NET: no package and no DLL. What it waits for it waits for on the thread pool.
+//
+// Take home: this file and IWebConnection.cs.
+using System;
+using System.Collections.Concurrent;
+using System.IO;
+using System.Net.WebSockets;
+using System.Text;
+using System.Threading;
+using System.Threading.Tasks;
+
+namespace NetMQExample
+{
+    /// <summary>A connection outside of a browser.</summary>
+    public sealed class DotNetConnection : IWebConnection
+    {
+        // The gateway answers what it is asked: who sends more than this at once is no gateway.
+        private const int Room = 64, MaxBytes = 4 * 1024 * 1024;
+        private readonly ConcurrentQueue<string> received = new ConcurrentQueue<string>();
+        private readonly CancellationTokenSource stop = new CancellationTokenSource();
+        private readonly ClientWebSocket socket = new ClientWebSocket();
+        private volatile string closed;
+        private volatile bool open;
+        private Task sending = Task.CompletedTask;
+
+        /// <summary>Begins to connect.</summary>
+        /// <param name="address">A <c>ws://</c> or <c>wss://</c> address.</param>
+        public DotNetConnection(string address)
+        {
+            // On Unity's own thread everything after an await would wait for the next frame.
+            Task.Run(() => Run(new Uri(address)));
+        }
+
+        /// <inheritdoc/>
+        public bool IsOpen => open && closed == null;
+
+        /// <inheritdoc/>
+        public string Closed => closed;
+
+        /// <inheritdoc/>
+        public void Send(string text)
+        {
+            var before = sending;
+            // One after the other: it refuses to send two messages at the same time.
+            sending = Task.Run(async () =>
+            {
+                await before.ConfigureAwait(false);
+                var (bytes, kind) = (new ArraySegment<byte>(Encoding.UTF8.GetBytes(text)), WebSocketMessageType.Text);
+                try { await socket.SendAsync(bytes, kind, true, stop.Token).ConfigureAwait(false); }
+                catch (Exception e) { closed ??= e.Message; }
+            });
+        }
+
+        /// <inheritdoc/>
+        public bool TryReceive(out string text) => received.TryDequeue(out text);
+
+        /// <summary>Leaves at once. What is under way is dropped.</summary>
+        public void Dispose()
+        {
+            stop.Cancel();
+            socket.Abort();
+            socket.Dispose();
+        }
+
+        private async Task Run(Uri address)
+        {
+            try
+            {
+                // The way to this machine needs no proxy, whatever the system has set.
+                socket.Options.Proxy = null;
+                await socket.ConnectAsync(address, stop.Token).ConfigureAwait(false);
+                open = true;
+                while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
+                closed ??= socket.CloseStatusDescription ?? "the other side has left";
+            }
+            // Whatever it is: the caller reads it.
+            catch (Exception e) { closed ??= e.Message; }
+        }
+
+        private async Task<string> Receive()
+        {
+            using var message = new MemoryStream();
+            var part = new ArraySegment<byte>(new byte[4096]);
+            for (var ended = false; !ended;)
+            {
+                var result = await socket.ReceiveAsync(part, stop.Token).ConfigureAwait(false);
+                if (result.MessageType == WebSocketMessageType.Close) return null;
+                message.Write(part.Array, 0, result.Count);
+                ended = result.EndOfMessage;
+                if (message.Length > MaxBytes || received.Count > Room)
+                    throw new InvalidDataException("more came than a gateway sends");
+            }
+            return Encoding.UTF8.GetString(message.GetBuffer(), 0, (int)message.Length);
+        }
+    }
+}

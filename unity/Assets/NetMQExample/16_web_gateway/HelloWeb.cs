@@ -1,0 +1,61 @@
+// Lesson 16 in Unity: lesson 01's Hello through the gateway, also in a WebGL build. No thread: Update looks whether the
+// reply is there.
+//
+// Use: start python/01_request_reply/server.py and python/16_web_gateway/server.py, add this component to any
+// GameObject, press Play.
+using System;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>Says Hello to the server behind the gateway a number of times, and logs each reply.</summary>
+    public sealed class HelloWeb : MonoBehaviour
+    {
+        [SerializeField, Tooltip("The gateway")] private string endpoint = "http://127.0.0.1:5566";
+        [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
+        [SerializeField, Tooltip("By Socket.IO in place of plain WebSocket")] private bool socketio = false;
+        [SerializeField, Tooltip("The word that the gateway was given as --token")] private string token = "";
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
+
+        private WebRequester requester;
+        private int asked, replies;
+
+        /// <summary>True once the last line, or the reason why there is none, was logged.</summary>
+        public bool Done => !enabled;
+
+        private void OnEnable()
+        {
+            // Without it Unity stops calling Update when another window has the focus.
+            Application.runInBackground = true;
+            (requester, asked, replies) = (null, 0, 0);
+            Debug.Log($"asking {endpoint}");
+        }
+
+        private void Update()
+        {
+            try
+            {
+                requester ??= WebRequester.To(endpoint, "hello", socketio, token, TimeSpan.FromSeconds(patience));
+                if (asked == replies && asked++ < count) requester.Ask("Hello");
+                if (replies < count && requester.TryReceive(out var frames))
+                    Debug.Log($"{++replies}: sent Hello, received {WebText.Printable(string.Join(" ", frames))}");
+                if (replies < count) return;
+                Debug.Log($"done: {replies} replies");
+            }
+            catch (Exception e) when (e is TimeoutException || e is ArgumentException) { GaveUp(e); }
+            enabled = false;
+        }
+
+        private static void GaveUp(Exception e) => Debug.LogError($"gave up: {e.Message}");
+
+        private void OnDisable() => requester?.Dispose();
+
+        private void OnApplicationPause(bool paused)
+        {
+            // iOS and Android take the sockets of an app that is not seen; it begins again when it is back.
+            if (!Application.isMobilePlatform || !isActiveAndEnabled) return;
+            if (paused) OnDisable();
+            else OnEnable();
+        }
+    }
+}

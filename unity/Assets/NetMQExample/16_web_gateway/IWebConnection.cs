@@ -1,0 +1,39 @@
+// A WebSocket that carries text: by .NET in the editor, in a player and in a terminal, by the browser in a WebGL build.
+//
+// Take home: this file, DotNetConnection.cs, and for WebGL BrowserConnection.cs and BrowserConnection.jslib.
+using System;
+
+namespace NetMQExample
+{
+    /// <summary>It is looked at once a frame, and nothing of it waits: a browser has no second thread.</summary>
+    public interface IWebConnection : IDisposable
+    {
+        /// <summary>True from the moment at which the gateway has let us in, until either side leaves.</summary>
+        bool IsOpen { get; }
+
+        /// <summary>Why it is closed; null while it is open, or about to be.</summary>
+        string Closed { get; }
+
+        /// <summary>Sends a message; what can no longer be sent is dropped.</summary>
+        /// <param name="text">The message.</param>
+        void Send(string text);
+
+        /// <summary>Takes a message that has come.</summary>
+        /// <param name="text">The message.</param>
+        /// <returns>False if there is none.</returns>
+        bool TryReceive(out string text);
+    }
+
+    /// <summary>The one place that knows where it runs.</summary>
+    public static class WebConnection
+    {
+        /// <summary>Begins to connect.</summary>
+        /// <param name="address">A <c>ws://</c> or <c>wss://</c> address.</param>
+        /// <returns>The connection, which opens or closes later.</returns>
+#if UNITY_WEBGL && !UNITY_EDITOR
+        public static IWebConnection To(string address) => new BrowserConnection(address);
+#else
+        public static IWebConnection To(string address) => new DotNetConnection(address);
+#endif
+    }
+}

@@ -1,0 +1,61 @@
+// Lesson 16 over Socket.IO, protocol 5, by hand: what a client needs of it are five kinds of text messages. They begin
+// with digits: Engine.IO's, which only carries, then Socket.IO's.
+//
+//     0{…}   the connection is there         40{"token":…}   we want to come in      40{…}   yes    44{…}   no
+//     421["hello","Hello"]   event 1         431["World"]   the reply to event 1
+//     2   are you there?                     3   yes
+//
+// Take home: this file, and those that WebRequester.cs names.
+using System;
+using Newtonsoft.Json;
+using Newtonsoft.Json.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>The connection is to the gateway, and the name of each event says to which server behind it.</summary>
+    public sealed class SocketIORequester : WebRequester
+    {
+        private readonly string name, token;
+        private bool ready;
+        private int number;
+
+        /// <inheritdoc cref="WebRequester(string, TimeSpan)"/>
+        /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
+        /// <param name="name">The server behind it, such as hello.</param>
+        /// <param name="token">The word that the gateway was given as --token.</param>
+        /// <param name="patience">How long to wait for each reply.</param>
+        public SocketIORequester(string endpoint, string name, string token, TimeSpan patience)
+            : base(endpoint, patience) =>
+            (this.name, this.token) = (name, token);
+
+        /// <inheritdoc/>
+        protected override string Path => "/socket.io/?EIO=4&transport=websocket";
+
+        /// <inheritdoc/>
+        protected override bool IsReady => ready;
+
+        /// <inheritdoc/>
+        protected override string Write(string[] frames) =>
+            FormattableString.Invariant($"42{++number}") + new JArray(name, frames).ToString(Formatting.None);
+
+        /// <inheritdoc/>
+        protected override void Read(string text)
+        {
+            var reply = FormattableString.Invariant($"43{number}");
+            bool Begins(string with) => text.StartsWith(with, StringComparison.Ordinal);
+            if (Begins("0")) Say("40" + new JObject { ["token"] = token }.ToString(Formatting.None));
+            else if (Begins("40")) ready = true;
+            else if (Begins("44")) throw GiveUp(Refused);
+            else if (text == "2") Say("3");
+            else if (Begins(reply + "["))
+            {
+                var frames = WebText.Parse(text.Substring(reply.Length));
+                // In place of frames there may be one object, which says why there are none.
+                Answer(frames.First as JObject ?? frames);
+            }
+        }
+
+        /// <inheritdoc/>
+        protected override void Forget() => ready = false;
+    }
+}

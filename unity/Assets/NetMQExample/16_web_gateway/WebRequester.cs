@@ -1,0 +1,154 @@
+// Asks one of the servers behind the gateway, without ever waiting: what WebSocket and Socket.IO have in common.
+//
+//     using var requester = new WebSocketRequester("http://127.0.0.1:5566", "hello", patience);
+//     requester.Ask("Hello");
+//     if (requester.TryReceive(out var frames)) …           once a frame, until it is true
+//
+// Take home: this file, WebSocketRequester.cs, SocketIORequester.cs, WebText.cs, IWebConnection.cs,
+// DotNetConnection.cs, and for WebGL BrowserConnection.cs with BrowserConnection.jslib. They need Newtonsoft.Json, and
+// neither NetMQ nor a thread. The Python side is python/16_web_gateway/server.py.
+using System;
+using System.Diagnostics;
+using System.Text.RegularExpressions;
+using Newtonsoft.Json.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>One request at a time, each with a limit. A try that fails is followed by one on a new connection, and
+    /// the request is sent again; whether it was done already only an id can tell, as in lesson 02.</summary>
+    public abstract class WebRequester : IDisposable
+    {
+        /// <summary>What the gateway says to a wrong token.</summary>
+        protected const string Refused = "its token is missing or wrong";
+        private static readonly TimeSpan Pause = TimeSpan.FromSeconds(0.1);
+        private readonly Stopwatch waited = new Stopwatch(), sinceClosed = new Stopwatch();
+        private readonly string endpoint;
+        private readonly TimeSpan patience;
+        private IWebConnection connection;
+        private string[] asked, answer;
+        private string trouble = "; is the server running?";
+        private bool sent, disposed;
+
+        /// <summary>Connects with the first request.</summary>
+        /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
+        /// <param name="patience">How long to wait for each reply.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        protected WebRequester(string endpoint, TimeSpan patience)
+        {
+            var parts = Regex.Match(endpoint ?? "", @"^https?://[^\s:/]+:([0-9]+)$");
+            if (!ushort.TryParse(parts.Groups[1].Value, out var port) || port == 0)
+                throw new ArgumentException(
+                    $"bad endpoint '{endpoint}': write it like http://127.0.0.1:PORT, PORT from 1 to 65535");
+            (this.endpoint, this.patience) = (endpoint, patience);
+        }
+
+        /// <summary>The one place that knows both kinds.</summary>
+        /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
+        /// <param name="name">The server behind it, such as hello.</param>
+        /// <param name="socketIO">By Socket.IO in place of plain WebSocket.</param>
+        /// <param name="token">The word that the gateway was given as --token.</param>
+        /// <param name="patience">How long to wait for each reply.</param>
+        /// <returns>A requester, which connects with the first request.</returns>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public static WebRequester To(string endpoint, string name, bool socketIO, string token, TimeSpan patience)
+        {
+            if (socketIO) return new SocketIORequester(endpoint, name, token, patience);
+            return new WebSocketRequester(endpoint, name, token, patience);
+        }
+
+        /// <summary>Where the gateway listens for this kind, behind its <c>ws://host:port</c>.</summary>
+        protected abstract string Path { get; }
+
+        /// <summary>Asks. The reply to an earlier request is not waited for any more.</summary>
+        /// <param name="frames">The frames of the request, sent as UTF-8.</param>
+        public void Ask(params string[] frames)
+        {
+            // The one that comes next could be that of an earlier request.
+            if (sent && answer == null) Close();
+            (asked, answer, sent) = (frames, null, false);
+            waited.Restart();
+        }
+
+        /// <summary>Looks whether the reply has come. Call it once a frame until it has.</summary>
+        /// <param name="frames">Its frames.</param>
+        /// <returns>False if it has not, and after Dispose.</returns>
+        /// <exception cref="TimeoutException">It has not come in time, or the gateway lets nobody in.</exception>
+        public bool TryReceive(out string[] frames)
+        {
+            frames = null;
+            if (disposed) return false;
+            if (connection?.Closed is string why) Again(why);
+            if (connection == null && (!sinceClosed.IsRunning || sinceClosed.Elapsed > Pause))
+                connection = WebConnection.To("ws" + endpoint.Substring(4) + Path);
+            while (connection != null && answer == null && connection.TryReceive(out var text)) Read(text);
+            if (answer == null && !sent && connection?.IsOpen == true && IsReady)
+            {
+                sent = true;
+                Say(Write(asked));
+            }
+            if (answer == null && waited.Elapsed > patience) throw GiveUp("");
+            return (frames = answer) != null;
+        }
+
+        /// <summary>Leaves at once, and does not come again.</summary>
+        public void Dispose()
+        {
+            disposed = true;
+            Close();
+        }
+
+        /// <summary>Whether a request may be sent as soon as the connection is open.</summary>
+        protected virtual bool IsReady => true;
+
+        /// <summary>Writes a request.</summary>
+        /// <param name="frames">Its frames.</param>
+        /// <returns>The message.</returns>
+        protected abstract string Write(string[] frames);
+
+        /// <summary>Reads a message, and hands a reply to <see cref="Answer"/>.</summary>
+        /// <param name="text">The message.</param>
+        protected abstract void Read(string text);
+
+        /// <summary>Forgets what belongs to a connection that is gone.</summary>
+        protected virtual void Forget() { }
+
+        /// <summary>Sends a message.</summary>
+        /// <param name="text">The message.</param>
+        protected void Say(string text) => connection.Send(text);
+
+        /// <summary>The reply has come.</summary>
+        /// <param name="reply">A list of frames, or an object that says as <c>error</c> why there is none.</param>
+        protected void Answer(JToken reply)
+        {
+            if (reply is JArray list) answer = list.ToObject<string[]>();
+            // The server behind is away: the connection will do for the next try.
+            else (trouble, sent) = ($": {WebText.Printable($"{((JObject)reply)["error"]}")}", false);
+        }
+
+        /// <summary>Why no patience would help, or that it has ended.</summary>
+        /// <param name="refused">What the gateway said.</param>
+        /// <returns>What to throw.</returns>
+        protected TimeoutException GiveUp(string refused)
+        {
+            Close();
+            var late = FormattableString.Invariant($"no reply from {endpoint} within {patience.TotalSeconds} s");
+            return new TimeoutException(
+                refused == "" ? late + trouble : $"{endpoint} does not let this client in: {refused}");
+        }
+
+        private void Again(string why)
+        {
+            if (why.Contains("403")) throw GiveUp(Refused);
+            trouble = $"; is the server running? ({why})";
+            Close();
+            sinceClosed.Restart();
+        }
+
+        private void Close()
+        {
+            connection?.Dispose();
+            (connection, sent) = (null, false);
+            Forget();
+        }
+    }
+}

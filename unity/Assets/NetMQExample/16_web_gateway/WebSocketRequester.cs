@@ -1,0 +1,30 @@
+// Lesson 16 over plain WebSocket: a request is one message, a JSON list of its frames, and so is its reply.
+//
+// Take home: this file, and those that WebRequester.cs names.
+using System;
+using Newtonsoft.Json;
+
+namespace NetMQExample
+{
+    /// <summary>The connection is to one server behind the gateway, and its address says to which.</summary>
+    public sealed class WebSocketRequester : WebRequester
+    {
+        /// <inheritdoc cref="WebRequester(string, TimeSpan)"/>
+        /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
+        /// <param name="name">The server behind it, such as hello.</param>
+        /// <param name="token">The word that the gateway was given as --token.</param>
+        /// <param name="patience">How long to wait for each reply.</param>
+        public WebSocketRequester(string endpoint, string name, string token, TimeSpan patience)
+            : base(endpoint, patience) =>
+            Path = $"/ws/{name}?token={Uri.EscapeDataString(token)}";
+
+        /// <inheritdoc/>
+        protected override string Path { get; }
+
+        /// <inheritdoc/>
+        protected override string Write(string[] frames) => JsonConvert.SerializeObject(frames);
+
+        /// <inheritdoc/>
+        protected override void Read(string text) => Answer(WebText.Parse(text));
+    }
+}
