@@ -13,6 +13,7 @@ from kitlib.programs import PATIENCE, Program, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import later, uninterrupted
 from kitlib.terminal import say, show
+from kitlib.watch import EXTRA, open_page, tap_command
 
 ABOUT = "Runs a lesson: starts its Python server and a client, shows both line by line, and stops the server."
 EXAMPLES = [
@@ -20,6 +21,7 @@ EXAMPLES = [
     "run lazy-pirate --client unity   its Unity scripts, played without Unity",
     'run 4 --server="--slow-on 3"     the server is late with reply 3',
     'run 1 --options="--count 3"      the client asks three times',
+    "run 2 --watch                    a page shows the messages, and drops one when asked to",
 ]
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
 
@@ -29,6 +31,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:0 takes a free port")
     parser.add_argument("--server", default="", metavar="OPTIONS", help="options for the server; its --help has them")
     parser.add_argument("--options", default="", metavar="OPTIONS", help="options for the client; its --help has them")
+    parser.add_argument("--watch", action="store_true", help="see the messages pass, in a page of your browser")
     add_folder(parser)
     add_client(parser)
 
@@ -50,11 +53,14 @@ def do(options: argparse.Namespace) -> int:
     """Set up what the lesson needs, start the server, run the client against it, stop the server."""
     lesson = find(options.lesson)
     for_client, for_server = split(options.options, "--options"), split(options.server, "--server")
-    python = python_setup.interpreter(lesson.key)
+    python = python_setup.interpreter(lesson.key, *([EXTRA] if options.watch else []))
     client = [*client_command(options.client, lesson, python, options.engine), *for_client]
-    given = ["--endpoint", options.endpoint] if options.endpoint else []
+    endpoint = options.endpoint or ("tcp://127.0.0.1:0" if options.watch else "")
+    given = ["--endpoint", endpoint] if endpoint else []
     others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
-    return run(lesson.folder(options.folder), [*server_command(lesson, python), *given, *for_server], others, client)
+    server = [*server_command(lesson, python), *given, *for_server]
+    tap = tap_command(lesson, python) if options.watch else []
+    return run(lesson.folder(options.folder), server, others, client, tap)
 
 
 def server_command(lesson: Lesson, python: Path) -> list[str]:
@@ -78,10 +84,11 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
     return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]
 
 
-def run(folder: Path, server: list[str], others: list[list[str]], client: list[str]) -> int:
-    """Run both sides, and what else the lesson starts; returns the client's exit code."""
+def run(folder: Path, server: list[str], others: list[list[str]], client: list[str], tap: list[str]) -> int:
+    """Run both sides, and what else the lesson starts; returns the client's exit code. A tap stays until Ctrl-C."""
     started: list[Program] = []
     last: list[str] = []
+    code: int | None = None
 
     def hear_client(line: str) -> None:
         show_last()
@@ -97,7 +104,14 @@ def run(folder: Path, server: list[str], others: list[list[str]], client: list[s
             heard = functools.partial(show, "server")
             started.append(Program(server, folder=folder, heard=heard))
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
-        for name, address in ready(started[0]).items():
+        addresses = ready(started[0])
+        if tap:
+            with later():
+                words = [*tap, *(f"{name}={address}" for name, address in addresses.items())]
+                started.append(Program(words, folder=folder, heard=functools.partial(show, "tap")))
+            addresses = ready(started[-1], "tap")
+            open_page(started[-1])
+        for name, address in addresses.items():
             client = [*client, f"--{name}", address]
         for other in others:
             with later():
@@ -106,10 +120,15 @@ def run(folder: Path, server: list[str], others: list[list[str]], client: list[s
             ready(started[-1])
         with later():
             started.append(Program(client, folder=folder, heard=hear_client))
-        return wait(started[-1].process)
+        code = wait(started[-1].process)
+        if tap:
+            show_last()
+            say("the page stays until Ctrl-C")
+            wait(started[1].process)
+        return code
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
-        return 130
+        return 130 if code is None else code
     finally:
         with uninterrupted():
             for program in reversed(started):
@@ -117,14 +136,14 @@ def run(folder: Path, server: list[str], others: list[list[str]], client: list[s
             show_last()
 
 
-def ready(server: Program) -> dict[str, str]:
+def ready(server: Program, name: str = "server") -> dict[str, str]:
     """Where it listens, once it does."""
     try:
         return server.endpoints()
     except KitError:
         if server.ended:
-            raise KitError("the server ended before it was ready; its own line above says why") from None
-        raise KitError(f"the server printed no ready line within {PATIENCE:.0f} s") from None
+            raise KitError(f"the {name} ended before it was ready; its own line above says why") from None
+        raise KitError(f"the {name} printed no ready line within {PATIENCE:.0f} s") from None
 
 
 def split(text: str, option: str) -> list[str]:

@@ -50,7 +50,7 @@ class Arrows:
         self.number = self.bytes = 0
         # Messages and bytes in each direction since the beginning: the page makes rates of them.
         self.totals = Counter({"up": 0, "down": 0, "up bytes": 0, "down bytes": 0})
-        self.began = time.perf_counter()
+        self.began = 0.0
         # Each direction of each connection has a thread of its own.
         self.lock = threading.Lock()
 
@@ -60,8 +60,10 @@ class Arrows:
             if last and not piece and not last.piece and (last.way, last.text) == (way, text):
                 # A client that tries again and again where no server is makes no flood of lines.
                 return
+            now = time.perf_counter()
+            self.began = self.began or now
             self.number += 1
-            self.kept.append(Arrow(self.number, time.perf_counter() - self.began, link, way, piece, text))
+            self.kept.append(Arrow(self.number, now - self.began, link, way, piece, text))
             if piece:
                 self.bytes += len(piece.raw)
                 self.totals[way] += 1
