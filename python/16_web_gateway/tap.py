@@ -87,6 +87,8 @@ def main() -> None:
     options = parser.parse_args()
     if not (0 <= options.page < 65536 and 0 <= options.slow < 60):
         parser.error("--page takes a port, 0 to 65535, --slow seconds, less than 60")
+    if [name for name, _ in options.servers].count("endpoint") != 1:
+        parser.error("one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots=tcp://127.0.0.1:5657")
     # What kill and process managers send ends it as Ctrl-C does.
     for name in {"SIGTERM", "SIGBREAK"} & set(dir(signal)):
         signal.signal(getattr(signal, name), signal.default_int_handler)
@@ -95,8 +97,8 @@ def main() -> None:
     page = Page(arrows, trouble, options.title or " ".join(f"{host}:{port}" for _, (host, port) in options.servers))
     shown = listen(("127.0.0.1", options.page))
     print(f"page at http://127.0.0.1:{shown.getsockname()[1]}/", flush=True)
-    # The first server last, because whoever reads these lines takes the last one for the sign that all is ready.
-    for name, address in reversed(options.servers):
+    # The line that tells others that all is ready comes last.
+    for name, address in sorted(options.servers, key=lambda each: each[0] == "endpoint"):
         host, port = options.endpoint if name == "endpoint" else (options.endpoint[0], 0)
         listener = listen((host, port))
         threading.Thread(target=tap, args=(listener, address, arrows, trouble), daemon=True).start()

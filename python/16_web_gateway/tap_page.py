@@ -41,7 +41,9 @@ class Page:
         runner = web.AppRunner(application, access_log=None)
         await runner.setup()
         await web.SockSite(runner, listener).start()
-        await asyncio.Event().wait()
+        while True:
+            # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+            await asyncio.sleep(0.2)
 
     async def html(self, request: web.Request) -> web.StreamResponse:
         return web.FileResponse(HTML)

@@ -15,6 +15,7 @@ import os
 import select
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -22,6 +23,14 @@ from pathlib import Path
 from tests.programs import LIMIT
 
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "chrome")
+# Gives the two pipes the browser's numbers. A shell cannot do it: Debian's knows no number above 9.
+NUMBERED = """
+import fcntl, os, sys
+pipes = [fcntl.fcntl(int(number), fcntl.F_DUPFD, 10) for number in sys.argv[1:3]]
+for pipe, number in zip(pipes, (3, 4)):
+    os.dup2(pipe, number)
+os.execv(sys.argv[3], sys.argv[3:])
+"""
 MISSING = "no Chromium: install it, or set KIT_CHROMIUM to the program"
 
 
@@ -42,8 +51,8 @@ class Chromium:
         words = ["--headless", "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}", "--no-first-run"]
         # In a container /dev/shm is small, and its root has no sandbox.
         words += ["--disable-dev-shm-usage", "--disable-gpu", *(["--no-sandbox"] if os.geteuid() == 0 else [])]
-        shell = ["sh", "-c", f'exec "$@" 3<&{from_us} 4>&{to_us}', "sh"]
-        command, nothing = [*shell, find(), *words, "about:blank"], subprocess.DEVNULL
+        command = [sys.executable, "-c", NUMBERED, str(from_us), str(to_us), find(), *words, "about:blank"]
+        nothing = subprocess.DEVNULL
         self.process = subprocess.Popen(
             command, pass_fds=(from_us, to_us), stdin=nothing, stdout=nothing, stderr=nothing
         )
