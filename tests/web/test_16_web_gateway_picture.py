@@ -154,21 +154,26 @@ HEADER = {"kind": "frame", "version": 1, "id": 5, "values": {"bottom_up": True, 
 
 
 @pytest.fixture
-def opened(tap, context, open_page):
-    """A page on which three messages have passed: two texts of which one is hostile, a picture, and raw bytes."""
+def opened(tap, context):
+    """A tap through which a text, a picture with a hostile header, and raw bytes have passed: (program, page, send)."""
     with context.socket(zmq.ROUTER) as router, context.socket(zmq.DEALER) as dealer:
         router.linger = dealer.linger = 0
         program, endpoint, page = tap(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}")
         dealer.connect(endpoint)
-        header = {**HEADER, "arrays": [{"dtype": "uint8", "shape": [40, 60, 3]}]}
-        for frames in ([b"7", b"</script><b>text"], [json.dumps(header).encode(), PICTURE], [b"\x00\xfe\xff"]):
+
+        def send(*frames):
             dealer.send_multipart(frames)
-            assert router.poll(20_000) and router.recv_multipart()[1:] == frames
-        yield program, page, open_page
+            assert router.poll(20_000) and router.recv_multipart()[1:] == [*frames]
+
+        header = {**HEADER, "arrays": [{"dtype": "uint8", "shape": [40, 60, 3]}]}
+        send(b"7", b"</script><b>text")
+        send(json.dumps(header).encode(), PICTURE)
+        send(b"\x00\xfe\xff")
+        yield program, page, send
 
 
-def test_an_arrow_opens_by_the_keyboard_as_what_it_is(opened):
-    _, page, open_page = opened
+def test_an_arrow_opens_by_the_keyboard_as_what_it_is(opened, open_page):
+    _, page, _ = opened
     seen = open_page(page)
     seen.wait_for(f"{ARROWS}.length === 3")
     seen.evaluate(f"{ARROWS}[0].focus()")
@@ -198,8 +203,20 @@ def test_an_arrow_opens_by_the_keyboard_as_what_it_is(opened):
     assert seen.errors == []
 
 
-def test_pause_and_filter(opened):
-    _, page, open_page = opened
+def test_who_reads_holds_the_picture_still(opened, open_page):
+    _, page, send = opened
+    seen = open_page(page)
+    seen.wait_for(f"{ARROWS}.length === 3")
+    seen.evaluate(f"{ARROWS}[0].focus()")
+    send(b"one more")
+    seen.wait_for("document.querySelector('#follow').innerText === '↓ 1 newer'")
+    assert len(seen.evaluate(TEXTS)) == 3
+    seen.click("#follow")
+    seen.wait_for(f"{ARROWS}.length === 4")
+
+
+def test_pause_and_filter(opened, open_page):
+    _, page, send = opened
     seen = open_page(page)
     seen.wait_for(f"{ARROWS}.length === 3")
     seen.evaluate("document.querySelector('#filter').focus()")
@@ -209,12 +226,17 @@ def test_pause_and_filter(opened):
     seen.click("#pause")
     assert seen.text("#pause") == "Continue"
     seen.wait_for("document.querySelector('#state').innerText === 'paused'")
+    send(b"another frame")
+    seen.wait_for("document.querySelector('#left').innerText === 'All 4 are drawn.'")
+    assert seen.text("#matches") == "1 of 3"
+    seen.click("#pause")
+    seen.wait_for("document.querySelector('#matches').innerText === '2 of 4'")
 
 
 @pytest.mark.parametrize(("width", "dark"), [(390, True), (1200, False)])
-def test_it_fits_and_has_names(width, dark, opened):
+def test_it_fits_and_has_names(width, dark, opened, open_page):
     """On a phone and on a screen, in both colours; whatever takes the focus has a name."""
-    _, page, open_page = opened
+    _, page, _ = opened
     seen = open_page(page, width=width, dark=dark)
     seen.wait_for(f"{ARROWS}.length === 3")
     seen.evaluate(f"{ARROWS}[1].click()")
@@ -229,8 +251,8 @@ def test_it_fits_and_has_names(width, dark, opened):
     assert len(named) > 10 and all(named), named
 
 
-def test_a_saved_recording_plays_without_a_server(opened, tmp_path):
-    program, page, open_page = opened
+def test_a_saved_recording_plays_without_a_server(opened, tmp_path, open_page):
+    program, page, _ = opened
     file = tmp_path / "recording.html"
     with urlopen(f"{page}recording.html", timeout=20) as answer:
         file.write_bytes(answer.read())
