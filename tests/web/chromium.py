@@ -23,22 +23,23 @@ from pathlib import Path
 from tests.programs import LIMIT
 
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "chrome")
-# Gives the two pipes the browser's numbers. A shell cannot do it: Debian's knows no number above 9.
-NUMBERED = """
+MISSING = "no Chromium: install it, or set KIT_CHROMIUM to the program"
+
+# Chromium reads from 3 and writes to 4. A number of ours may be one of these: first both get higher ones.
+RENUMBER = """
 import fcntl, os, sys
-pipes = [fcntl.fcntl(int(number), fcntl.F_DUPFD, 10) for number in sys.argv[1:3]]
-for pipe, number in zip(pipes, (3, 4)):
-    os.dup2(pipe, number)
+numbers = [fcntl.fcntl(int(number), fcntl.F_DUPFD, 10) for number in sys.argv[1:3]]
+for number, wanted in zip(numbers, (3, 4)):
+    os.dup2(number, wanted)
 os.execv(sys.argv[3], sys.argv[3:])
 """
-MISSING = "no Chromium: install it, or set KIT_CHROMIUM to the program"
 
 
 def find():
     """The browser's program, or None. Pipes have the numbers 3 and 4, which Windows does not know."""
     named = os.environ.get("KIT_CHROMIUM")
     found = named or next((path for name in NAMES if (path := shutil.which(name))), None)
-    return found if os.name == "posix" else None
+    return shutil.which(found) if found and os.name == "posix" else None
 
 
 class Chromium:
@@ -51,8 +52,8 @@ class Chromium:
         words = ["--headless", "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}", "--no-first-run"]
         # In a container /dev/shm is small, and its root has no sandbox.
         words += ["--disable-dev-shm-usage", "--disable-gpu", *(["--no-sandbox"] if os.geteuid() == 0 else [])]
-        command = [sys.executable, "-c", NUMBERED, str(from_us), str(to_us), find(), *words, "about:blank"]
-        nothing = subprocess.DEVNULL
+        renumber = [sys.executable, "-c", RENUMBER, str(from_us), str(to_us)]
+        command, nothing = [*renumber, find(), *words, "about:blank"], subprocess.DEVNULL
         self.process = subprocess.Popen(
             command, pass_fds=(from_us, to_us), stdin=nothing, stdout=nothing, stderr=nothing
         )

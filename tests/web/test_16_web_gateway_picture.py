@@ -227,7 +227,7 @@ def test_pause_and_filter(opened, open_page):
     assert seen.text("#pause") == "Continue"
     seen.wait_for("document.querySelector('#state').innerText === 'paused'")
     send(b"another frame")
-    seen.wait_for("document.querySelector('#left').innerText === 'All 4 are drawn.'")
+    seen.wait_for("document.querySelector('#left').innerText === 'The picture is held still, at 4 messages.'")
     assert seen.text("#matches") == "1 of 3"
     seen.click("#pause")
     seen.wait_for("document.querySelector('#matches').innerText === '2 of 4'")
