@@ -71,8 +71,10 @@ def test_a_lesson_runs_through_it_unchanged(key, client, words, serve, tap, clie
     assert program.lines[-1] == f"listening on {endpoint}"
 
 
-@pytest.mark.parametrize("fate", ["drop", "cut", "double", "delay"])
-@pytest.mark.parametrize("client", ["python", "csharp"])
+@pytest.mark.parametrize(
+    ("fate", "client"),
+    [("drop", "csharp"), ("drop", "python"), ("cut", "csharp"), ("double", "python"), ("delay", "python")],
+)
 def test_trouble_is_what_lesson_02_is_made_for(fate, client, serve, tap, client_command, start, tmp_path):
     """Message 3 is the second request: 1 is added all the same, and once."""
     server, endpoint = serve("02_lazy_pirate")
@@ -126,20 +128,25 @@ def test_what_is_encrypted_stays_so(context, tap):
     assert [each for each in seen if each["frames"] and each["frames"][-1].startswith(b"\x07MESSAGE")]
 
 
-def test_heartbeats_reach_the_other_side(context, tap):
-    """A server that is told to expect them keeps the connection; they make no arrow."""
-    with context.socket(zmq.ROUTER) as router, context.socket(zmq.DEALER) as dealer:
-        router.linger = dealer.linger = 0
-        dealer.heartbeat_ivl, dealer.heartbeat_timeout = 20, 10_000
-        monitor = dealer.get_monitor_socket(zmq.EVENT_DISCONNECTED)
-        _, endpoint, page = tap(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}")
-        dealer.connect(endpoint)
-        # No length of time: so many requests, each with heartbeats in between.
-        for i in range(20):
-            dealer.send(b"%d" % i)
-            assert router.poll(20_000) and router.recv_multipart()[1] == b"%d" % i
-        assert not monitor.poll(0)
-        assert [arrow(page, 2 + i)["frames"] for i in range(20)] == [[b"%d" % i] for i in range(20)]
+def test_heartbeats_pass_byte_by_byte_and_make_no_arrow(tap):
+    """Between two sockets of this test, which see the very bytes: a greeting, commands, a message."""
+    said = b"\xff" + bytes(8) + b"\x7f\x03\x01NULL".ljust(GREETING - 9, b"\0")
+    said += (
+        b"\x04\x19\x05READY\x0bSocket-Type\0\0\0\x03REQ" + b"\x04\x07\x04PING\0\x0a" + frame(b"", 1) + frame(b"Hello")
+    )
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        _, endpoint, page = tap(f"tcp://127.0.0.1:{listener.getsockname()[1]}")
+        listener.settimeout(20)
+        with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as client:
+            behind, _ = listener.accept()
+            with behind:
+                behind.settimeout(20)
+                client.sendall(said)
+                seen = b""
+                while len(seen) < len(said):
+                    seen += behind.recv(len(said))
+    assert seen == said
+    assert arrow(page, 1)["frames"] == [b"", b"Hello"]
 
 
 def test_where_no_server_is_the_client_is_told_what_it_always_is(tap, client_command, start, tmp_path):

@@ -295,10 +295,11 @@ def test_run_watch_opens_the_page_and_then_starts_the_client(start, tmp_path, op
     kit = start(PYTHON, ROOT / "kit.py", *words, BROWSER=browser)
     page = kit.wait_for(r"^tap +\| page at (\S+)")[1]
     kit.wait_for(r"^tap +\| listening on")
-    assert not [line for line in kit.lines if line.startswith("client")]
     seen = open_page(page)
     kit.wait_for("^kit +. the page stays until Ctrl-C")
-    assert "client | done: 2 replies" in kit.output
+    speakers = [line.partition("|")[0].strip() for line in kit.lines]
+    assert speakers.index("client") > kit.lines.index("tap    | a page looks on")
+    assert "client | done: 2 replies" in kit.lines
     assert address.read_text() == page
     seen.wait_for(f"{ARROWS}.length === 4")
     assert seen.text("h1") == "Lesson 01: request reply"
