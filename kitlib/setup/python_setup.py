@@ -30,12 +30,18 @@ IMPORTS = {
     "pillow": "PIL",
     "pyyaml": "yaml",
     "grpcio": "grpc",
+    "python-socketio": "socketio",
 }
 # On a Mac /usr/bin/python3 is too old, or opens a window that offers developer tools.
 SYSTEM = [*(["/usr/bin/python3"] if sys.platform != "darwin" else []), "/usr/local/bin/python3"]
 # What pip says where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
-DEBIAN = {"pyzmq": "python3-zmq", "pillow": "python3-pil", "pyyaml": "python3-yaml"}
+DEBIAN = {
+    "pyzmq": "python3-zmq",
+    "pillow": "python3-pil",
+    "pyyaml": "python3-yaml",
+    "python-socketio": "python3-socketio",
+}
 
 
 def needs(*extras: str) -> list[str]:
