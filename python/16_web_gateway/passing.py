@@ -34,7 +34,7 @@ class Link:
         with client:
             try:
                 server = socket.create_connection((host, port), timeout=2)
-            except OSError:
+            except (OSError, UnicodeError):
                 # The client connects again, as it does where nobody listens.
                 return self.arrows.add(self.number, "", None, f"no server at {host}:{port}")
             with server:

@@ -26,12 +26,11 @@ import signal
 import socket
 import sys
 import threading
-from pathlib import Path
 
 from arrows import Arrows
 from passing import Link
 from tap_page import Page
-from tap_recording import recording
+from tap_recording import file, write
 from trouble import FATES, Trouble
 
 ENDPOINT = "tcp://127.0.0.1:5666"
@@ -81,7 +80,7 @@ def main() -> None:
     parser.add_argument("--page", type=int, default=0, metavar="PORT", help="of the page; 0, the default: a free one")
     parser.add_argument("--title", default="", help="what stands above the picture")
     parser.add_argument("--slow", type=float, default=0, metavar="S", help="each message is S seconds late, to look at")
-    parser.add_argument("--record", type=Path, metavar="FILE", help="an HTML file that shows it all again, at the end")
+    parser.add_argument("--record", type=file, metavar="FILE", help="an HTML file that shows it all again, at the end")
     for fate in FATES:
         parser.add_argument(f"--{fate}", type=int, metavar="N", help="trouble at message N: see this file")
     options = parser.parse_args()
@@ -108,7 +107,7 @@ def main() -> None:
         asyncio.run(page.serve(shown))
     finally:
         if options.record:
-            options.record.write_text(recording(arrows, page.title), encoding="utf-8", newline="\n")
+            write(options.record, arrows, page.title)
 
 
 if __name__ == "__main__":

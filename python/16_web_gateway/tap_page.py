@@ -72,10 +72,10 @@ class Page:
 
     def ask(self, text: str) -> None:
         """What does not fit is no wish of our page."""
-        with contextlib.suppress(ValueError, KeyError, TypeError):
+        with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError):
             asked = json.loads(text)
-            if "slow" in asked:
-                self.trouble.slow = min(max(float(asked["slow"]), 0), 10)
+            if 0 <= float(asked.get("slow", -1)) <= 10:
+                self.trouble.slow = float(asked["slow"])
             if asked.get("fate", "none") in ("", *FATES) and asked["way"] in ("", "up", "down"):
                 self.trouble.ask(asked["fate"], asked["way"])
 

@@ -21,6 +21,7 @@ LESSON = ROOT / "python" / "16_web_gateway"
 sys.path.append(str(LESSON))
 pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
 from arrows import MOST, MOST_BYTES, Arrows  # noqa: E402
+from tap_page import Page  # noqa: E402
 from trouble import Trouble  # noqa: E402
 from zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
 
@@ -192,6 +193,7 @@ def test_another_web_page_gets_nothing(headers, tap):
         (["tcp://127.0.0.1:1", "--page", "70000"], "--page takes a port, 0 to 65535"),
         (["tcp://127.0.0.1:1", "--slow", "nan"], "--slow seconds, less than 60"),
         (["x=tcp://127.0.0.1:1"], "one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots="),
+        (["tcp://127.0.0.1:1", "--record", "no/where.html"], "cannot write 'no/where.html': "),
         ([], "the following arguments are required: SERVER"),
     ],
 )
@@ -264,6 +266,18 @@ def test_a_client_that_knocks_in_vain_makes_no_flood():
     for link in range(100):
         arrows.add(link, "", None, "no server at 127.0.0.1:1")
     assert arrows.number == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "7", "[" * 999, '{"slow": NaN}', '{"slow": -1}', '{"slow": "x"}', '{"fate": "drop"}', '{"way": "up"}'],
+)
+def test_what_is_no_wish_of_the_page_changes_nothing(text):
+    trouble = Trouble()
+    Page(Arrows(), trouble, "").ask(text)
+    assert (trouble.asked, trouble.slow) == ("", 0)
+    Page(Arrows(), trouble, "").ask('{"fate": "cut", "way": "down"}')
+    assert (trouble.asked, trouble.way) == ("cut", "down")
 
 
 def test_trouble_meets_one_message_also_from_many_threads():
