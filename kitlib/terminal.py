@@ -8,7 +8,7 @@ import threading
 from typing import TextIO
 
 SCREEN = threading.Lock()
-COLOURS = {"server": "36", "client": "33", "kit": "32", "error": "31"}
+COLOURS = {"server": "36", "client": "33", "kit": "32", "tap": "35", "error": "31"}
 
 
 def coloured(text: str, colour: str, stream: TextIO | None = None) -> str:

@@ -13,6 +13,7 @@ from kitlib.programs import PATIENCE, Program, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import later, uninterrupted
 from kitlib.terminal import say, show
+from kitlib.watch import EXTRA, open_page, tap_command
 
 ABOUT = "Runs a lesson: starts its Python server and a client, shows both line by line, and stops the server."
 EXAMPLES = [
@@ -20,6 +21,7 @@ EXAMPLES = [
     "run lazy-pirate --client unity   its Unity scripts, played without Unity",
     'run 4 --server="--slow-on 3"     the server is late with reply 3',
     'run 1 --options="--count 3"      the client asks three times',
+    "run 2 --watch                    a page shows the messages, and drops one when asked to",
 ]
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
 
@@ -29,6 +31,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:0 takes a free port")
     parser.add_argument("--server", default="", metavar="OPTIONS", help="options for the server; its --help has them")
     parser.add_argument("--options", default="", metavar="OPTIONS", help="options for the client; its --help has them")
+    parser.add_argument("--watch", action="store_true", help="see the messages pass, in a page of your browser")
     add_folder(parser)
     add_client(parser)
 
@@ -50,12 +53,16 @@ def do(options: argparse.Namespace) -> int:
     """Set up what the lesson needs, start the server, run the client against it, stop the server."""
     lesson = find(options.lesson)
     for_client, for_server = split(options.options, "--options"), split(options.server, "--server")
-    python = python_setup.interpreter(lesson.key)
+    if options.watch and lesson.scheme != "tcp":
+        raise UsageError(f"--watch shows ZeroMQ, and {lesson.key} is asked over {lesson.scheme}; watch another lesson")
+    python = python_setup.interpreter(lesson.key, *([EXTRA] if options.watch else []))
     client = [*client_command(options.client, lesson, python, options.engine), *for_client]
-    given = ["--endpoint", options.endpoint] if options.endpoint else []
+    endpoint = options.endpoint or (lesson.anywhere if options.watch else "")
+    given = ["--endpoint", endpoint] if endpoint else []
     others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
     server = [*server_command(lesson, python), *given, *for_server]
-    return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server))
+    tap = tap_command(lesson, python) if options.watch else []
+    return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server), tap)
 
 
 def server_command(lesson: Lesson, python: Path) -> list[str]:
@@ -86,11 +93,20 @@ def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) 
 
 
 def run(
-    folder: Path, server: list[str], others: list[list[str]], client: list[str], behind: dict[str, list[str]]
+    folder: Path,
+    server: list[str],
+    others: list[list[str]],
+    client: list[str],
+    behind: dict[str, list[str]],
+    tap: list[str] | None = None,
 ) -> int:
-    """Run both sides, and what else the lesson starts; returns the client's exit code, or without one the server's."""
+    """Run both sides, and what else the lesson starts; returns the client's exit code, or without one the server's.
+
+    A tap between them stays until Ctrl-C.
+    """
     started: list[Program] = []
     last: list[str] = []
+    code: int | None = None
 
     def hear_client(line: str) -> None:
         show_last()
@@ -113,7 +129,14 @@ def run(
         if not client:
             return wait(started[-1].process)
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
-        for name, address in ready(started[-1]).items():
+        addresses = ready(started[-1])
+        if tap:
+            with later():
+                words = [*tap, *(f"{name}={address}" for name, address in addresses.items())]
+                started.append(watched := Program(words, folder=folder, heard=functools.partial(show, "tap")))
+            addresses = ready(watched, "tap")
+            open_page(watched)
+        for name, address in addresses.items():
             client = [*client, f"--{name}", address]
         for other in others:
             with later():
@@ -122,10 +145,15 @@ def run(
             ready(started[-1])
         with later():
             started.append(Program(client, folder=folder, heard=hear_client))
-        return wait(started[-1].process)
+        code = wait(started[-1].process)
+        if tap:
+            show_last()
+            say("the page stays until Ctrl-C")
+            wait(watched.process)
+        return code
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
-        return 130
+        return 130 if code is None else code
     finally:
         with uninterrupted():
             for program in reversed(started):
@@ -133,14 +161,14 @@ def run(
             show_last()
 
 
-def ready(server: Program) -> dict[str, str]:
+def ready(server: Program, name: str = "server") -> dict[str, str]:
     """Where it listens, once it does."""
     try:
         return server.endpoints()
     except KitError:
         if server.ended:
-            raise KitError("the server ended before it was ready; its own line above says why") from None
-        raise KitError(f"the server printed no ready line within {PATIENCE:.0f} s") from None
+            raise KitError(f"the {name} ended before it was ready; its own line above says why") from None
+        raise KitError(f"the {name} printed no ready line within {PATIENCE:.0f} s") from None
 
 
 def split(text: str, option: str) -> list[str]:

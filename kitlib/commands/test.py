@@ -45,7 +45,7 @@ def of_a_lesson(words: list[str]) -> list[str]:
     """A lesson in front stands for what has its name: its own tests, its cases of the contract, its page."""
     if not words or words[0].startswith("-") or Path(words[0].split("::")[0]).exists():
         return words
-    return ["-k", find(words[0]).key, "tests/lessons", "tests/docs", "tests/kit", *words[1:]]
+    return ["-k", find(words[0]).key, "tests/lessons", "tests/docs", "tests/kit", "tests/web", *words[1:]]
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:

@@ -27,7 +27,19 @@ KEYS = [lesson.key for lesson in lessons()]
 each_lesson = pytest.mark.parametrize("key", KEYS)
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Options that take any text; every other value can be wrong.
-FREE_TEXT = {"--record", "--model", "--text", "--journal", "--topic", "--view", "--keys", "--server-key", "--prompt", "--origin", "--token"}
+FREE_TEXT = {
+    "--record",
+    "--model",
+    "--text",
+    "--journal",
+    "--topic",
+    "--view",
+    "--keys",
+    "--server-key",
+    "--prompt",
+    "--origin",
+    "--token",
+}
 # What speaks to no stranger: the peers of this file get keys there as well.
 KEYED = {"15_security"}
 # How many there are at least is one.
@@ -62,10 +74,10 @@ def at(key, place):
     return place.replace("tcp", Lesson(key).scheme)
 
 
-def told(key, folder):
-    """The words with which a server listens for other machines too."""
+def told(key):
+    """The words with which a server without keys listens for other machines too."""
     if key in KEYED:
-        return ["--keys", str(folder / "keys")]
+        return []
     return ["--token", "word"] if Lesson(key).scheme == "http" else ["--open-to-anyone"]
 
 
@@ -189,7 +201,7 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
     wrong = {at(key, endpoint.format(port(key))): 2 for endpoint in BAD}
     # Well written, but not of this machine.
     wrong |= {at(key, "tcp://no-such-host.invalid:0"): 1, at(key, "tcp://192.0.2.1:0"): 1}
-    command = [PYTHON, server_of(key), *kept_there(key, tmp_path), *told(key, tmp_path)]
+    command = [PYTHON, server_of(key), *kept_there(key, tmp_path), *told(key)]
     servers = {endpoint: start(*command, "--endpoint", endpoint) for endpoint in wrong}
     for endpoint, server in servers.items():
         line = ended(server, wrong[endpoint])
@@ -213,8 +225,7 @@ def test_a_server_without_keys_is_for_this_machine_alone_unless_it_is_told(key, 
                 assert "everybody in the network could come in; give --token" in ended(server, 1)
             else:
                 assert "lets anyone in: lesson 15 has keys, --open-to-anyone has none" in ended(server, 2)
-        more = [word for word in kept_there(key, tmp_path) if key not in KEYED]
-        begin("0.0.0.0", *told(key, tmp_path), *more).wait_for(at(key, r"^\w+ on tcp://0\.0\.0\.0:"))
+        begin("0.0.0.0", *told(key), *kept_there(key, tmp_path)).wait_for(at(key, r"^\w+ on tcp://0\.0\.0\.0:"))
 
 
 @each_lesson

@@ -1,0 +1,69 @@
+"""Records img/02_watched.html and img/08_watched.html, and draws one: python3 -m kitlib.docs.tap_recordings
+
+Each is one file that plays in a browser without a server. A tap stands between a lesson's client and server, and slows
+each message down so that an eye can follow. In lesson 02 it drops a reply.
+"""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from kitlib.lessons import ROOT, find
+from kitlib.programs import Program
+from kitlib.watch import tap_command
+
+# What the client and the tap are told.
+RECORDINGS = {
+    "02": ("--count 4 --patience 1.5", "--slow 0.25 --drop 4"),
+    # Picture for picture, so that the same drive is recorded each time; round a bend.
+    "08": ("--lockstep --count 90 --start 700 --patience 20", "--slow 0.02"),
+}
+
+
+def record(number: str, client_words: str, tap_words: str, folder: str) -> Path:
+    """Run the lesson behind a tap; the tap writes what it saw when it ends."""
+    lesson, free = find(number), ("--endpoint", "tcp://127.0.0.1:0")
+    picture = ROOT / "img" / f"{number}_watched.html"
+    started = [Program([sys.executable, lesson.python / "server.py", *free], folder=Path(folder))]
+    try:
+        server = started[0].endpoints()["endpoint"]
+        tap = Program([*tap_command(lesson, sys.executable), *tap_words.split(), "--record", picture, server])
+        started.append(tap)
+        words = ["--endpoint", tap.endpoints()["endpoint"], *client_words.split()]
+        Program([sys.executable, lesson.python / "client.py", *words]).wait_for("^done")
+        tap.process.send_signal(signal.SIGTERM)
+        tap.process.wait(60)
+    finally:
+        for program in started:
+            program.end()
+    return picture
+
+
+def take_picture(page: Path, picture: Path, folder: str) -> None:
+    """What a browser shows of a page. Who asks for no motion sees a recording's end at once."""
+    browser = next((found for name in ("chromium", "google-chrome", "chrome") if (found := shutil.which(name))), None)
+    if not browser:
+        return print(f"no Chromium here: {picture.name} stays as it is")
+    words = ["--headless", "--no-sandbox", "--disable-gpu", "--force-prefers-reduced-motion", "--hide-scrollbars"]
+    words += [f"--user-data-dir={folder}/profile", "--window-size=1000,620", f"--screenshot={picture}", page.as_uri()]
+    # Drawn at twice the size, for fine screens.
+    done = subprocess.run([browser, *words, "--force-device-scale-factor=2"], capture_output=True, timeout=120)
+    done.check_returncode()
+    return print(f"drew {picture.relative_to(ROOT).as_posix()}, {picture.stat().st_size:,} bytes")
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        for number, words in RECORDINGS.items():
+            picture = record(number, *words, folder)
+            print(f"recorded {picture.relative_to(ROOT).as_posix()}, {picture.stat().st_size:,} bytes")
+        take_picture(ROOT / "img" / "02_watched.html", ROOT / "img" / "16_watched.png", folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,292 @@
+"""Lesson 16's tap: the lessons run through it unchanged, trouble is what was asked for, and others are kept out."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import socket
+import sys
+import threading
+import urllib.error
+import urllib.request
+
+import pytest
+import zmq
+
+from tests.conftest import PYTHON
+from tests.programs import ROOT, free_port
+
+LESSON = ROOT / "python" / "16_web_gateway"
+sys.path.append(str(LESSON))
+pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
+from arrows import MOST, MOST_BYTES, Arrows  # noqa: E402
+from tap_page import Page  # noqa: E402
+from trouble import Trouble  # noqa: E402
+from zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
+
+
+@pytest.fixture
+def tap(start, tmp_path):
+    """tap(endpoint, "--drop", "3") stands in front of a server: (program, the client's endpoint, the page)."""
+
+    def tap(*words):
+        program = start(PYTHON, LESSON / "tap.py", "--endpoint", "tcp://127.0.0.1:0", *words, folder=tmp_path)
+        endpoint = program.wait_for(r"^listening on (\S+)")[1]
+        return program, endpoint, program.wait_for(r"^page at (\S+)/")[1]
+
+    return tap
+
+
+def arrow(page, number):
+    """What a page is told of a message that is opened: a dict, with the frames as bytes."""
+    from base64 import b64decode
+
+    with urllib.request.urlopen(f"{page}/arrow/{number}", timeout=20) as answer:
+        told = json.load(answer)
+    return {**told, "frames": [b64decode(data) for _, data in told["frames"]]}
+
+
+# Strictly in turn; retries on new sockets; topics; one connection for all; pictures; two endpoints; the server asks.
+@pytest.mark.parametrize(
+    ("key", "client", "words"),
+    [
+        ("01_request_reply", "csharp", "--count 3"),
+        ("02_lazy_pirate", "unity", "--count 3"),
+        ("03_publish_subscribe", "csharp", "--count 3"),
+        ("06_many_in_flight", "csharp", ""),
+        ("07_catch_up", "python", "--count 3"),
+        ("08_see_and_steer", "python", "--count 3 --lockstep"),
+    ],
+)
+def test_a_lesson_runs_through_it_unchanged(key, client, words, serve, tap, client_command, start, tmp_path):
+    server, endpoint = serve(key)
+    others = {name: address for name, address in server.endpoints().items() if name != "endpoint"}
+    program, endpoint, page = tap(*(f"{name}={address}" for name, address in others.items()), endpoint)
+    for name in others:
+        words += f" --{name} {program.endpoints()[name]}"
+    client = start(*client_command(client, key, endpoint, *words.split()), folder=tmp_path)
+    assert client.wait() == 0, client.output
+    assert client.lines[-1].startswith("done: ") and "try 2" not in client.output
+    assert arrow(page, 1)["text"].startswith("opened: ")
+    assert program.lines[-1] == f"listening on {endpoint}"
+
+
+@pytest.mark.parametrize(
+    ("fate", "client"),
+    [("drop", "csharp"), ("drop", "python"), ("cut", "csharp"), ("double", "python"), ("delay", "python")],
+)
+def test_trouble_is_what_lesson_02_is_made_for(fate, client, serve, tap, client_command, start, tmp_path):
+    """Message 3 is the second request: 1 is added all the same, and once."""
+    server, endpoint = serve("02_lazy_pirate")
+    _, endpoint, page = tap(endpoint, f"--{fate}", "3")
+    asking = start(*client_command(client, "02_lazy_pirate", endpoint, "--count", "3"), folder=tmp_path)
+    assert asking.wait() == 0, asking.output
+    assert "3: sent add 1, received 3" in asking.lines
+    assert ("2: no reply within 0.5 s; try 2 of 5" in asking.lines) == (fate != "double")
+    assert arrow(page, 4)["text"] == fate
+    # What was only late or came twice reaches the server, which knows it.
+    server.wait_for("from the journal") if fate in ("double", "delay") else None
+
+
+def test_identities_and_subscriptions_stay_the_clients_own(context, tap):
+    with context.socket(zmq.ROUTER) as router, context.socket(zmq.DEALER) as dealer:
+        router.linger = dealer.linger = 0
+        router.rcvtimeo = dealer.rcvtimeo = 20_000
+        _, endpoint, page = tap(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}")
+        dealer.setsockopt(zmq.IDENTITY, b"me")
+        # Longer than one read of the tap, and with frames of all sizes.
+        sent = [b"", b"x" * 255, b"y" * 256, bytes(range(256)) * 2000]
+        dealer.connect(endpoint)
+        dealer.send_multipart(sent)
+        assert router.recv_multipart() == [b"me", *sent]
+        router.send_multipart([b"me", b"answer"])
+        assert dealer.recv_multipart() == [b"answer"]
+    assert arrow(page, 1)["text"] == "opened: DEALER to ROUTER"
+    assert arrow(page, 2)["frames"] == sent and arrow(page, 2)["way"] == "up"
+    assert arrow(page, 3)["frames"] == [b"answer"] and arrow(page, 3)["way"] == "down"
+
+
+@pytest.mark.skipif(not zmq.has("curve"), reason="this libzmq has no CURVE")
+def test_what_is_encrypted_stays_so(context, tap):
+    with context.socket(zmq.REP) as replier, context.socket(zmq.REQ) as asker:
+        public, secret = zmq.curve_keypair()
+        replier.linger = asker.linger = 0
+        replier.rcvtimeo = asker.rcvtimeo = 20_000
+        replier.curve_secretkey, replier.curve_server = secret, True
+        _, endpoint, page = tap(f"tcp://127.0.0.1:{replier.bind_to_random_port('tcp://127.0.0.1')}")
+        asker.curve_publickey, asker.curve_secretkey = zmq.curve_keypair()
+        asker.curve_serverkey = public
+        asker.connect(endpoint)
+        asker.send(b"a secret")
+        assert replier.recv() == b"a secret"
+    assert arrow(page, 1)["text"] == "opened: CURVE"
+    seen = []
+    with contextlib.suppress(urllib.error.HTTPError):
+        while True:
+            seen.append(arrow(page, len(seen) + 1))
+    assert not [each for each in seen if b"secret" in b"".join(each["frames"])]
+    assert [each for each in seen if each["frames"] and each["frames"][-1].startswith(b"\x07MESSAGE")]
+
+
+def test_heartbeats_pass_byte_by_byte_and_make_no_arrow(tap):
+    """Between two sockets of this test, which see the very bytes: a greeting, commands, a message."""
+    said = b"\xff" + bytes(8) + b"\x7f\x03\x01NULL".ljust(GREETING - 9, b"\0")
+    said += (
+        b"\x04\x19\x05READY\x0bSocket-Type\0\0\0\x03REQ" + b"\x04\x07\x04PING\0\x0a" + frame(b"", 1) + frame(b"Hello")
+    )
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        _, endpoint, page = tap(f"tcp://127.0.0.1:{listener.getsockname()[1]}")
+        listener.settimeout(20)
+        with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as client:
+            behind, _ = listener.accept()
+            with behind:
+                behind.settimeout(20)
+                client.sendall(said)
+                seen = b""
+                while len(seen) < len(said):
+                    seen += behind.recv(len(said))
+    assert seen == said
+    assert arrow(page, 1)["frames"] == [b"", b"Hello"]
+
+
+def test_where_no_server_is_the_client_is_told_what_it_always_is(tap, client_command, start, tmp_path):
+    port = free_port()
+    program, endpoint, page = tap(f"tcp://127.0.0.1:{port}")
+    words = ["--count", "1", "--tries", "2", "--patience", "0.2"]
+    client = start(*client_command("python", "02_lazy_pirate", endpoint, *words), folder=tmp_path)
+    assert client.wait() == 1 and "gave up: 2 tries" in client.output
+    assert arrow(page, 1)["text"] == f"no server at 127.0.0.1:{port}"
+    assert program.process.poll() is None
+
+
+@pytest.mark.parametrize("what", [b"GET / HTTP/1.1\r\n" + b"x" * 100, b"\xff" + bytes(8) + b"\x7f\x01" + bytes(90)])
+def test_what_is_no_zeromq_is_let_go_and_said(what, serve, tap):
+    _, endpoint = serve("01_request_reply")
+    _, endpoint, page = tap(endpoint)
+    with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as stranger:
+        stranger.settimeout(20)
+        with contextlib.suppress(ConnectionError):
+            stranger.sendall(what)
+            while stranger.recv(4096):
+                pass
+    assert arrow(page, 1)["text"].startswith("closed by the tap: this is no ZeroMQ")
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "http://127.0.0.1:1"}]
+)
+def test_another_web_page_gets_nothing(headers, tap):
+    _, _, page = tap(f"tcp://127.0.0.1:{free_port()}")
+    for path in ("", "live", "arrow/1", "recording.html"):
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(urllib.request.Request(f"{page}/{path}", headers=headers), timeout=20)
+        assert refused.value.code == 403
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["tcp://127.0.0.1:99999"], "bad endpoint 'tcp://127.0.0.1:99999': write it like tcp://127.0.0.1:5552"),
+        (["ipc://x"], "bad endpoint 'ipc://x'"),
+        (["tcp://127.0.0.1:1", "--endpoint", "tcp://0.0.0.0:0"], "bad endpoint 'tcp://0.0.0.0:0': write it like"),
+        (["tcp://127.0.0.1:1", "--page", "70000"], "--page takes a port, 0 to 65535"),
+        (["tcp://127.0.0.1:1", "--slow", "nan"], "--slow seconds, less than 60"),
+        (["x=tcp://127.0.0.1:1"], "one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots="),
+        (["tcp://127.0.0.1:1", "--record", "no/where.html"], "cannot write 'no/where.html': "),
+        ([], "the following arguments are required: SERVER"),
+    ],
+)
+def test_wrong_words_are_named(words, said, start):
+    program = start(PYTHON, LESSON / "tap.py", *words)
+    assert program.wait() == 2
+    assert said in program.lines[-1]
+
+
+def test_a_taken_port_is_named_with_its_cure(start):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        program = start(PYTHON, LESSON / "tap.py", "tcp://127.0.0.1:1", "--endpoint", f"tcp://127.0.0.1:{port}")
+        assert program.wait() == 1
+    assert re.match(rf"cannot listen on 127.0.0.1:{port}: .+; try port 0, which takes a free one", program.lines[-1])
+
+
+# ---- Its parts ----
+
+
+def frame(body, flags=0):
+    return bytes([flags, len(body)]) + body if len(body) < 256 else bytes([flags | 2]) + len(body).to_bytes(8) + body
+
+
+def test_a_message_is_one_however_it_is_cut():
+    """Each beginning of the bytes is no message yet, and what follows them stays."""
+    bodies = [b"", b"a" * 255, b"b" * 256]
+    raw = b"".join(frame(body, 1 if body is not bodies[-1] else 0) for body in bodies)
+    for end in range(len(raw)):
+        assert take(buffer := bytearray(raw[:end]), 10_000) is None and buffer == raw[:end]
+    piece = take(buffer := bytearray(raw + b"\x04\x05\x04PING"), 10_000)
+    assert (piece.raw, piece.frames, piece.command) == (raw, bodies, False)
+    ping = take(buffer, 10_000)
+    assert (ping.name, ping.command, buffer) == (b"PING", True, b"")
+
+
+@pytest.mark.parametrize("raw", [b"\x08\x00", b"\x02" + (10_001).to_bytes(8), b"\x02" + b"\xff" * 8, b"\x47\x45T"])
+def test_what_is_no_frame_is_refused_before_it_fills_the_memory(raw):
+    with pytest.raises(NotZeroMQ):
+        take(bytearray(raw), 10_000)
+
+
+def test_what_an_older_zeromq_says_is_no_greeting_for_us():
+    greeting = b"\xff" + bytes(8) + b"\x7f\x03\x01NULL".ljust(GREETING - 9, b"\0")
+    assert mechanism(greeting) == "NULL"
+    for other in (greeting[:20], b"\x01" + greeting[1:], greeting[:10] + b"\x01" + greeting[11:]):
+        with pytest.raises(NotZeroMQ):
+            mechanism(other)
+
+
+@pytest.mark.parametrize("ready", [b"\x05READY", b"\x05READY\xff", b"\x05READY\x0bSocket-Type\xff\xff\xff\xff"])
+def test_a_ready_that_says_nothing_of_use_ends_nothing(ready):
+    assert socket_type(ready) in ("?", "")
+
+
+def test_what_is_kept_has_a_limit_and_the_newest_stay():
+    arrows, piece = Arrows(), Piece(b"\x00\x01x", [slice(2, 3)], False)
+    for _ in range(MOST + 10):
+        arrows.add(1, "up", piece)
+    assert [each.number for each in arrows.after(0, 5)] == list(range(MOST + 6, MOST + 11))
+    assert arrows.find(10) is None and arrows.find(11).number == 11 and arrows.find(MOST + 11) is None
+    large = Piece(bytes(MOST_BYTES // 2), [slice(0, MOST_BYTES // 2)], False)
+    for _ in range(5):
+        arrows.add(1, "down", large)
+    assert len(arrows.kept) == 2 and arrows.totals["down"] == 5 and arrows.after(MOST + 15, 5) == []
+
+
+def test_a_client_that_knocks_in_vain_makes_no_flood():
+    arrows = Arrows()
+    for link in range(100):
+        arrows.add(link, "", None, "no server at 127.0.0.1:1")
+    assert arrows.number == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "7", "[" * 999, '{"slow": NaN}', '{"slow": -1}', '{"slow": "x"}', '{"fate": "drop"}', '{"way": "up"}'],
+)
+def test_what_is_no_wish_of_the_page_changes_nothing(text):
+    trouble = Trouble()
+    Page(Arrows(), trouble, "").ask(text)
+    assert (trouble.asked, trouble.slow) == ("", 0)
+    Page(Arrows(), trouble, "").ask('{"fate": "cut", "way": "down"}')
+    assert (trouble.asked, trouble.way) == ("cut", "down")
+
+
+def test_trouble_meets_one_message_also_from_many_threads():
+    trouble, met = Trouble(), []
+    trouble.ask("drop", "down")
+    assert trouble.of_next("up") == ""
+    threads = [threading.Thread(target=lambda: met.append(trouble.of_next("down"))) for _ in range(20)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(met) == [""] * 19 + ["drop"]

@@ -1,0 +1,307 @@
+"""Lesson 16's picture in a real browser: the tap's page, live and as a recording."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import sys
+import threading
+from urllib.request import urlopen
+
+import pytest
+import zmq
+
+from tests.conftest import PYTHON
+from tests.programs import ROOT, finds_processes
+
+LESSON = ROOT / "python" / "16_web_gateway"
+sys.path.append(str(LESSON))
+pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
+from tap_recording import BEGIN, END, HTML  # noqa: E402
+
+# One browser for all, and pages that need the processor for themselves.
+pytestmark = pytest.mark.xdist_group("chromium")
+ARROWS = "[...document.querySelectorAll('.arrow')]"
+TEXTS = f"{ARROWS}.map(each => [each.classList[1], each.querySelector('b').textContent])"
+WIDTHS = "[document.documentElement.scrollWidth, innerWidth]"
+
+
+@pytest.fixture
+def tap(start, tmp_path):
+    """tap(endpoint) stands in front of a server: (program, the client's endpoint, the page)."""
+
+    def tap(*words):
+        program = start(PYTHON, LESSON / "tap.py", "--endpoint", "tcp://127.0.0.1:0", *words, folder=tmp_path)
+        endpoint = program.wait_for(r"^listening on (\S+)")[1]
+        return program, endpoint, program.wait_for(r"^page at (\S+)")[1]
+
+    return tap
+
+
+@pytest.fixture
+def context():
+    with zmq.Context() as context:
+        yield context
+
+
+@pytest.fixture
+def run(start, client_command, tmp_path):
+    """run("01_request_reply", endpoint, "--count", "5"): the Python client, once it has ended."""
+
+    def run(key, endpoint, *words):
+        client = start(*client_command("python", key, endpoint, *words), folder=tmp_path)
+        assert client.wait() == 0, client.output
+        return client
+
+    return run
+
+
+def test_ten_arrows_in_their_order(serve, tap, run, open_page):
+    _, endpoint = serve("01_request_reply")
+    _, endpoint, page = tap(endpoint, "--title", "Lesson 01 <b>")
+    seen = open_page(page)
+    run("01_request_reply", endpoint, "--count", "5")
+    seen.wait_for(f"{ARROWS}.length === 10 && document.querySelector('#rows').lastChild.innerText.includes('closed')")
+    assert seen.evaluate(TEXTS) == [["up", "Hello"], ["down", "World"]] * 5
+    assert seen.text("#rows").startswith("connection 1 opened: REQ to REP")
+    assert seen.text("h1") == seen.evaluate("document.title") == "Lesson 01 <b>"
+    seen.wait_for("document.querySelector('#left').innerText === 'All 10 are drawn.'")
+    # As a screen reader has it.
+    said = seen.evaluate(f"{ARROWS}[1].getAttribute('aria-label')")
+    assert re.fullmatch(r"\d+\.\d{3} s, to the client, World, 5 B, connection 1", said)
+    seen.wait_for("document.querySelector('#trips').innerText.includes('of 5 that were drawn')")
+    assert seen.errors == seen.said == []
+
+
+def test_drop_leads_to_a_retry_and_the_count_stays_right(serve, tap, run, open_page):
+    server, endpoint = serve("02_lazy_pirate")
+    _, endpoint, page = tap(endpoint)
+    seen = open_page(page)
+    seen.wait_for("document.querySelector('#state').innerText === 'live'")
+    seen.evaluate("document.querySelector('#way').value = 'down'")
+    seen.click("[data-fate=drop]")
+    seen.wait_for("document.querySelector('[data-fate=drop]').getAttribute('aria-pressed') === 'true'")
+    client = run("02_lazy_pirate", endpoint, "--count", "3")
+    assert client.lines[1:3] == ["1: no reply within 0.5 s; try 2 of 5", "1: sent add 1, received 1"]
+    assert client.lines[-2:] == ["3: sent add 1, received 3", "done: 3 replies"]
+    server.wait_for("from the journal")
+    seen.wait_for(f"{ARROWS}.length === 8")
+    classes = seen.evaluate(f"{ARROWS}.map(each => each.className.trim())")
+    assert classes == ["arrow up", "arrow down drop", *["arrow up", "arrow down"] * 3]
+    assert "dropped" in seen.text(".drop .label")
+    assert seen.evaluate("document.querySelector('[data-fate=drop]').getAttribute('aria-pressed')") == "false"
+
+
+def test_ten_thousand_messages_a_second(tap, context, open_page):
+    """Paced, since a publisher as fast as it can only shows that the subscriber is slower."""
+    with context.socket(zmq.PUB) as publisher, context.socket(zmq.SUB) as listener:
+        publisher.linger = publisher.sndhwm = listener.rcvhwm = 0
+        _, endpoint, page = tap(f"tcp://127.0.0.1:{publisher.bind_to_random_port('tcp://127.0.0.1')}")
+        listener.subscribe(b"")
+        listener.connect(endpoint)
+        seen = open_page(page)
+        seen.wait_for(f"{ARROWS}.length === 1")
+        count, stop = 0, threading.Event()
+        while not stop.is_set():
+            for _ in range(1000):
+                publisher.send(b"number %d " % count + b"x" * 100)
+                count += 1
+            stop.wait(0.1)
+            if count >= 30_000:
+                stop.set()
+        publisher.send(b"the last")
+        for _ in range(count + 1):
+            assert listener.poll(20_000)
+            last = listener.recv()
+        assert last == b"the last"
+        # The newest is drawn, and all others are drawn or said to be left out.
+        seen.wait_for(f"{ARROWS}.at(-1).innerText.includes('the last')")
+        seen.wait_for("/of 30,00[12] were left out/.test(document.querySelector('#left').innerText)")
+        said = int(seen.text("#left").split(" of ")[0].replace(",", ""))
+        assert 15_000 < said < 30_000
+        seen.wait_for("/messages were left out/.test(document.querySelector('#spoken').textContent)")
+        rows = seen.evaluate("[...document.querySelectorAll('li')].map(each => each.innerText)")
+        assert len(rows) <= 250
+        # What follows a message is the next one, or it is said how many are missing.
+        following = None
+        for row in rows:
+            if found := re.search(r"number (\d+) ", row):
+                assert following in (None, int(found[1]))
+                following = int(found[1]) + 1
+            elif following and (found := re.match(r"([\d,]+) more, left out", row)):
+                following += int(found[1].replace(",", ""))
+        assert following > 29_000
+        assert seen.memory() < 100_000_000
+        assert seen.errors == []
+
+
+def test_a_tap_that_ends_is_said(serve, tap, run, open_page):
+    _, endpoint = serve("01_request_reply")
+    program, endpoint, page = tap(endpoint)
+    seen = open_page(page)
+    run("01_request_reply", endpoint, "--count", "1")
+    seen.wait_for(f"{ARROWS}.length === 2")
+    program.kill()
+    seen.wait_for("document.querySelector('#state').innerText === 'the tap has ended'")
+    assert seen.evaluate("document.querySelector('#state').getAttribute('role')") == "status"
+    assert seen.evaluate("document.querySelector('[data-fate=cut]').disabled")
+    assert seen.evaluate(TEXTS) == [["up", "Hello"], ["down", "World"]]
+
+
+PICTURE = b"".join(bytes([x, y, 7]) for y in range(40) for x in range(60))
+HEADER = {"kind": "frame", "version": 1, "id": 5, "values": {"bottom_up": True, "text": "</script><img src=x>"}}
+
+
+@pytest.fixture
+def opened(tap, context):
+    """A tap through which a text, a picture with a hostile header, and raw bytes have passed: (program, page, send)."""
+    with context.socket(zmq.ROUTER) as router, context.socket(zmq.DEALER) as dealer:
+        router.linger = dealer.linger = 0
+        program, endpoint, page = tap(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}")
+        dealer.connect(endpoint)
+
+        def send(*frames):
+            dealer.send_multipart(frames)
+            assert router.poll(20_000) and router.recv_multipart()[1:] == [*frames]
+
+        header = {**HEADER, "arrays": [{"dtype": "uint8", "shape": [40, 60, 3]}]}
+        send(b"7", b"</script><b>text")
+        send(json.dumps(header).encode(), PICTURE)
+        send(b"\x00\xfe\xff")
+        yield program, page, send
+
+
+def test_an_arrow_opens_by_the_keyboard_as_what_it_is(opened, open_page):
+    _, page, _ = opened
+    seen = open_page(page)
+    seen.wait_for(f"{ARROWS}.length === 3")
+    seen.evaluate(f"{ARROWS}[0].focus()")
+    seen.press("Enter")
+    seen.wait_for("document.querySelectorAll('.inside pre').length === 2")
+    assert seen.evaluate("[...document.querySelectorAll('.inside pre')].map(each => each.innerText)") == [
+        "7",
+        "</script><b>text",
+    ]
+    seen.press("Escape")
+    seen.wait_for("!document.querySelector('.inside')")
+    seen.press("ArrowDown")
+    seen.press("Enter")
+    # The whole picture is fetched: the first pixel of the lowest row is that of the array.
+    seen.wait_for("!!document.querySelector('.inside canvas')")
+    pixel = "(x, y) => [...document.querySelector('.inside canvas').getContext('2d').getImageData(x, y, 1, 1).data]"
+    assert seen.evaluate(f"({pixel})(0, 39)") == [0, 0, 7, 255]
+    assert seen.evaluate(f"({pixel})(59, 0)") == [59, 39, 7, 255]
+    assert '"bottom_up": true' in seen.text(".inside pre")
+    assert seen.evaluate("document.querySelector('#newest canvas').width") == 60
+    seen.evaluate("[...document.querySelectorAll('.inside button')].find(each => each.innerText === 'hex').click()")
+    assert seen.text(".inside pre").startswith("0000  7b 22 6b 69 6e 64 22 3a 20 22 66 72")
+    seen.press("ArrowDown")
+    seen.press("Enter")
+    seen.wait_for("document.querySelectorAll('.inside').length === 2")
+    assert "00 fe ff" in seen.evaluate("[...document.querySelectorAll('.inside')].at(-1).innerText")
+    assert seen.errors == []
+
+
+def test_who_reads_holds_the_picture_still(opened, open_page):
+    _, page, send = opened
+    seen = open_page(page)
+    seen.wait_for(f"{ARROWS}.length === 3")
+    seen.evaluate(f"{ARROWS}[0].focus()")
+    send(b"one more")
+    seen.wait_for("document.querySelector('#follow').innerText === '↓ 1 newer'")
+    assert len(seen.evaluate(TEXTS)) == 3
+    seen.click("#follow")
+    seen.wait_for(f"{ARROWS}.length === 4")
+
+
+def test_pause_and_filter(opened, open_page):
+    _, page, send = opened
+    seen = open_page(page)
+    seen.wait_for(f"{ARROWS}.length === 3")
+    seen.evaluate("document.querySelector('#filter').focus()")
+    seen.type("FRAME")
+    assert seen.evaluate("[...document.querySelectorAll('li:not(.out)')].length") == 1
+    assert seen.text("#matches") == "1 of 3"
+    seen.click("#pause")
+    assert seen.text("#pause") == "Continue"
+    seen.wait_for("document.querySelector('#state').innerText === 'paused'")
+    send(b"another frame")
+    seen.wait_for("document.querySelector('#left').innerText === 'The picture is held still, at 4 messages.'")
+    assert seen.text("#matches") == "1 of 3"
+    seen.click("#pause")
+    seen.wait_for("document.querySelector('#matches').innerText === '2 of 4'")
+
+
+@pytest.mark.parametrize(("width", "dark"), [(390, True), (1200, False)])
+def test_it_fits_and_has_names(width, dark, opened, open_page):
+    """On a phone and on a screen, in both colours; whatever takes the focus has a name."""
+    _, page, _ = opened
+    seen = open_page(page, width=width, dark=dark)
+    seen.wait_for(f"{ARROWS}.length === 3")
+    seen.evaluate(f"{ARROWS}[1].click()")
+    seen.wait_for("!!document.querySelector('.inside canvas')")
+    scroll, inner = seen.evaluate(WIDTHS)
+    assert scroll <= inner
+    background = seen.evaluate("getComputedStyle(document.documentElement).backgroundColor")
+    assert (sum(map(int, re.findall(r"\d+", background))) < 200) == dark
+    tree = seen.call("Accessibility.getFullAXTree")["nodes"]
+    kinds = ("button", "combobox", "searchbox", "link", "slider")
+    named = [each["name"]["value"] for each in tree if each.get("role", {}).get("value") in kinds]
+    assert len(named) > 10 and all(named), named
+
+
+def test_a_saved_recording_plays_without_a_server(opened, tmp_path, open_page):
+    program, page, _ = opened
+    file = tmp_path / "recording.html"
+    with urlopen(f"{page}recording.html", timeout=20) as answer:
+        file.write_bytes(answer.read())
+    program.kill()
+    seen = open_page(file.as_uri())
+    seen.wait_for("document.querySelector('#pause').innerText === 'Play'")
+    assert seen.evaluate(TEXTS)[0] == ["up", "7 · </script><b>text"]
+    assert seen.text("#state") == "a recording"
+    seen.evaluate(f"{ARROWS}[1].click()")
+    seen.wait_for("!!document.querySelector('.inside canvas')")
+    # Back to before the second message, and again.
+    seen.evaluate(
+        "document.querySelector('#place').value = 2; document.querySelector('#place').dispatchEvent(new Event('input'))"
+    )
+    assert len(seen.evaluate(TEXTS)) == 1
+    seen.click("#again")
+    seen.wait_for(f"{ARROWS}.length === 3")
+    assert seen.errors == seen.said == []
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "img").glob("*_watched.html")), ids=lambda path: path.name)
+def test_a_kept_recording_is_the_page_as_it_is_now(path, open_page):
+    text = path.read_text(encoding="utf-8")
+    page, _, rest = text.partition(BEGIN)
+    packed, _, rest = rest.partition(END)
+    again = "python3 -m kitlib.docs.tap_recordings records it again"
+    assert page + BEGIN + END + rest == HTML.read_text(encoding="utf-8"), again
+    assert packed and len(text) < 1_000_000
+    seen = open_page(path.as_uri())
+    seen.wait_for("!!document.querySelector('#rows .arrow')")
+    assert seen.errors == seen.said == []
+
+
+@finds_processes
+def test_run_watch_opens_the_page_and_then_starts_the_client(start, tmp_path, open_page):
+    """What opens a browser is whatever BROWSER names: here a program that leaves the address in a file."""
+    address = tmp_path / "address"
+    browser = f"{PYTHON} -c \"import sys; open(r'{address}', 'w').write(sys.argv[1])\" %s"
+    words = ["run", "1", "--client", "python", "--watch", "--folder", tmp_path, "--options=--count 2"]
+    kit = start(PYTHON, ROOT / "kit.py", *words, BROWSER=browser)
+    page = kit.wait_for(r"^tap +\| page at (\S+)")[1]
+    kit.wait_for(r"^tap +\| listening on")
+    seen = open_page(page)
+    kit.wait_for("^kit +. the page stays until Ctrl-C")
+    speakers = [line.partition("|")[0].strip() for line in kit.lines]
+    assert speakers.index("client") > kit.lines.index("tap    | a page looks on")
+    assert "client | done: 2 replies" in kit.lines
+    assert address.read_text() == page
+    seen.wait_for(f"{ARROWS}.length === 4")
+    assert seen.text("h1") == "Lesson 01: request reply"
+    assert kit.stop(signal.SIGINT) == 0, kit.output
+    seen.wait_for("document.querySelector('#state').innerText === 'the tap has ended'")
