@@ -128,9 +128,14 @@ def limit(path, text):
     return 45 if re.search(r"class \w+ : \w+Behaviour\b", text) and "abstract class" not in text else 110
 
 
+PACKAGE = "unity/Assets/NetMQExample"
 LESSON_FILES = [
     path
-    for tree in ("python/[0-9][0-9]_*/*.py", "unity/Assets/NetMQExample/[0-9S][0-9h]*/*.cs", "csharp-console/[0-9]*.cs")
+    for tree in (
+        "python/[0-9][0-9]_*/*.py",
+        "unity/Assets/NetMQExample/[0-9SE][0-9hd]*/*.cs",
+        "csharp-console/[0-9]*.cs",
+    )
     for path in sorted(ROOT.glob(tree))
 ]
 
