@@ -2,7 +2,6 @@
 using System;
 using System.Collections.Generic;
 using UnityEngine;
-using Object = UnityEngine.Object;
 
 namespace UnityEditor
 {
@@ -41,6 +40,10 @@ namespace UnityEditor
 
     public sealed class EditorApplication
     {
+        public static CallbackFunction update;
+
+        public delegate void CallbackFunction();
+
         public static event Action quitting;
 
         public static bool isPlaying { get; set; }
@@ -84,52 +87,12 @@ namespace UnityEditor
             set => GUIUtility.systemCopyBuffer = value;
         }
     }
-
-    public class MonoScript : TextAsset
-    {
-        internal Type Class { get; set; }
-
-        public static MonoScript FromScriptableObject(ScriptableObject scriptableObject) =>
-            new MonoScript { Class = scriptableObject.GetType() };
-    }
-
-    public sealed class AssetDatabase
-    {
-        /// <summary>Where the package lies: Assets/NetMQExample or Packages/com.netmqexample.lessons.</summary>
-        internal static string Package { get; set; } = "Assets/NetMQExample";
-
-        public static string GetAssetPath(Object assetObject) =>
-            assetObject is MonoScript script ? $"{Package}/Editor/{script.Class.Name}.cs" : "";
-    }
-}
-
-namespace UnityEditor.SceneManagement
-{
-    public sealed class EditorSceneManager : UnityEngine.SceneManagement.SceneManager
-    {
-        public static bool SaveCurrentModifiedScenesIfUserWantsTo() => true;
-
-        public static UnityEngine.SceneManagement.Scene OpenScene(string scenePath)
-        {
-            Drawing.Lines.Add($"opened {scenePath}");
-            return default;
-        }
-    }
 }
 
 namespace UnityEngine
 {
-    public class TextAsset : Object { }
-
     public class GUIUtility
     {
         public static string systemCopyBuffer { get; set; } = "";
     }
-}
-
-namespace UnityEngine.SceneManagement
-{
-    public struct Scene { }
-
-    public class SceneManager { }
 }

@@ -1,6 +1,5 @@
 // What every thing in a scene has: a name, and an end after which it equals null.
 using System;
-using System.Reflection;
 
 namespace UnityEngine
 {
@@ -44,18 +43,6 @@ namespace UnityEngine
         public override string ToString() => $"{Title} ({GetType().FullName})";
 
         private static bool IsGone(Object thing) => thing is null || thing.Destroyed;
-    }
-
-    /// <summary>What is in no scene: an asset, or a window of the editor.</summary>
-    public class ScriptableObject : Object
-    {
-        public static T CreateInstance<T>() where T : ScriptableObject
-        {
-            MainThread.Only("CreateScriptableObjectInstanceFromType");
-            var made = (T)Activator.CreateInstance(typeof(T));
-            typeof(T).GetMethod("OnEnable", BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic)?.Invoke(made, null);
-            return made;
-        }
     }
 
     public class UnityException : SystemException

@@ -46,6 +46,10 @@ LONGER = {
     "python/14_long_jobs/client.py": 74,
     # The rules of a job are one thing.
     "python/14_long_jobs/jobs.py": 86,
+    # What a designer wires, and what the inspector shows of it.
+    "unity/Assets/NetMQExample/04_background_client/HelloBackground.cs": 52,
+    # It travels with every client, and it is where the editor sees their messages.
+    "unity/Assets/NetMQExample/Shared/NetMQConnection.cs": 122,
 }
 
 

@@ -4,88 +4,23 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from kitlib.setup import dotnet
-from tests.programs import LIMIT, ROOT, Mark, Program, finds_processes, steady_port
+from tests.programs import ROOT, Mark, finds_processes, steady_port
+from tests.unity.conftest import Editor
 
 # They share what was built.
 pytestmark = pytest.mark.xdist_group("player")
-PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
-LESSONS = "Tools/NetMQ Example/Lessons"
+WINDOW = "menu Tools/NetMQ Example/Lessons"
 
 
-class Editor:
-    """tests/unity/editor in a process of its own, in the folder of a Unity project."""
-
-    def __init__(self, command: list[str], project: Path, **environment: str) -> None:
-        self.program = Program(
-            command, folder=project, stdin=subprocess.PIPE, DOTNET_EnableDiagnostics="0", **environment
-        )
-        self.program.wait_for("^ready$")
-
-    def do(self, what: str) -> list[str]:
-        """One thing after the other; returns what was printed meanwhile."""
-        before = len(self.program.lines)
-        assert self.program.process.stdin is not None
-        self.program.process.stdin.write(f"{what}\n")
-        self.program.process.stdin.flush()
-        self.program.wait_for(f"^did {re.escape(what)}$", start=before)
-        return self.program.lines[before:-1]
-
-    def draw_until(self, pattern: str) -> str:
-        """The window draws itself ten times a second."""
-        for _ in range(int(LIMIT / 0.1)):
-            drawn = "\n".join(self.do("draw"))
-            if re.search(pattern, drawn, re.MULTILINE):
-                return drawn
-            time.sleep(0.1)
-        raise AssertionError(f"never drawn: {pattern}; the last: {drawn}")
-
-
-@pytest.fixture(scope="session")
-def harness(engine: dotnet.Engine) -> Path:
-    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "editor")
-
-
-@pytest.fixture
-def project(tmp_path: Path) -> Path:
-    """A game with the package in it, and without the servers."""
-    (tmp_path / "Assets").mkdir()
-    shutil.copytree(PACKAGE, tmp_path / "Assets" / "NetMQExample")
-    return tmp_path
-
-
-@pytest.fixture
-def editor(harness: Path) -> Iterator[Callable[..., Editor]]:
-    """Opens a project, in an editor that runs on .NET or on Mono."""
-    opened = []
-
-    def open_project(project: Path, runtime: str = "dotnet", **environment: str) -> Editor:
-        if not shutil.which(runtime):
-            pytest.skip(f"there is no {runtime}")
-        opened.append(Editor([runtime, str(harness)], project, **environment))
-        opened[-1].do("load")
-        opened[-1].do(f"menu {LESSONS}")
-        return opened[-1]
-
-    yield open_project
-    for one in opened:
-        # Whatever has failed: no server is left.
-        if "did quit" not in one.program.lines and not one.program.ended:
-            one.do("quit")
-        one.program.wait()
-
-
-def test_the_stand_in_has_unitys_signatures(harness: Path) -> None:
+def test_the_stand_in_has_unitys_signatures(editor_dll: Path) -> None:
     """tests/unity/unity_editor_api.txt says for each type where Unity's published reference declares it."""
-    dump = Editor(["dotnet", str(harness)], ROOT)
+    dump = Editor(["dotnet", str(editor_dll)], ROOT)
     lines = dump.do("api")
     dump.do("quit")
     facts = (ROOT / "tests" / "unity" / "unity_editor_api.txt").read_text(encoding="utf-8").splitlines()
@@ -104,6 +39,7 @@ def test_a_server_outlives_a_reload_and_ends_with_the_editor(
 ) -> None:
     mark = Mark()
     unity = editor(project, runtime, **mark.environment)
+    unity.do(WINDOW)
     unity.do(f"folder {ROOT}")
     unity.do("press Choose the kit's folder")
     unity.do("type Lesson=02_lazy_pirate")
@@ -133,6 +69,7 @@ def test_a_server_outlives_a_reload_and_ends_with_the_editor(
 
 def test_doctor_is_a_button(editor: Callable[..., Editor], project: Path) -> None:
     unity = editor(project)
+    unity.do(WINDOW)
     unity.do(f"folder {ROOT}")
     unity.do("press Choose the kit's folder")
     unity.do("press Run doctor")
@@ -142,6 +79,7 @@ def test_doctor_is_a_button(editor: Callable[..., Editor], project: Path) -> Non
 
 def test_without_the_kit_the_window_says_where_the_servers_are(editor: Callable[..., Editor], project: Path) -> None:
     unity = editor(project)
+    unity.do(WINDOW)
     drawn = unity.do("draw")
     assert drawn[0].startswith("Warning: The Python servers are not in this project") and "kit.py" in drawn[0]
     assert drawn[1:] == ["[Choose the kit's folder]"]
@@ -163,6 +101,7 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" -I -S "$@"\n', encoding="utf-8")
     python.chmod(0o755)
     unity = editor(project, str(shutil.which("dotnet")), PATH=str(bare))
+    unity.do(WINDOW)
     unity.do(f"folder {kit}")
     unity.do("press Choose the kit's folder")
     unity.do("press Start the server")
@@ -177,6 +116,7 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(
 
 def test_a_scene_is_opened_where_unity_opens_scenes(editor: Callable[..., Editor], project: Path) -> None:
     unity = editor(project)
+    unity.do(WINDOW)
     unity.do(f"folder {ROOT}")
     unity.do("press Choose the kit's folder")
     unity.do("type Lesson=03_publish_subscribe")
@@ -189,4 +129,5 @@ def test_a_scene_is_opened_where_unity_opens_scenes(editor: Callable[..., Editor
 
 def test_in_the_kits_own_project_the_servers_are_found(editor: Callable[..., Editor]) -> None:
     unity = editor(ROOT / "unity")
+    unity.do(WINDOW)
     assert "Lesson: 01_request_reply" in unity.do("draw")

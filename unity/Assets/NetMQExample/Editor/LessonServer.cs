@@ -111,7 +111,7 @@ namespace NetMQExample.Editor
         private static long Born(Process process)
         {
             try { return process.StartTime.ToUniversalTime().Ticks; }
-            catch (InvalidOperationException) { return 0; }
+            catch (Exception e) when (e is InvalidOperationException || e is Win32Exception) { return 0; }
         }
     }
 }

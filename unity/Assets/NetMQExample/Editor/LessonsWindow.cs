@@ -24,6 +24,7 @@ namespace NetMQExample.Editor
         private Checkout kit;
         private string[] lessons;
         private string trouble = "", lines = "";
+        private bool running;
 
         /// <summary>Opens it.</summary>
         [MenuItem(Menu + "Lessons", false, 0)]
@@ -47,7 +48,7 @@ namespace NetMQExample.Editor
         // Ten times a second, and not while it is drawn: between layout and drawing nothing may change.
         private void OnInspectorUpdate()
         {
-            lines = server?.Lines ?? "";
+            (lines, running) = (server?.Lines ?? "", server?.Running == true);
             Repaint();
         }
 
@@ -64,7 +65,7 @@ namespace NetMQExample.Editor
             }
             chosen = EditorGUILayout.Popup("Lesson", Math.Min(chosen, lessons.Length - 1), lessons);
             options = EditorGUILayout.TextField("Options of its server", options);
-            if (server?.Running == true)
+            if (running)
             {
                 if (GUILayout.Button("Stop the server")) server.Stop();
             }
