@@ -38,7 +38,7 @@ class Editor:
 
     def draw_until(self, pattern: str) -> str:
         """The window draws itself ten times a second."""
-        for _ in range(int(LIMIT / 0.1 / 6)):
+        for _ in range(int(LIMIT / 0.1)):
             drawn = "\n".join(self.do("draw"))
             if re.search(pattern, drawn, re.MULTILINE):
                 return drawn
@@ -47,7 +47,7 @@ class Editor:
 
     def play_until(self, line: str) -> None:
         """Frames, until a line was logged."""
-        for _ in range(int(LIMIT / 0.1 / 6)):
+        for _ in range(int(LIMIT / 0.1)):
             self.do("draw")
             if line in self.program.lines:
                 return

@@ -122,7 +122,9 @@ def test_a_scene_is_opened_where_unity_opens_scenes(editor: Callable[..., Editor
     unity.do("type Lesson=03_publish_subscribe")
     opened = "opened Assets/NetMQExample/03_publish_subscribe/03_publish_subscribe.unity"
     assert opened in unity.do("press Open its scene")
-    # A package from a git URL is read-only.
+    # A package is read-only.
+    (project / "Packages").mkdir()
+    (project / "Packages" / "com.netmqexample.lessons").symlink_to(project / "Assets" / "NetMQExample")
     unity.do("package Packages/com.netmqexample.lessons")
     assert "[Open its scene]" not in unity.do("draw")
 

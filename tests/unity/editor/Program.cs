@@ -10,6 +10,7 @@
 //     host ADDRESS            into the asset with the servers' address
 //     build TARGET FOLDER     what Unity calls when it builds for a platform
 //     counted                 whether a program that is not compiled for the editor shows its messages
+//     calls DLL               how often a build of the lessons shows a message
 //     quit                    the end of the editor
 using System;
 using System.Linq;
@@ -66,6 +67,7 @@ namespace NetMQExample.EditorTest
                 case "host": SetHost(with); break;
                 case "build": Build(with.Split(' ')); break;
                 case "counted": Count(); break;
+                case "calls": Console.WriteLine($"calls: {CallsOfShow(Assembly.LoadFile(with))}"); break;
                 case "quit": EditorApplication.SayQuitting(); break;
                 default: throw new ArgumentException(what);
             }
@@ -140,6 +142,16 @@ namespace NetMQExample.EditorTest
             Object.DestroyImmediate(thing);
             BuildGuards.AddNetworkSentence(target, words[1]);
             Console.WriteLine($"link: {guards.GenerateAdditionalLinkXmlFile(report, null)}");
+        }
+
+        // In the bytes of its methods: call or callvirt, and the number that Show has in it.
+        private static int CallsOfShow(Assembly lessons)
+        {
+            var show = BitConverter.GetBytes(lessons.GetType("NetMQExample.NetMQConnection").GetMethod("Show").MetadataToken);
+            return lessons.GetTypes().SelectMany(type => type.GetMethods(Any | BindingFlags.DeclaredOnly))
+                .Select(method => method.GetMethodBody()?.GetILAsByteArray() ?? new byte[0])
+                .Sum(code => Enumerable.Range(0, Math.Max(0, code.Length - 4))
+                    .Count(at => (code[at] == 0x28 || code[at] == 0x6F) && code.Skip(at + 1).Take(4).SequenceEqual(show)));
         }
 
         // This project does not define UNITY_EDITOR, as a build does not.
