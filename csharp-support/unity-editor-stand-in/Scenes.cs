@@ -15,6 +15,9 @@ namespace UnityEditor
         public CustomEditor(Type inspectedType, bool editorForChildClasses) { }
     }
 
+    [AttributeUsage(AttributeTargets.Class)]
+    public sealed class CanEditMultipleObjects : Attribute { }
+
     public class Editor : ScriptableObject
     {
         public Object target { get; internal set; }

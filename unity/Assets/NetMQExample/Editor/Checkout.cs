@@ -62,7 +62,7 @@ namespace NetMQExample.Editor
             if (best != null) return best;
             best = all.FirstOrDefault(each => each.code == 4).name;
             trouble = best != null
-                ? $"{best} has no pyzmq: copy the pip line and run it in a terminal"
+                ? $"{best} has no pyzmq: run the pip line in a terminal; or kit.py run 1, once, which makes a .venv"
                 : "no Python 3.11 or later was found: install one from python.org, and restart Unity Hub";
             return best;
         }

@@ -5,7 +5,7 @@ using UnityEngine;
 namespace NetMQExample.Editor
 {
     /// <summary>Below the fields of each component that connects.</summary>
-    [CustomEditor(typeof(ConnectedBehaviour), true)]
+    [CustomEditor(typeof(ConnectedBehaviour), true), CanEditMultipleObjects]
     public sealed class ClientInspector : UnityEditor.Editor
     {
         /// <inheritdoc/>

@@ -48,7 +48,10 @@ namespace NetMQExample.Editor
         // Ten times a second, and not while it is drawn: between layout and drawing nothing may change.
         private void OnInspectorUpdate()
         {
+            var before = lines;
             (lines, running) = (server?.Lines ?? "", server?.Running == true);
+            // To the end: the newest line is the one to read.
+            if (lines != before) scrolled.y = float.MaxValue;
             Repaint();
         }
 
@@ -71,9 +74,9 @@ namespace NetMQExample.Editor
             }
             else
             {
-                if (GUILayout.Button("Start the server")) Start(kit.Server(lessons[chosen]), options);
+                if (GUILayout.Button("Start the server")) Launch(kit.Server(lessons[chosen]), options);
                 // It also says whether the ports are free: that is to be asked while no server has one.
-                if (GUILayout.Button("Run doctor")) Start(Path.Combine(kit.Root, "kit.py"), "doctor");
+                if (GUILayout.Button("Run doctor")) Launch(Path.Combine(kit.Root, "kit.py"), "doctor");
             }
             if (GUILayout.Button("Copy the pip line"))
                 EditorGUIUtility.systemCopyBuffer = kit.PipLine(kit.Python(out trouble) ?? "python3", lessons[chosen]);
@@ -96,7 +99,7 @@ namespace NetMQExample.Editor
                 EditorSceneManager.OpenScene(scene);
         }
 
-        private void Start(string script, string words)
+        private void Launch(string script, string words)
         {
             var python = kit.Python(out trouble);
             // Doctor runs without pyzmq, and says so itself.

@@ -28,7 +28,10 @@ namespace NetMQExample.Editor
         // Ten times a second, and not while it is drawn: between layout and drawing nothing may change.
         private void OnInspectorUpdate()
         {
+            var before = text;
             text = log.Text(filter, Shown);
+            // To the end: the newest line is the one to read.
+            if (text != before) scrolled.y = float.MaxValue;
             Repaint();
         }
 
