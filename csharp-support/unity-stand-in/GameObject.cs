@@ -74,6 +74,9 @@ namespace UnityEngine
             return default;
         }
 
+        public T[] GetComponentsInChildren<T>(bool includeInactive) => Components.OfType<T>()
+            .Concat(Scene.Objects.Where(one => one.transform.IsPartOf(this)).SelectMany(one => one.GetComponentsInChildren<T>(true))).ToArray();
+
         public Component GetComponent(Type type) => Components.FirstOrDefault(type.IsInstanceOfType);
     }
 

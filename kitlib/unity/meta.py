@@ -16,6 +16,7 @@ from kitlib.lessons import ROOT
 
 ASSETS = ROOT / "unity" / "Assets"
 PACKAGE = ASSETS / "NetMQExample"
+PREFAB = PACKAGE / "04_background_client" / "BackgroundClient.prefab"
 # What stays out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
 IGNORED = re.compile(r"^\.|~$|\.meta$|^Plugins$")
 
@@ -53,14 +54,16 @@ IMPORTERS = {
     ".json": "TextScriptImporter:\n  externalObjects: {}\n",
     ".xml": "TextScriptImporter:\n  externalObjects: {}\n",
     ".md": "TextScriptImporter:\n  externalObjects: {}\n",
+    ".prefab": "PrefabImporter:\n  externalObjects: {}\n",
 }
 ANYTHING = "DefaultImporter:\n  externalObjects: {}\n"
 FOLDER = "folderAsset: yes\n" + ANYTHING
 END = "  userData:\n  assetBundleName:\n  assetBundleVariant:\n"
 
-SCENE = """%YAML 1.1
+YAML = """%YAML 1.1
 %TAG !u! tag:unity3d.com,2011:
-{game_objects}--- !u!1660057539 &9223372036854775807
+"""
+SCENE = """{game_objects}--- !u!1660057539 &9223372036854775807
 SceneRoots:
   m_ObjectHideFlags: 0
   m_Roots:
@@ -236,7 +239,22 @@ def scene(scripts: list[Path]) -> str:
         script(404, 400, shown),
     ]
     roots = "".join(f"  - {{fileID: {number}}}\n" for number in (101, 201, 301, 401)[: 3 if father else 4])
-    return SCENE.format(game_objects="".join(parts), roots=roots)
+    return YAML + SCENE.format(game_objects="".join(parts), roots=roots)
+
+
+def prefab() -> str:
+    """Lesson 04's client, with a text of its own that follows the camera."""
+    client = PACKAGE / "04_background_client" / "HelloBackground.cs"
+    parts = [
+        game_object(
+            200, "Background client", "Untagged", "{x: 0, y: 0, z: 0}", [201, 202], children="\n  - {fileID: 401}"
+        ),
+        script(202, 200, client),
+        game_object(400, "Hud", "Untagged", "{x: 0, y: 0, z: 2}", [401, 402, 403, 404], father=201),
+        TEXT.replace("m_CharacterSize: 0.05", "m_CharacterSize: 0.01"),
+        script(404, 400, PACKAGE / "Shared" / "ClientHud.cs") + "  client: {fileID: 202}\n",
+    ]
+    return YAML + "".join(parts)
 
 
 def script(number: int, owner: int, path: Path) -> str:
@@ -284,6 +302,8 @@ def main() -> None:
         scripts = behaviours(folder)
         if scripts and not (folder / f"{folder.name}.unity").exists():
             write(folder / f"{folder.name}.unity", scene(scripts))
+    if not PREFAB.exists():
+        write(PREFAB, prefab())
     write_metas()
 
 

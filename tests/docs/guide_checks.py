@@ -28,6 +28,7 @@ REFERENCE = {
     "from_gymize.md",
     "from_udp_receive.md",
     "glossary.md",
+    "in_the_editor.md",
     "questions.md",
     "where_to_go_next.md",
 }

@@ -53,6 +53,10 @@ LONGER = {
     "unity/Assets/NetMQExample/Shared/NetMQConnection.cs": 112,
     # The rules of a job are one thing.
     "python/14_long_jobs/jobs.py": 86,
+    # What a designer wires, and what the inspector shows of it.
+    "unity/Assets/NetMQExample/04_background_client/HelloBackground.cs": 52,
+    # It travels with every client, and it is where the editor sees their messages.
+    "unity/Assets/NetMQExample/Shared/NetMQConnection.cs": 122,
 }
 
 
@@ -136,9 +140,14 @@ def limit(path, text):
     return 45 if re.search(r"class \w+ : \w+Behaviour\b", text) and "abstract class" not in text else 110
 
 
+PACKAGE = "unity/Assets/NetMQExample"
 LESSON_FILES = [
     path
-    for tree in ("python/[0-9][0-9]_*/*.py", "unity/Assets/NetMQExample/[0-9S][0-9h]*/*.cs", "csharp-console/[0-9]*.cs")
+    for tree in (
+        "python/[0-9][0-9]_*/*.py",
+        "unity/Assets/NetMQExample/[0-9SE][0-9hd]*/*.cs",
+        "csharp-console/[0-9]*.cs",
+    )
     for path in sorted(ROOT.glob(tree))
 ]
 

@@ -1,4 +1,4 @@
-// Prints what the stand-in of UnityEngine has for scripts to use, one line each, in the words of C#.
+// Prints what a stand-in of Unity has for scripts to use, one line each, in the words of C#.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -24,10 +24,10 @@ namespace NetMQExample.PlayTest
             [typeof(double)] = "double",
         };
 
-        public static void Print()
+        public static void Print(Assembly standIn)
         {
             // A delegate stands where it is used.
-            var types = typeof(UnityEngine.Object).Assembly.GetExportedTypes().Where(type => !typeof(Delegate).IsAssignableFrom(type));
+            var types = standIn.GetExportedTypes().Where(type => !typeof(Delegate).IsAssignableFrom(type));
             foreach (var type in types.OrderBy(type => type.FullName, StringComparer.Ordinal))
             {
                 var plain = type.IsValueType || type.BaseType == typeof(object) || type.BaseType == null;

@@ -42,7 +42,7 @@ namespace NetMQExample.PlayTest
         {
             switch (words[0])
             {
-                case "api": Api.Print(); return 0;
+                case "api": Api.Print(typeof(Object).Assembly); return 0;
                 case "events": Events.Print(); return 0;
                 case "habits": Habits.Print(); return 0;
                 case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());

@@ -86,6 +86,7 @@ namespace NetMQExample
             if (!connection.Socket.TryReceiveFrameString(wait, out text, out var more)) return false;
             // Several frames are one message: its rest must not be taken for the next one.
             while (more) connection.Socket.SkipFrame(out more);
+            connection.Show(false, new[] { text });
             return true;
         }
     }

@@ -3,7 +3,9 @@
 // Use: start python/04_background_client/server.py, add this component and HelloWorldHud to a GameObject, press Play.
 // Set Count to 100000, stop the server while it runs and start it again: the game goes on, and so do the replies.
 // The Python and terminal clients print the same lines.
+using System;
 using UnityEngine;
+using UnityEngine.Events;
 
 namespace NetMQExample
 {
@@ -17,6 +19,9 @@ namespace NetMQExample
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 1;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 20;
 
+        [SerializeField, Tooltip("What else happens with each reply")]
+        private UnityEvent<string> replied = new UnityEvent<string>();
+
         private string shown;
         private int asked, replies;
         private bool done;
@@ -26,6 +31,10 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         public override bool Done => done || !enabled;
+
+        /// <inheritdoc/>
+        public override string State => Client == null || !enabled ? base.State : FormattableString.Invariant(
+            $"{Client.State}, round trip {Client.RoundTripTime.TotalMilliseconds:F1} ms");
 
         /// <inheritdoc/>
         protected override void Begin()
@@ -48,15 +57,18 @@ namespace NetMQExample
             if (replies >= count) Finish(null);
         }
 
-        private void OnReply(string reply) =>
+        private void OnReply(string reply)
+        {
             Debug.Log($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+            replied.Invoke(reply);
+        }
 
         private void Finish(string why)
         {
             // Dispose ends what is under way with the error callback: that is no reason to give up.
             if (done || Client.State == ClientState.Disposed) return;
             done = true;
-            if (why != null) Debug.LogError($"gave up: {why}");
+            if (why != null) GiveUp(why);
             else Debug.Log($"done: {replies} replies");
         }
     }

@@ -77,9 +77,10 @@ namespace NetMQExample
             frames = null;
             var (slices, socket) = (NetMQConnection.Slices(patience, stop), Connection.Socket);
             // Each time it is gone through, the time begins anew.
-            if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, sent)) ||
-                !slices.Any(slice => socket.TryReceiveMultipartMessage(slice, ref received)))
-                return false;
+            if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, sent))) return false;
+            Connection.Show(true, sent);
+            if (!slices.Any(slice => socket.TryReceiveMultipartMessage(slice, ref received))) return false;
+            Connection.Show(false, received);
             frames = received.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList();
             return true;
         }

@@ -99,6 +99,7 @@ namespace NetMQExample
                 if (connection.Socket.TryReceiveMultipartStrings(NetMQConnection.Slice, Encoding.UTF8, ref frames))
                 {
                     heard = clock.Elapsed;
+                    connection.Show(false, frames);
                     // One for a request that is not pending is late or a second one: dropped. So is a refusal, until
                     // the last try: such a request is asked again when its patience is over.
                     if (frames.Count == 2 && pending.TryGetValue(frames[0], out var entry)

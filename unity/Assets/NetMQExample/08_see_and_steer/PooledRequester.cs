@@ -6,6 +6,7 @@
 using System;
 using System.Buffers;
 using System.Collections.Generic;
+using System.Linq;
 using System.Runtime.InteropServices;
 using System.Text;
 using System.Threading;
@@ -37,9 +38,11 @@ namespace NetMQExample
             Message request, TimeSpan patience, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
         {
             reply = frames;
-            if (!Send(Encoding.UTF8.GetBytes(request.Header()), request.Arrays.Count > 0, patience, stop)) return false;
+            var header = request.Header();
+            if (!Send(Encoding.UTF8.GetBytes(header), request.Arrays.Count > 0, patience, stop)) return false;
             for (var i = 0; i < request.Arrays.Count; i++)
                 if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, patience, stop)) return false;
+            Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(header));
             frames.Clear();
             for (var i = 0; i == 0 || parts[i - 1].HasMore; i++)
             {
@@ -47,6 +50,7 @@ namespace NetMQExample
                 if (!Receive(i, patience, stop)) return false;
                 frames.Add(parts[i].SliceAsMemory());
             }
+            Connection.Show(false, frames);
             return true;
         }
 

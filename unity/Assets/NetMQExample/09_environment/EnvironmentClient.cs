@@ -120,6 +120,7 @@ namespace NetMQExample
             var (slices, socket) = (NetMQConnection.Slices(limit, stop), connection.Socket);
             if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, frames)))
                 throw new TimeoutException("no connection");
+            connection.Show(true, frames);
         }
 
         private Message Receive(TimeSpan limit, CancellationToken stop)
@@ -132,6 +133,7 @@ namespace NetMQExample
                     if (connection.Socket.HasOut) continue;
                     break;
                 }
+                connection.Show(false, frames);
                 var message = Message.Read(
                     frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
                 if (message.Kind != "error") return message;

@@ -39,13 +39,15 @@ namespace NetMQExample
         /// <exception cref="TimeoutException">Nobody is there.</exception>
         public void Send(Message message, CancellationToken stop)
         {
-            Send(Encoding.UTF8.GetBytes(message.Header()), message.Arrays.Count > 0, stop);
+            var header = message.Header();
+            Send(Encoding.UTF8.GetBytes(header), message.Arrays.Count > 0, stop);
             for (var i = 0; i < message.Arrays.Count; i++)
             {
                 var data = message.Arrays[i].Data;
                 var whole = MemoryMarshal.TryGetArray(data, out var lent) && lent.Count == lent.Array.Length;
                 Send(whole ? lent.Array : data.ToArray(), i + 1 < message.Arrays.Count, stop);
             }
+            connection.Show(true, message.Arrays.Select(array => (object)array.Data).Prepend(header));
         }
 
         /// <summary>Waits for a message.</summary>
@@ -62,6 +64,7 @@ namespace NetMQExample
                     if (connection.Socket.HasOut) continue;
                     throw new TimeoutException("Python is gone");
                 }
+                connection.Show(false, frames);
                 var message = Message.Read(
                     frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
                 if (message.Kind != "error") return message;

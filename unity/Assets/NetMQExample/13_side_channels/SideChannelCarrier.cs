@@ -51,7 +51,10 @@ namespace NetMQExample.SideChannels
             if (!said.IsRunning || said.Elapsed >= Silence) SayHello();
             // Before its first answer a socket may be replaced, and what was sent on it is lost.
             while (answered && unsent.Count > 0 && connection.Socket.TrySendFrame(TimeSpan.Zero, unsent.Peek()))
+            {
+                connection.Show(true, new[] { unsent.Peek() });
                 unsent.Dequeue();
+            }
             var received = Receive(wait, stop);
             if (received.Count > 0)
             {
@@ -86,6 +89,7 @@ namespace NetMQExample.SideChannels
                 for (var (next, left) = (slice, 100); left > 0; (next, left) = (TimeSpan.Zero, left - 1))
                 {
                     if (!connection.Socket.TryReceiveMultipartBytes(next, ref frames)) break;
+                    connection.Show(false, frames);
                     if (frames.Count == 1) received.Add(frames[0]);
                 }
                 if (received.Count > 0) break;

@@ -126,6 +126,7 @@ namespace NetMQExample
             news = null;
             stop.ThrowIfCancellationRequested();
             if (!connection.Socket.TryReceiveMultipartMessage(NetMQConnection.Slice, ref frames)) return false;
+            connection.Show(false, frames);
             Message message;
             try
             {

@@ -1,6 +1,6 @@
 // When a component may talk: while it is enabled, and on a phone while the game is in front.
 //
-// Take home: this file, with the component that derives from it.
+// Take home: this file and ServerAddress.cs, with the component that derives from it.
 using System;
 using UnityEngine;
 
@@ -17,6 +17,13 @@ namespace NetMQExample
         /// <summary>True once the last line, or the reason why there is none, was logged.</summary>
         public abstract bool Done { get; }
 
+        /// <summary>Why it has given up, with what to do; or an empty text.</summary>
+        public string LastError { get; private set; } = "";
+
+        /// <summary>What it is doing, in a few words, for an inspector or a display.</summary>
+        public virtual string State =>
+            LastError.Length > 0 ? "gave up" : !isActiveAndEnabled ? "disconnected" : Done ? "done" : "connected";
+
         /// <summary>Connects, and begins from the start.</summary>
         /// <exception cref="ArgumentException">A field is wrong; the message is logged as the reason.</exception>
         protected abstract void Begin();
@@ -31,19 +38,29 @@ namespace NetMQExample
             ? TimeSpan.FromSeconds(patience)
             : throw new ArgumentException($"patience must be more than 0 s and at most a day, not {patience}");
 
+        /// <summary>Logs why it has ended, and keeps it.</summary>
+        /// <param name="why">Cause and cure.</param>
+        protected void GiveUp(string why)
+        {
+            LastError = why;
+            Debug.LogError($"gave up: {why}");
+        }
+
         /// <summary>Begins.</summary>
         protected virtual void OnEnable()
         {
+            LastError = "";
             if (runInBackground && !Application.runInBackground)
             {
                 // Without it Unity stops calling Update when another window has the focus.
                 Application.runInBackground = true;
                 Debug.Log("Application.runInBackground is now true");
             }
+            ServerAddress.Apply(this);
             try { Begin(); }
             catch (ArgumentException e)
             {
-                Debug.LogError($"gave up: {e.Message}");
+                GiveUp(e.Message);
                 enabled = false;
             }
         }

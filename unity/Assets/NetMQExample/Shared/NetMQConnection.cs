@@ -6,6 +6,7 @@
 //
 // Take home: this file and NetMQLifetime.cs, along with any client of this kit.
 using System;
+using System.Collections;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.Net;
@@ -43,6 +44,10 @@ namespace NetMQExample
             }
         }
 
+        /// <summary>Each message as it was sent (true) or received, on the thread that did it: for a window of the
+        /// editor. In a build nothing comes.</summary>
+        public static event Action<string, bool, IEnumerable> Seen;
+
         /// <summary>How long one wait lasts: short enough that ten clients stop at once, one after the other, and long
         /// enough to cost nothing.</summary>
         public static TimeSpan Slice { get; } = TimeSpan.FromMilliseconds(10);
@@ -78,6 +83,13 @@ namespace NetMQExample
             while (waited.Elapsed < patience);
         }
 
+        /// <summary>Shows a message to whoever looks. The compiler leaves out the calls, with all that is made for
+        /// them, where it does not compile for the editor.</summary>
+        /// <param name="sent">Or received.</param>
+        /// <param name="frames">Texts, bytes, or what NetMQ has them in.</param>
+        [Conditional("UNITY_EDITOR")]
+        public void Show(bool sent, IEnumerable frames) => Seen?.Invoke(endpoint, sent, frames);
+
         /// <summary>Sends a message, and waits when there is no connection to send on.</summary>
         /// <param name="patience">How long to wait for a connection.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
@@ -89,7 +101,11 @@ namespace NetMQExample
             // Without the encoding, NetMQ makes a question mark of every character that is not ASCII.
             foreach (var frame in frames) message.Append(frame, Encoding.UTF8);
             foreach (var slice in Slices(patience, stop))
-                if (Socket.TrySendMultipartMessage(slice, message)) return true;
+            {
+                if (!Socket.TrySendMultipartMessage(slice, message)) continue;
+                Show(true, frames);
+                return true;
+            }
             return false;
         }
 
@@ -102,7 +118,11 @@ namespace NetMQExample
         {
             frames = null;
             foreach (var slice in Slices(patience, stop))
-                if (Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) return true;
+            {
+                if (!Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
+                Show(false, frames);
+                return true;
+            }
             return false;
         }
 

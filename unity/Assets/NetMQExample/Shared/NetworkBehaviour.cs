@@ -79,7 +79,7 @@ namespace NetMQExample
             UnityEditor.AssemblyReloadEvents.beforeAssemblyReload -= EndAll;
             UnityEditor.AssemblyReloadEvents.beforeAssemblyReload += EndAll;
 #endif
-            run = new Run(Talk, GetType().Name);
+            run = new Run(this);
             Runs.RemoveAll(one => !one.Thread.IsAlive);
             Runs.Add(run);
             run.Thread.Start();
@@ -127,23 +127,23 @@ namespace NetMQExample
             public readonly CancellationTokenSource Stop = new CancellationTokenSource();
             public readonly Thread Thread;
 
-            public Run(Action<CancellationToken> talk, string name) =>
-                Thread = new Thread(() => Work(talk)) { IsBackground = true, Name = name };
+            public Run(NetworkBehaviour behaviour) =>
+                Thread = new Thread(() => Work(behaviour)) { IsBackground = true, Name = behaviour.GetType().Name };
 
-            private void Work(Action<CancellationToken> talk)
+            private void Work(NetworkBehaviour behaviour)
             {
                 own = this;
                 try
                 {
-                    talk(Stop.Token);
+                    behaviour.Talk(Stop.Token);
                 }
                 catch (ThreadAbortException) { /* The domain is being unloaded. */ }
                 catch (Exception e)
                 {
                     // After Stop nobody wants to know why it ended.
                     if (Stop.IsCancellationRequested) return;
-                    var why = $"gave up: {NetMQLifetime.Why(e)}";
-                    while (!ForUpdate.TryAdd(() => Debug.LogError(why), 50) && !Stop.IsCancellationRequested) { }
+                    var why = NetMQLifetime.Why(e);
+                    while (!ForUpdate.TryAdd(() => behaviour.GiveUp(why), 50) && !Stop.IsCancellationRequested) { }
                 }
             }
         }

@@ -1,0 +1,98 @@
+// The editor as a whole: windows, menus, what it remembers, and its end.
+using System;
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace UnityEditor
+{
+    [AttributeUsage(AttributeTargets.Method, AllowMultiple = true)]
+    public sealed class MenuItem : Attribute
+    {
+        public string menuItem;
+        public bool validate;
+        public int priority;
+
+        public MenuItem(string itemName) : this(itemName, false) { }
+
+        public MenuItem(string itemName, bool isValidateFunction) : this(itemName, isValidateFunction, 1000) { }
+
+        public MenuItem(string itemName, bool isValidateFunction, int priority) =>
+            (menuItem, validate, this.priority) = (itemName, isValidateFunction, priority);
+    }
+
+    [AttributeUsage(AttributeTargets.Method)]
+    public class InitializeOnLoadMethodAttribute : Attribute { }
+
+    public class EditorWindow : ScriptableObject
+    {
+        internal static List<EditorWindow> Open { get; } = new List<EditorWindow>();
+
+        public static T GetWindow<T>(string title) where T : EditorWindow
+        {
+            if (Open.Find(window => window is T) is T there) return there;
+            var made = CreateInstance<T>();
+            Open.Add(made);
+            return made;
+        }
+
+        public void Repaint() { }
+    }
+
+    public sealed class EditorApplication
+    {
+        public static CallbackFunction update;
+
+        public delegate void CallbackFunction();
+
+        public static event Action quitting;
+
+        public static bool isPlaying { get; set; }
+
+        internal static void SayQuitting() => quitting?.Invoke();
+    }
+
+    /// <summary>What outlives a reload of the scripts, and ends with the editor.</summary>
+    public class SessionState
+    {
+        internal static Dictionary<string, string> Kept { get; } = new Dictionary<string, string>();
+
+        public static void SetString(string key, string value) => Kept[key] = value;
+
+        public static string GetString(string key, string defaultValue) => Kept.TryGetValue(key, out var value) ? value : defaultValue;
+    }
+
+    /// <summary>What outlives the editor.</summary>
+    public sealed class EditorPrefs
+    {
+        private static readonly Dictionary<string, string> Kept = new Dictionary<string, string>();
+
+        public static void SetString(string key, string value) => Kept[key] = value;
+
+        public static string GetString(string key, string defaultValue) => Kept.TryGetValue(key, out var value) ? value : defaultValue;
+    }
+
+    public class EditorUtility
+    {
+        /// <summary>What the user chooses.</summary>
+        internal static string Chosen { get; set; } = "";
+
+        public static string OpenFolderPanel(string title, string folder, string defaultName) => Chosen;
+    }
+
+    public sealed class EditorGUIUtility : GUIUtility
+    {
+        public static new string systemCopyBuffer
+        {
+            get => GUIUtility.systemCopyBuffer;
+            set => GUIUtility.systemCopyBuffer = value;
+        }
+    }
+}
+
+namespace UnityEngine
+{
+    public class GUIUtility
+    {
+        public static string systemCopyBuffer { get; set; } = "";
+    }
+}

@@ -1,0 +1,88 @@
+"""The tests' Unity editor: the package's folder Editor against a stand-in, in a process that does what it is told."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import pytest
+
+from kitlib.setup import dotnet
+from tests.programs import LIMIT, ROOT, Program
+
+PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
+
+
+class Editor:
+    """tests/unity/editor in a process of its own, in the folder of a Unity project."""
+
+    def __init__(self, command: list[str], project: Path, **environment: str) -> None:
+        self.program = Program(
+            command, folder=project, stdin=subprocess.PIPE, DOTNET_EnableDiagnostics="0", **environment
+        )
+        self.program.wait_for("^ready$")
+
+    def do(self, what: str) -> list[str]:
+        """One thing after the other; returns what was printed meanwhile."""
+        before = len(self.program.lines)
+        assert self.program.process.stdin is not None
+        self.program.process.stdin.write(f"{what}\n")
+        self.program.process.stdin.flush()
+        self.program.wait_for(f"^did {re.escape(what)}$", start=before)
+        return self.program.lines[before:-1]
+
+    def draw_until(self, pattern: str) -> str:
+        """The window draws itself ten times a second."""
+        for _ in range(int(LIMIT / 0.1)):
+            drawn = "\n".join(self.do("draw"))
+            if re.search(pattern, drawn, re.MULTILINE):
+                return drawn
+            time.sleep(0.1)
+        raise AssertionError(f"never drawn: {pattern}; the last: {drawn}")
+
+    def play_until(self, line: str) -> None:
+        """Frames, until a line was logged."""
+        for _ in range(int(LIMIT / 0.1)):
+            self.do("draw")
+            if line in self.program.lines:
+                return
+            time.sleep(0.1)
+        raise AssertionError(f"never logged: {line}; printed:\n{self.program.output}")
+
+
+@pytest.fixture(scope="session")
+def editor_dll(engine: dotnet.Engine) -> Path:
+    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "editor")
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A game with the package in it, and without the servers."""
+    (tmp_path / "Assets").mkdir()
+    shutil.copytree(PACKAGE, tmp_path / "Assets" / "NetMQExample")
+    return tmp_path
+
+
+@pytest.fixture
+def editor(editor_dll: Path) -> Iterator[Callable[..., Editor]]:
+    """Opens a project, in an editor that runs on .NET or on Mono."""
+    opened = []
+
+    def open_project(project: Path, runtime: str = "dotnet", words: Sequence[str] = (), **environment: str) -> Editor:
+        if not shutil.which(runtime):
+            pytest.skip(f"there is no {runtime}")
+        opened.append(Editor([runtime, str(editor_dll), *words], project, **environment))
+        opened[-1].do("load")
+        return opened[-1]
+
+    yield open_project
+    for one in opened:
+        # Whatever has failed: no server is left.
+        if "did quit" not in one.program.lines and not one.program.ended:
+            one.do("quit")
+        one.program.wait()

@@ -1,0 +1,169 @@
+// Does in the editor what a line of the standard input says, and prints what is drawn then.
+//
+//     api                     what the stand-in of UnityEditor has
+//     package PATH            where the package lies; folder PATH: what is chosen when a folder is asked for
+//     load                    what Unity does after each reload of the scripts
+//     menu ITEM               such as Tools/NetMQ Example/Lessons
+//     type LABEL=TEXT         into a field; press BUTTON
+//     draw                    the windows, once; after a frame, if it plays
+//     play 4 ENDPOINT COUNT   a lesson's scripts, with the first one's inspector; stop
+//     host ADDRESS            into the asset with the servers' address
+//     build TARGET FOLDER     what Unity calls when it builds for a platform
+//     counted                 whether a program that is not compiled for the editor shows its messages
+//     calls DLL               how often a build of the lessons shows a message
+//     quit                    the end of the editor
+using System;
+using System.Linq;
+using System.Reflection;
+using NetMQ.Sockets;
+using NetMQExample.Editor;
+using NetMQExample.PlayTest;
+using UnityEditor;
+using UnityEditor.Build.Reporting;
+using UnityEngine;
+using UnityPlayer;
+using Drawing = UnityEditor.Drawing;
+using Object = UnityEngine.Object;
+
+namespace NetMQExample.EditorTest
+{
+    internal static class Program
+    {
+        private const BindingFlags Any = BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic;
+        private static readonly Assembly Package = typeof(LessonServer).Assembly;
+
+        private static Player player;
+        private static ClientInspector inspector;
+        private static TextMesh shown;
+
+        private static int Main()
+        {
+            Console.WriteLine("ready");
+            for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+            {
+                var words = line.Split(new[] { ' ' }, 2);
+                Do(words[0], words.Length > 1 ? words[1] : "");
+                Console.WriteLine($"did {line}");
+                if (line == "quit") break;
+            }
+            return 0;
+        }
+
+        private static void Do(string what, string with)
+        {
+            switch (what)
+            {
+                case "api": Api.Print(typeof(EditorWindow).Assembly); break;
+                case "package": AssetDatabase.Package = with; break;
+                case "folder": EditorUtility.Chosen = with; break;
+                case "load": Call<InitializeOnLoadMethodAttribute>(_ => true); break;
+                case "menu": Call<MenuItem>(item => item.menuItem == with); break;
+                case "type": Drawing.Typed[with.Split('=')[0]] = with.Split(new[] { '=' }, 2)[1]; break;
+                case "press": Draw(with); break;
+                case "draw": Draw(""); break;
+                case "clipboard": Console.WriteLine(EditorGUIUtility.systemCopyBuffer); break;
+                case "play": Play(with.Split(' ')); break;
+                case "stop": Stop(); break;
+                case "host": SetHost(with); break;
+                case "build": Build(with.Split(' ')); break;
+                case "counted": Count(); break;
+                case "calls": Console.WriteLine($"calls: {CallsOfShow(Assembly.LoadFile(with))}"); break;
+                case "quit": EditorApplication.SayQuitting(); break;
+                default: throw new ArgumentException(what);
+            }
+        }
+
+        private static void Draw(string pressed)
+        {
+            Drawing.Lines.Clear();
+            Drawing.Pressed = pressed;
+            player?.Frame();
+            EditorApplication.update?.Invoke();
+            if (inspector != null) inspector.OnInspectorGUI();
+            if (player != null) Console.WriteLine($"hud: {shown.text}");
+            foreach (var window in EditorWindow.Open)
+            {
+                window.GetType().GetMethod("OnInspectorUpdate", Any)?.Invoke(window, null);
+                window.GetType().GetMethod("OnGUI", Any)?.Invoke(window, null);
+            }
+            foreach (var line in Drawing.Lines) Console.WriteLine(line);
+        }
+
+        private static void Call<T>(Func<T, bool> which) where T : Attribute
+        {
+            foreach (var method in Package.GetTypes().SelectMany(type => type.GetMethods(Any)))
+                if (method.GetCustomAttributes<T>().Any(which))
+                    method.Invoke(null, method.GetParameters().Select(_ => (object)new MenuCommand(null)).ToArray());
+            foreach (var line in Drawing.Lines) Console.WriteLine(line);
+            Drawing.Lines.Clear();
+        }
+
+        private static void Play(string[] words)
+        {
+            var lessons = typeof(NetMQLifetime).Assembly;
+            var types = Scripts.Of(lessons, words[0]);
+            player = new Player(lessons);
+            EditorApplication.isPlaying = true;
+            player.Begin(() =>
+            {
+                var thing = new GameObject("client");
+                thing.SetActive(false);
+                var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+                Inspector.Set(scripts, "endpoint", words[1]);
+                Inspector.Set(scripts, "count", words[2]);
+                inspector = ScriptableObject.CreateInstance<ClientInspector>();
+                inspector.target = scripts.OfType<ConnectedBehaviour>().First();
+                var hud = new GameObject("hud");
+                hud.AddComponent<TextMesh>();
+                typeof(ClientHud).GetField("client", Any).SetValue(hud.AddComponent<ClientHud>(), inspector.target);
+                shown = hud.GetComponent<TextMesh>();
+                thing.SetActive(true);
+            });
+        }
+
+        private static void Stop()
+        {
+            player.Stop();
+            (player, inspector, EditorApplication.isPlaying) = (null, null, false);
+        }
+
+        private static void SetHost(string host) =>
+            typeof(ServerAddress).GetField("host", Any).SetValue(Resources.Load<ServerAddress>(ServerAddress.File), host);
+
+        private static void Build(string[] words)
+        {
+            var target = (BuildTarget)Enum.Parse(typeof(BuildTarget), words[0]);
+            var (guards, report) = (new BuildGuards(), new BuildReport(target));
+            guards.OnPreprocessBuild(report);
+            var thing = new GameObject("client");
+            thing.SetActive(false);
+            thing.AddComponent<HelloClient>();
+            guards.OnProcessScene(default, report);
+            Object.DestroyImmediate(thing);
+            BuildGuards.AddNetworkSentence(target, words[1]);
+            Console.WriteLine($"link: {guards.GenerateAdditionalLinkXmlFile(report, null)}");
+        }
+
+        // In the bytes of its methods: call or callvirt, and the number that Show has in it.
+        private static int CallsOfShow(Assembly lessons)
+        {
+            var show = BitConverter.GetBytes(lessons.GetType("NetMQExample.NetMQConnection").GetMethod("Show").MetadataToken);
+            return lessons.GetTypes().SelectMany(type => type.GetMethods(Any | BindingFlags.DeclaredOnly))
+                .Select(method => method.GetMethodBody()?.GetILAsByteArray() ?? new byte[0])
+                .Sum(code => Enumerable.Range(0, Math.Max(0, code.Length - 4))
+                    .Count(at => (code[at] == 0x28 || code[at] == 0x6F) && code.Skip(at + 1).Take(4).SequenceEqual(show)));
+        }
+
+        // This project does not define UNITY_EDITOR, as a build does not.
+        private static void Count()
+        {
+            var (seen, made) = (0, 0);
+            NetMQConnection.Seen += (endpoint, sent, frames) => seen++;
+            using var connection = new NetMQConnection("tcp://127.0.0.1:9", () => new DealerSocket());
+            connection.Show(true, new[] { $"{++made}" });
+            Console.WriteLine($"seen {seen}, made {made}");
+            connection.TrySend(TimeSpan.FromSeconds(1), default, "compiled for the editor");
+            Console.WriteLine($"seen {seen}");
+        }
+    }
+}

@@ -1,0 +1,183 @@
+"""What the editor shows of the clients, and says of a build: inspector, traffic, address, prefab, guards."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from kitlib.setup import dotnet
+from kitlib.unity.meta import PREFAB, own_guid
+from tests.programs import ROOT, Program, steady_port
+from tests.unity.conftest import PACKAGE, Editor
+
+# They share what was built.
+pytestmark = pytest.mark.xdist_group("player")
+Serve = Callable[..., tuple[Program, str]]
+Open = Callable[..., Editor]
+
+
+def test_the_inspector_shows_the_state_and_has_buttons(editor: Open, project: Path, serve: Serve) -> None:
+    unity = editor(project)
+    _, endpoint = serve("04_background_client")
+    unity.do(f"play 4 {endpoint} 2")
+    drawn = unity.draw_until("^Info: Connected, round trip [0-9.]+ ms$")
+    assert "[Drop the connection]" in drawn and "[Connect]" not in drawn
+    unity.play_until("done: 2 replies")
+    # The component has all that it wanted; a request more is the editor's.
+    unity.do("press Send hello")
+    unity.play_until("received world")
+    assert "[Drop the connection]" in unity.do("press Drop the connection")
+    unity.draw_until("^Warning: disconnected$")
+    unity.do("press Connect")
+    # A text in the scene shows the same, for a headset.
+    unity.draw_until("^hud: HelloBackground: Connected, round trip [0-9.]+ ms$")
+    unity.do("stop")
+    assert unity.do("draw") == []
+
+
+def test_the_inspector_shows_why_a_client_gave_up(editor: Open, project: Path) -> None:
+    unity = editor(project)
+    unity.do("play 1 127.0.0.1:5551 3")
+    drawn = unity.draw_until("^Error: gave up$")
+    assert "Error: bad endpoint '127.0.0.1:5551': write it like tcp://127.0.0.1:PORT" in drawn
+    unity.do("stop")
+
+
+def exchanged(drawn: str) -> list[str]:
+    """The messages of the window, without time and endpoint."""
+    return [line.split(" ", 2)[2] for line in drawn.splitlines() if re.match(r"\d\d:\d\d:\d\d\.\d{3} tcp://", line)]
+
+
+# What each lesson's client has sent or received in its first messages.
+SEEN = {
+    "1": ("01_request_reply", "> Hello", "< World"),
+    "2": ("02_lazy_pirate", r"> 1-\w+ \| add 1", r"< 1-\w+ \| 1"),
+    "3": ("03_publish_subscribe", None, r"< pose/.*"),
+    "5": ("05_messages", r'> {"kind":"\w+".*', r'< {"kind":"\w+".*'),
+    "6": ("06_many_in_flight", r"> 1 \| .*", r"< \d+ \| .*"),
+    "8": ("08_see_and_steer", r'> {"kind":"frame".* \| \(\d+ bytes\)', r'< {"kind":"action".*'),
+    "14": ("14_long_jobs", r'> {"kind":"goal".*', r'< {"kind":"accepted".*'),
+}
+
+
+@pytest.mark.parametrize("number", SEEN)
+def test_the_traffic_window_shows_what_the_clients_say(number: str, editor: Open, project: Path, serve: Serve) -> None:
+    key, sent, received = SEEN[number]
+    unity = editor(project)
+    unity.do("menu Tools/NetMQ Example/Traffic")
+    _, endpoint = serve(key)
+    unity.do(f"play {number} {endpoint} 3")
+    for pattern in filter(None, (sent, received)):
+        assert [line for line in exchanged(unity.draw_until(f" {pattern}$")) if re.fullmatch(pattern, line)]
+    unity.do("stop")
+
+
+def test_the_traffic_window_filters_pauses_and_copies(editor: Open, project: Path, serve: Serve) -> None:
+    unity = editor(project)
+    unity.do("menu Tools/NetMQ Example/Traffic")
+    _, endpoint = serve("01_request_reply")
+    unity.do(f"play 1 {endpoint} 1200")
+    unity.play_until("done: 1200 replies")
+    unity.do("stop")
+    unity.do("press Copy")
+    copied = exchanged("\n".join(unity.do("clipboard")))
+    assert len(copied) == 1000 and copied == ["> Hello", "< World"] * 500, "the last thousand"
+    unity.do("type Only lines with=world")
+    unity.do("draw")
+    assert set(exchanged("\n".join(unity.do("draw")))) == {"< World"}
+    assert "[Pause]" in unity.do("press Pause")
+    assert "[Go on]" in unity.do("draw")
+    unity.do("type Only lines with=5 bytes")
+    unity.do(f"play 1 {endpoint} 3")
+    unity.play_until("done: 3 replies")
+    unity.do("stop")
+    unity.do("type Only lines with=")
+    unity.do("press Copy")
+    assert exchanged("\n".join(unity.do("clipboard"))) == copied, "nothing is kept in a pause"
+
+
+def test_a_program_that_is_not_the_editor_holds_no_call(editor: Open, project: Path) -> None:
+    """Not even what it would be given is made. The lessons' own calls, compiled for the editor, are seen."""
+    assert editor(project).do("counted") == ["seen 0, made 0", "seen 1"]
+
+
+@pytest.mark.long
+def test_a_build_holds_no_call(engine: dotnet.Engine, editor: Open, project: Path, tmp_path: Path) -> None:
+    """The lessons' assembly as it is in a game, and as it is in the editor."""
+    unity = editor(project)
+    found = []
+    for inside in ("false", "true"):
+        words = [*engine.properties, f"-p:InEditor={inside}", f"-p:ArtifactsPath={tmp_path / inside}", "-v:quiet"]
+        environment = {**os.environ, **dotnet.ENVIRONMENT}
+        lessons = ROOT / "csharp-support" / "lessons"
+        subprocess.run(["dotnet", "build", lessons, *words], check=True, timeout=280, env=environment)
+        found += unity.do(f"calls {next(tmp_path.rglob(f'{inside}/bin/NetMQExample/release/NetMQExample.dll'))}")
+    assert found[0] == "calls: 0"
+    # In each class that sends or receives by itself; whoever adds one adds its calls.
+    assert int(found[1].split()[1]) >= 15
+
+
+def test_one_asset_says_where_the_servers_are(editor: Open, project: Path, serve: Serve) -> None:
+    unity = editor(project)
+    assert "created Assets/Resources/NetMQServerAddress.asset" in unity.do("menu Tools/NetMQ Example/Server address")
+    assert not any("created" in line for line in unity.do("menu Tools/NetMQ Example/Server address"))
+    port = steady_port()
+    unity.do("host localhost")
+    unity.do(f"play 1 tcp://127.0.0.1:{port} 3")
+    unity.play_until(f"asking tcp://localhost:{port}")
+    unity.do("stop")
+    # Whoever has written another machine's name meant it.
+    unity.do("play 1 tcp://127.0.0.2:9 3")
+    unity.play_until("asking tcp://127.0.0.2:9")
+    unity.do("stop")
+
+
+def test_a_build_takes_the_endpoint_from_its_command_line(editor: Open, project: Path) -> None:
+    unity = editor(project, words=["--endpoint", "tcp://127.0.0.1:9"])
+    unity.do("play 1 tcp://127.0.0.1:5551 3")
+    unity.play_until("asking tcp://127.0.0.1:9")
+    unity.do("stop")
+
+
+def test_a_device_is_warned_of_what_cannot_work_there(editor: Open, project: Path, tmp_path: Path) -> None:
+    unity = editor(project)
+    plist = tmp_path / "Info.plist"
+    before = (
+        '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n\t<dict>\n\t</dict>\n'
+    )
+    plist.write_text(before + "</dict>\n</plist>\n", encoding="utf-8")
+    loopback = "HelloClient in scene Main asks 127.0.0.1, which on a device is the device itself"
+    permission = "Android may refuse NetMQ the network: set Project Settings, Player, Other Settings, Internet Access"
+    said = "\n".join(unity.do(f"build Android {tmp_path}"))
+    assert said.count(loopback) == 1 and said.count(permission) == 1
+    said = "\n".join(unity.do(f"build StandaloneLinux64 {tmp_path}"))
+    assert loopback not in said and permission not in said
+    # What the linker is to read is there, also if the package is not in Assets.
+    assert f"link: {project / 'Assets' / 'NetMQExample' / 'link.xml'}" in said
+    for _ in range(2):
+        said = "\n".join(unity.do(f"build iOS {tmp_path}"))
+        assert loopback in said and permission not in said
+    (outer,) = ElementTree.parse(plist).getroot()
+    assert [part.text for part in outer if part.tag == "key"] == ["NSLocalNetworkUsageDescription", "A"], "once"
+    unity.do("menu Tools/NetMQ Example/Server address")
+    unity.do("host 192.168.1.20")
+    assert loopback not in "\n".join(unity.do(f"build Android {tmp_path}"))
+
+
+def test_the_menu_adds_the_prefab(editor: Open, project: Path) -> None:
+    """By its GUID, wherever the package lies; and what the prefab refers to is there."""
+    unity = editor(project)
+    assert "undo: Add NetMQ client" in unity.do("menu GameObject/NetMQ Example/Background client")
+    text = PREFAB.read_text(encoding="utf-8")
+    scripts = [own_guid(PACKAGE / name) for name in ("04_background_client/HelloBackground.cs", "Shared/ClientHud.cs")]
+    assert re.findall(r"m_Script: \{fileID: 11500000, guid: (\w+), type: 3\}", text) == scripts
+    names = re.findall(r"^--- !u!\d+ &(\d+)$", text, re.MULTILINE)
+    assert len(names) == len(set(names)) and set(re.findall(r"\{fileID: (\d+)\}", text)) <= {"0", *names}
+    client = re.search(r"&(\d+)\nMonoBehaviour:(?:\n  .*)+?" + scripts[0], text)
+    assert client and f"  client: {{fileID: {client[1]}}}\n" in text

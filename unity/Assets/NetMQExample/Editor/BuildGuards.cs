@@ -1,0 +1,63 @@
+// What a build for a device is warned of, and what is added to it: the checklist of docs/guide/devices.md, as far as a
+// program can go through it.
+using System.IO;
+using UnityEditor;
+using UnityEditor.Build;
+using UnityEditor.Build.Reporting;
+using UnityEditor.Callbacks;
+using UnityEditor.UnityLinker;
+using UnityEngine;
+using UnityEngine.SceneManagement;
+
+namespace NetMQExample.Editor
+{
+    /// <summary>Unity calls it at each build.</summary>
+    public sealed class BuildGuards : IPreprocessBuildWithReport, IProcessSceneWithReport, IUnityLinkerProcessor
+    {
+        // link.xml, wherever the package lies.
+        private const string Link = "c6fd050a2b57f54e58f156fa95262044";
+
+        /// <inheritdoc/>
+        public int callbackOrder => 0;
+
+        /// <summary>Adds to an iOS or visionOS build the sentence that its user is asked with.</summary>
+        /// <param name="target">The platform.</param>
+        /// <param name="pathToBuiltProject">The folder of the Xcode project.</param>
+        [PostProcessBuild]
+        public static void AddNetworkSentence(BuildTarget target, string pathToBuiltProject)
+        {
+            var path = Path.Combine(pathToBuiltProject, "Info.plist");
+            if (!IsDevice(target) || !File.Exists(path)) return;
+            File.WriteAllText(path, DeviceChecks.WithNetworkSentence(File.ReadAllText(path)));
+        }
+
+        /// <inheritdoc/>
+        public void OnPreprocessBuild(BuildReport report)
+        {
+            if (report.summary.platform == BuildTarget.Android && !PlayerSettings.Android.forceInternetPermission)
+                Debug.LogWarning(DeviceChecks.Permission);
+        }
+
+        /// <inheritdoc/>
+        public void OnProcessScene(Scene scene, BuildReport report)
+        {
+            // Without a report it is a Play.
+            if (report == null || !IsDevice(report.summary.platform)) return;
+            foreach (var root in scene.GetRootGameObjects())
+                foreach (var client in root.GetComponentsInChildren<ConnectedBehaviour>(true))
+                    if (DeviceChecks.IsLoopback(ServerAddress.Of(client)))
+                        Debug.LogWarning(DeviceChecks.Loopback(scene.name, client.GetType().Name), client);
+        }
+
+        /// <summary>Unity reads no link.xml of a package by itself.</summary>
+        /// <param name="report">The build.</param>
+        /// <param name="data">What the linker works on.</param>
+        /// <returns>The file to read.</returns>
+        public string GenerateAdditionalLinkXmlFile(BuildReport report, UnityLinkerBuildPipelineData data) =>
+            Path.GetFullPath(AssetDatabase.GUIDToAssetPath(Link));
+
+        // VisionOS by its name: Unity 2021 has none.
+        private static bool IsDevice(BuildTarget target) =>
+            target == BuildTarget.Android || target == BuildTarget.iOS || $"{target}" == "VisionOS";
+    }
+}

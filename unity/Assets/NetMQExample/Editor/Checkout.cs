@@ -1,0 +1,98 @@
+// Where the kit lies, with its Python servers: this package may be in it, or have been copied into a game.
+using System;
+using System.ComponentModel;
+using System.Diagnostics;
+using System.IO;
+using System.Linq;
+using System.Text.RegularExpressions;
+
+namespace NetMQExample.Editor
+{
+    /// <summary>The kit's folder: its lessons, and the Python that runs them.</summary>
+    public sealed class Checkout
+    {
+        // Both are asked at once: an old Python, and one without pyzmq.
+        private const string Question = "import sys, importlib.util as found; sys.exit(3 if sys.version_info < (3, 11) "
+            + "else 0 if found.find_spec('zmq') else 4)";
+
+        private Checkout(string root) => Root = root;
+
+        /// <summary>The folder with kit.py.</summary>
+        public string Root { get; }
+
+        /// <summary>The lessons that have a server, such as 01_request_reply.</summary>
+        public string[] Lessons => Directory.GetDirectories(Path.Combine(Root, "python"))
+            .Where(folder => File.Exists(Path.Combine(folder, "server.py")))
+            .Select(Path.GetFileName).OrderBy(key => key, StringComparer.Ordinal).ToArray();
+
+        /// <summary>Looks for the kit.</summary>
+        /// <param name="folders">Those that may be it, or lie in it.</param>
+        /// <returns>The first that is found, or null.</returns>
+        public static Checkout Find(params string[] folders)
+        {
+            foreach (var start in folders.Where(folder => !string.IsNullOrEmpty(folder)))
+                for (var folder = new DirectoryInfo(start); folder != null; folder = folder.Parent)
+                    if (File.Exists(Path.Combine(folder.FullName, "kit.py"))) return new Checkout(folder.FullName);
+            return null;
+        }
+
+        /// <summary>A lesson's server.</summary>
+        /// <param name="key">Such as 01_request_reply.</param>
+        /// <returns>The path of its server.py.</returns>
+        public string Server(string key) => Path.Combine(Root, "python", key, "server.py");
+
+        /// <summary>Where a lesson's programs run, so that what they leave behind lies in one place.</summary>
+        /// <param name="key">Such as 01_request_reply.</param>
+        /// <returns>A folder that exists.</returns>
+        public string Folder(string key) =>
+            Directory.CreateDirectory(Path.Combine(Root, ".build", "run", key.Substring(0, 2))).FullName;
+
+        /// <summary>The Python for the servers: that of .venv, or the first one on the PATH that has pyzmq.</summary>
+        /// <param name="trouble">Cause and cure where something is missing, or an empty text.</param>
+        /// <returns>Its command, or null.</returns>
+        public string Python(out string trouble)
+        {
+            // In this order kit.py makes them, macOS and Linux call theirs, and Windows has them.
+            var known = new[] { ".venv/bin/python", ".venv/Scripts/python.exe" }
+                .Select(path => Path.Combine(Root, path)).Where(File.Exists);
+            var names = known.Concat(new[] { "python3", "python", "py" });
+            var all = names.Select(name => (name, code: Ask(name))).ToList();
+            var best = all.FirstOrDefault(each => each.code == 0).name;
+            trouble = "";
+            if (best != null) return best;
+            best = all.FirstOrDefault(each => each.code == 4).name;
+            trouble = best != null
+                ? $"{best} has no pyzmq: run the pip line in a terminal; or kit.py run 1, once, which makes a .venv"
+                : "no Python 3.11 or later was found: install one from python.org, and restart Unity Hub";
+            return best;
+        }
+
+        /// <summary>What installs a lesson's packages, to be run in a terminal.</summary>
+        /// <param name="python">The interpreter.</param>
+        /// <param name="key">Such as 05_messages.</param>
+        /// <returns>One line.</returns>
+        public string PipLine(string python, string key)
+        {
+            var project = File.ReadAllText(Path.Combine(Root, "pyproject.toml"));
+            var lists = Regex.Matches(project, $"^(?:dependencies|{key}) = \\[(.*)\\]", RegexOptions.Multiline);
+            return $"\"{python}\" -m pip install {string.Join(" ", lists.Select(list => Words(list.Groups[1].Value)))}";
+        }
+
+        // As the file has them, in quotation marks: a shell would take >= for something else.
+        private static string Words(string list) => list.Replace("\", \"", "\" \"");
+
+        private static int Ask(string python)
+        {
+            try
+            {
+                var start = new ProcessStartInfo(python, $"-c \"{Question}\"") { UseShellExecute = false };
+                start.CreateNoWindow = true;
+                using var process = Process.Start(start);
+                if (process.WaitForExit(10_000)) return process.ExitCode;
+                process.Kill();
+            }
+            catch (Win32Exception) { /* There is none of this name. */ }
+            return -1;
+        }
+    }
+}

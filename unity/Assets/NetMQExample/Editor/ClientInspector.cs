@@ -1,0 +1,42 @@
+// The inspector of every client: while it plays, what it is doing, why it has given up, and buttons.
+using UnityEditor;
+using UnityEngine;
+
+namespace NetMQExample.Editor
+{
+    /// <summary>Below the fields of each component that connects.</summary>
+    [CustomEditor(typeof(ConnectedBehaviour), true), CanEditMultipleObjects]
+    public sealed class ClientInspector : UnityEditor.Editor
+    {
+        /// <inheritdoc/>
+        public override bool RequiresConstantRepaint() => EditorApplication.isPlaying;
+
+        /// <inheritdoc/>
+        public override void OnInspectorGUI()
+        {
+            DrawDefaultInspector();
+            if (!EditorApplication.isPlaying) return;
+            var client = (ConnectedBehaviour)target;
+            var lamp = client.LastError.Length > 0 ? MessageType.Error
+                : client.isActiveAndEnabled ? MessageType.Info : MessageType.Warning;
+            EditorGUILayout.HelpBox(client.State, lamp);
+            if (client.LastError.Length > 0) EditorGUILayout.HelpBox(client.LastError, MessageType.Error);
+            if (!client.enabled && GUILayout.Button("Connect")) client.enabled = true;
+            else if (client.enabled && GUILayout.Button("Drop the connection")) client.enabled = false;
+            if (client is HelloBackground hello && client.isActiveAndEnabled && GUILayout.Button("Send hello"))
+                hello.Client.Request("hello", Say, Debug.LogError);
+        }
+
+        private static void Say(string reply) => Debug.Log($"received {NetMQLifetime.Printable(reply)}");
+
+        private void OnEnable() => EditorApplication.update += Poll;
+
+        private void OnDisable() => EditorApplication.update -= Poll;
+
+        // The component itself listens only until its own last reply is there.
+        private void Poll()
+        {
+            if (target is HelloBackground hello && hello.isActiveAndEnabled) hello.Client?.Poll();
+        }
+    }
+}

@@ -1,0 +1,117 @@
+// A Python program beside the editor. It outlives a reload of recompiled scripts, which forgets all objects and closes
+// all pipes: hence it writes to a file, and what is to be remembered is one line of text.
+using System;
+using System.ComponentModel;
+using System.Diagnostics;
+using System.Globalization;
+using System.IO;
+
+namespace NetMQExample.Editor
+{
+    /// <summary>One run of a server, or of kit.py.</summary>
+    public sealed class LessonServer
+    {
+        // So many characters of the end are shown: a text field of the editor's takes no more than 65,535 vertices.
+        private const int Shown = 8000;
+        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(2);
+
+        // What a shell does with > on every system, in the same process: the one whose number is known.
+        private const string Redirect = "import os, runpy, sys; "
+            + "out = os.open(sys.argv[1], os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644); "
+            + "os.dup2(out, 1); os.dup2(out, 2); "
+            + "sys.argv[:] = sys.argv[2:]; sys.path.insert(0, os.path.dirname(sys.argv[0])); "
+            + "runpy.run_path(sys.argv[0], run_name='__main__')";
+
+        private readonly Process process;
+        private readonly string log;
+
+        private LessonServer(Process process, string log) => (this.process, this.log) = (process, log);
+
+        /// <summary>What <see cref="Find"/> needs to find it again.</summary>
+        public string Note { get; private set; } = "";
+
+        /// <summary>False once it has ended.</summary>
+        public bool Running => process != null && !process.HasExited;
+
+        /// <summary>The end of what it has printed.</summary>
+        public string Lines
+        {
+            get
+            {
+                try
+                {
+                    const FileShare others = FileShare.ReadWrite | FileShare.Delete;
+                    using var file = new FileStream(log, FileMode.Open, FileAccess.Read, others);
+                    file.Position = Math.Max(0, file.Length - Shown);
+                    using var reader = new StreamReader(file);
+                    return reader.ReadToEnd();
+                }
+                catch (IOException) { return ""; }
+            }
+        }
+
+        /// <summary>Starts one.</summary>
+        /// <param name="python">The interpreter.</param>
+        /// <param name="script">The program.</param>
+        /// <param name="options">Its options, as one would type them.</param>
+        /// <param name="folder">Where it works.</param>
+        /// <param name="log">The file for its lines, with its whole path.</param>
+        /// <returns>It, running; or ended, with the reason among its lines.</returns>
+        public static LessonServer Start(string python, string script, string options, string folder, string log)
+        {
+            Directory.CreateDirectory(Path.GetDirectoryName(log));
+            File.Delete(log);
+            var start = new ProcessStartInfo(python, $"-u -c \"{Redirect}\" \"{log}\" \"{script}\" {options}")
+            {
+                UseShellExecute = false,
+                CreateNoWindow = true,
+                WorkingDirectory = folder,
+            };
+            // Not the code page of a Windows console.
+            start.EnvironmentVariables["PYTHONUTF8"] = "1";
+            var process = Process.Start(start);
+            var born = Born(process).ToString(CultureInfo.InvariantCulture);
+            return new LessonServer(process, log) { Note = $"{process.Id} {born} {log}" };
+        }
+
+        /// <summary>Finds it again, after a reload of the scripts.</summary>
+        /// <param name="note">Its <see cref="Note"/>.</param>
+        /// <returns>It, running or ended; null if there is no note.</returns>
+        public static LessonServer Find(string note)
+        {
+            var parts = note.Split(new[] { ' ' }, 3);
+            if (parts.Length < 3) return null;
+            try
+            {
+                var process = Process.GetProcessById(int.Parse(parts[0], CultureInfo.InvariantCulture));
+                // Once it has ended, its number may be another one's. Systems know the time of birth to the second.
+                var apart = Born(process) - long.Parse(parts[1], CultureInfo.InvariantCulture);
+                if (Math.Abs(apart) < Patience.Ticks) return new LessonServer(process, parts[2]) { Note = note };
+            }
+            catch (Exception e) when (e is ArgumentException || e is InvalidOperationException || e is Win32Exception)
+            {
+                // No process has this number.
+            }
+            return new LessonServer(null, parts[2]);
+        }
+
+        /// <summary>Ends it: where the system can ask, it is asked, and closes what it writes; else at
+        /// once.</summary>
+        public void Stop()
+        {
+            if (!Running) return;
+            // The shell's own kill, which says SIGTERM.
+            if (Path.DirectorySeparatorChar == '/') Process.Start("/bin/sh", $"-c \"kill {process.Id}\"")?.Dispose();
+            else process.Kill();
+            if (process.WaitForExit((int)Patience.TotalMilliseconds)) return;
+            process.Kill();
+            process.WaitForExit((int)Patience.TotalMilliseconds);
+        }
+
+        private static long Born(Process process)
+        {
+            try { return process.StartTime.ToUniversalTime().Ticks; }
+            catch (Exception e) when (e is InvalidOperationException || e is Win32Exception) { return 0; }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+// The last thousand messages, in lines of text. It is filled by the threads that talk, and read by the editor's.
+using System;
+using System.Collections;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Linq;
+using System.Text;
+using NetMQ;
+
+namespace NetMQExample.Editor
+{
+    /// <summary>What was sent and received since <see cref="Begin"/>.</summary>
+    public sealed class TrafficLog
+    {
+        private const int Room = 1000;
+        private static readonly Encoding Strict = new UTF8Encoding(false, true);
+
+        private readonly Queue<string> lines = new Queue<string>();
+
+        /// <summary>What comes meanwhile is not kept.</summary>
+        public bool Paused { get; set; }
+
+        /// <summary>Listens to all clients of this process.</summary>
+        public void Begin() => NetMQConnection.Seen += Add;
+
+        /// <summary>Listens no more.</summary>
+        public void End() => NetMQConnection.Seen -= Add;
+
+        /// <summary>The lines that have a text in them, the newest last.</summary>
+        /// <param name="filter">The text, upper or lower case; empty: all.</param>
+        /// <param name="most">How many.</param>
+        /// <returns>Lines.</returns>
+        public string Text(string filter, int most = Room)
+        {
+            lock (lines)
+            {
+                var found = lines.Where(line => line.IndexOf(filter, StringComparison.OrdinalIgnoreCase) >= 0).ToList();
+                return string.Join("\n", found.Skip(found.Count - most));
+            }
+        }
+
+        private void Add(string endpoint, bool sent, IEnumerable frames)
+        {
+            if (Paused) return;
+            var time = DateTime.Now.ToString("HH:mm:ss.fff", CultureInfo.InvariantCulture);
+            // At once: the bytes are lent.
+            var message = string.Join(" | ", frames.Cast<object>().Select(Shown));
+            var line = $"{time} {endpoint} {(sent ? '>' : '<')} {message}";
+            lock (lines)
+            {
+                lines.Enqueue(line);
+                if (lines.Count > Room) lines.Dequeue();
+            }
+        }
+
+        private static string Shown(object frame) => frame switch
+        {
+            NetMQFrame whole => Shown(new ReadOnlyMemory<byte>(whole.Buffer, 0, whole.MessageSize)),
+            byte[] bytes => Shown(new ReadOnlyMemory<byte>(bytes)),
+            ReadOnlyMemory<byte> bytes => Shown(bytes),
+            _ => NetMQLifetime.Printable($"{frame}"),
+        };
+
+        // Of a picture nobody wants to read the bytes.
+        private static string Shown(ReadOnlyMemory<byte> bytes)
+        {
+            try
+            {
+                if (bytes.Length <= 10_000) return NetMQLifetime.Printable(Strict.GetString(bytes.Span));
+            }
+            catch (ArgumentException) { /* It is no UTF-8. */ }
+            return $"({bytes.Length} bytes)";
+        }
+    }
+}

@@ -1,0 +1,58 @@
+// Where the servers are, said once for a whole game: by an asset, or on the command line of a build.
+//
+//     Tools > NetMQ Example > Server address       makes the asset; its host takes the place of 127.0.0.1 everywhere
+//     MyGame.exe --endpoint tcp://192.168.1.20:5554                this Play's endpoint, whatever the scene says
+//
+// Take home: this file, with ConnectedBehaviour.cs. Without asset and option the fields of the components count.
+using System;
+using System.Text.RegularExpressions;
+using UnityEngine;
+using Object = UnityEngine.Object;
+
+namespace NetMQExample
+{
+    /// <summary>An asset in a folder Resources, named like <see cref="File"/>.</summary>
+    public sealed class ServerAddress : ScriptableObject
+    {
+        /// <summary>How the asset is called.</summary>
+        public const string File = "NetMQServerAddress";
+
+        [SerializeField, Tooltip("Name or address of the servers' machine, such as 192.168.1.20")]
+        private string host = "127.0.0.1";
+
+        /// <summary>The endpoint that a component will connect to.</summary>
+        /// <param name="component">One with a serialized field of this name.</param>
+        /// <returns>An endpoint, or null if it has none.</returns>
+        public static string Of(Object component)
+        {
+            // Unity's own serializer reaches private fields, also where IL2CPP leaves out reflection's data.
+            var own = JsonUtility.FromJson<Field>(JsonUtility.ToJson(component)).endpoint;
+            var asset = Resources.Load<ServerAddress>(File);
+            return Choose(own, asset == null ? "" : asset.host, Environment.GetCommandLineArgs());
+        }
+
+        /// <summary>Writes it into the field. Not while a scene is edited: it would be saved.</summary>
+        /// <param name="component">One with a serialized field of this name.</param>
+        public static void Apply(Object component)
+        {
+            var endpoint = Of(component);
+            if (endpoint == null) return;
+            JsonUtility.FromJsonOverwrite(JsonUtility.ToJson(new Field { endpoint = endpoint }), component);
+        }
+
+        private static string Choose(string own, string host, string[] words)
+        {
+            if (string.IsNullOrEmpty(own)) return null;
+            var at = Array.IndexOf(words, "--endpoint") + 1;
+            if (at > 0 && at < words.Length) return words[at];
+            // Whoever has written another machine into a field meant it.
+            return host.Length == 0 ? own : Regex.Replace(own, @"(?<=^tcp://)(127\.0\.0\.1|localhost)(?=:)", host);
+        }
+
+        [Serializable]
+        private sealed class Field
+        {
+            public string endpoint;
+        }
+    }
+}
