@@ -5,6 +5,7 @@ has no way to a peer.
 Take home: this file, with messages.py of lesson 05.
 """
 
+import math
 import re
 import sys
 import time
@@ -59,7 +60,7 @@ class Game:
         if not self.socket.poll(20):
             if self.peer and time.monotonic() > self.heard + SILENCE:
                 self.heard = time.monotonic()
-                self.is_there()
+                self.send("alive")
             return None
         frames: list[Any] = self.socket.recv_multipart(copy=False)
         peer = bytes(frames.pop(0))
@@ -77,28 +78,34 @@ class Game:
         return None
 
     def greet(self, peer: bytes, hello: Message) -> None:
-        if self.peer and self.is_there():
+        if self.peer and self.send("alive"):
             raise MessageError("busy", "there is a game already: one at a time")
         names = take(hello.values, "views", str).split(",")
-        sizes = hello.arrays[0].numpy() if hello.arrays else None
-        if sizes is None or sizes.shape != (len(names), 2) or not all(map(NAME.fullmatch, names)):
+        sizes = hello.arrays[0] if hello.arrays else None
+        if not sizes or (sizes.dtype, sizes.shape) != ("int32", (len(names), 2)) or not all(map(NAME.fullmatch, names)):
             raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
+        views = {name: (width, height) for name, (width, height) in zip(names, sizes.numpy().tolist(), strict=True)}
+        if len(views) < len(names) or not all(
+            min(size) > 0 and 3 * math.prod(size) <= LIMIT for size in views.values()
+        ):
+            raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
         if self.send("welcome", hello.id, peer=peer):
-            self.views = {name: (int(width), int(height)) for name, (width, height) in zip(names, sizes, strict=True)}
-            self.peer, self.heard, self.count = peer, time.monotonic(), self.count + 1
+            self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
 
-    def is_there(self) -> bool:
-        """False, and it is forgotten, if there is no way to it any more."""
-        if self.send("alive"):
-            return True
+    def forget(self) -> None:
         self.peer, self.views = b"", {}
         self.lost()
-        return False
 
     def send(self, kind: str, id: int = 0, values: dict[str, Any] | None = None, peer: bytes = b"") -> bool:
+        """False if there is no way to it any more: then the game is forgotten."""
+        frames = Message(kind, id, values or {}).frames()
+        # A game hangs up on what it cannot read: MessageError says so before it is sent.
+        read(frames)
         try:
-            self.socket.send_multipart([peer or self.peer, *Message(kind, id, values or {}).frames()], zmq.NOBLOCK)
+            self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:
+            if self.peer and not peer:
+                self.forget()
             return False
         return True
 

@@ -28,7 +28,6 @@ from film_writer import check_new
 from films import Films
 from game import SILENCE
 from messages import LIMIT, Message, MessageError
-from view_film import ViewFilm
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5562", zmq.ROUTER, 4 * LIMIT
 
@@ -38,9 +37,9 @@ class SlowFilms(Films):
 
     slow = 0.0
 
-    def keep(self, film: ViewFilm, frame: Message) -> None:
-        time.sleep(self.slow)
-        super().keep(film, frame)
+    def hear(self, message: Message) -> None:
+        time.sleep(self.slow if message.kind == "frame" else 0)
+        super().hear(message)
 
 
 def film(films: Films, options: argparse.Namespace) -> None:
