@@ -50,6 +50,8 @@ class Filming:
         try:
             done.result(self.patience)
         except TimeoutError:
+            # Without it a game that is only slow would be filmed for ever.
+            self.requests.put(Message("end", next(self.ids), {"view": values["view"]}))
             raise TimeoutError(f"no answer to {kind} within {self.patience:g} s; does the game hang?") from None
         finally:
             self.asked.pop(request.id, None)
@@ -82,14 +84,13 @@ class Filming:
             film.attempt(self.report, film.begin, message, self.game.views.get(film.view, (0, 0)))
             self.films[film.view] = film
             self.answer(message.id)
-        elif message.kind == "begun":
-            # Whoever asked has given up.
-            self.game.send("end", message.id, {"view": view})
         elif (film := self.films.get(view)) and message.kind == "frame" and message.id == film.id:
             film.attempt(self.report, film.add, message)
             self.game.send("took", film.id, {"view": view, "number": message.values.get("number", 0)})
-        elif film and message.kind == "ended":
+        elif film and message.kind == "ended" and not film.over:
             film.attempt(self.report, film.end, message)
+            if film.path:
+                self.report(str(film))
             self.answer(message.id)
 
     def answer(self, id: int, error: Exception | None = None) -> None:

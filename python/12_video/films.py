@@ -78,8 +78,6 @@ class Films(Filming):
         if not film or not film.over:
             try:
                 self.ask("end", {"view": view})
-                if film and film.path:
-                    self.report(str(film))
             except Lost:
                 if not film:
                     raise

@@ -30,14 +30,17 @@ class Lost(ConnectionError):
 
 
 def bound(endpoint: str) -> zmq.Socket[bytes]:
-    context = zmq.Context()
-    socket = context.socket(zmq.ROUTER)
+    # libzmq itself would listen on port 99999 - 65536 without a word.
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", endpoint, re.ASCII)
+    if not port or int(port[1].replace("*", "0")) > 65535:
+        raise ValueError(f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5562, port 0 to 65535")
+    socket = zmq.Context().socket(zmq.ROUTER)
     # Who announces more than the largest message is disconnected before it is in memory.
     socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 4 * LIMIT, 200
     try:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
-        context.destroy()
+        socket.context.destroy()
         cure = "if another program films there, end it, or take another port here and in the game"
         raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
     return socket
@@ -85,9 +88,8 @@ class Game:
         if not sizes or (sizes.dtype, sizes.shape) != ("int32", (len(names), 2)) or not all(map(NAME.fullmatch, names)):
             raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
         views = {name: (width, height) for name, (width, height) in zip(names, sizes.numpy().tolist(), strict=True)}
-        if len(views) < len(names) or not all(
-            min(size) > 0 and 3 * math.prod(size) <= LIMIT for size in views.values()
-        ):
+        fits = [min(size) > 0 and 3 * math.prod(size) <= LIMIT for size in views.values()]
+        if len(views) < len(names) or not all(fits):
             raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
         if self.send("welcome", hello.id, peer=peer):
             self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
@@ -98,9 +100,8 @@ class Game:
 
     def send(self, kind: str, id: int = 0, values: dict[str, Any] | None = None, peer: bytes = b"") -> bool:
         """False if there is no way to it any more: then the game is forgotten."""
-        frames = Message(kind, id, values or {}).frames()
         # A game hangs up on what it cannot read: MessageError says so before it is sent.
-        read(frames)
+        read(frames := Message(kind, id, values or {}).frames())
         try:
             self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:

@@ -20,6 +20,7 @@ from tests.programs import LIMIT, ROOT, steady_port
 sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "05_messages")]
 import mp4_film
 from film_view import FilmView
+from films import Films
 from messages import Array, Message, MessageError, read
 from view_sender import ViewSender
 
@@ -139,6 +140,19 @@ def test_numbers_that_cannot_be_end_a_film_and_not_the_server(serve, context, tm
     assert "Traceback" not in server.output
 
 
+def test_what_one_view_refuses_ends_the_films_of_the_others(serve, context):
+    server, endpoint = serve(KEY, "--seconds", "60")
+    peer = Peer(context, endpoint)
+    assert peer.hello("one,two", [[8, 8], [8, 8]]) == "welcome"
+    peer.begun()
+    peer.frame(1, 0.0)
+    peer.say("error", peer.next("begin").id, {"code": "no-light", "text": "it is dark"})
+    server.wait_for("^trouble: 'no-light: it is dark'$")
+    peer.end(0.5)
+    server.wait_for(r"^film one_1\.gif: 1 frames, 0\.5 s, 0 skipped$")
+    peer.socket.close()
+
+
 def test_a_game_that_is_gone_leaves_its_film_at_once(films, peer):
     peer.hello()
     begin(films, peer, path="film.gif")
@@ -193,6 +207,12 @@ def test_what_a_game_could_not_read_is_not_sent(films, game):
     assert films.render_all()["two"].shape == (12, 16, 3)
     assert films.end_render("two").frames
     assert films.lines[0] == "begin two 16 x 12", "the game was there all the time"
+
+
+@pytest.mark.parametrize("endpoint", ["tcp://127.0.0.1:99999", "nonsense", ""])
+def test_an_endpoint_that_cannot_be_is_named(endpoint):
+    with pytest.raises(ValueError, match=f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5562"):
+        Films(endpoint)
 
 
 def test_films_that_are_closed_say_so(films, game):
