@@ -12,7 +12,8 @@ import time
 import pytest
 import zmq
 
-from tests.conftest import CLIENTS
+from kitlib.setup import dotnet
+from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.test_12_films import Game, films, game, np, shown
 from tests.lessons.test_12_video import KEY, filmer
 from tests.programs import LIMIT, ROOT, steady_port
@@ -281,6 +282,21 @@ def test_views_without_names_of_their_own_are_refused(names):
     sender = ViewSender(f"tcp://127.0.0.1:{steady_port()}", 30)
     with pytest.raises(ValueError, match=r"each view needs a name of its own: (one, one|none)"):
         sender.run([FilmView(name, 8, 8) for name in names], threading.Event())
+
+
+@pytest.mark.parametrize(
+    "names, why",
+    [
+        (["front", "front"], "each view needs a name of its own: front, front"),
+        (["a/b"], "a view cannot be 'a/b': give it a name of letters, digits, - and _"),
+        ([], "no camera to film: drag some into Cameras"),
+    ],
+)
+def test_in_unity_it_is_one_line(names, why, engine, start):
+    play = start("dotnet", dotnet.build(PYTHON, engine, ROOT / "tests" / "unity" / "play"), "views", *names)
+    assert play.wait() == 0, play.output
+    (said,) = [line for line in play.lines if "gave up: " in line]
+    assert why in said and "errors: 1" in play.lines
 
 
 @pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])
