@@ -70,23 +70,23 @@ class Filming:
 
     def say(self, request: Message) -> None:
         try:
-            if not (self.game.peer and self.game.send(request.kind, request.id, request.values)):
+            if not self.game.peer:
                 raise Lost("there is no game, or it is gone")
+            self.game.send(request.kind, request.id, request.values)
         except Exception as error:
             self.answer(request.id, error)
 
     def hear(self, message: Message) -> None:
-        view = str(message.values.get("view"))
+        values, view = message.values, str(message.values.get("view"))
         if message.kind == "error":
-            code, text = (str(message.values.get(name))[:200] for name in ("code", "text"))
-            self.answer(message.id, MessageError(code, text))
+            self.answer(message.id, MessageError(str(values.get("code"))[:40], str(values.get("text"))[:200]))
         elif message.kind == "begun" and (film := self.asked.get(message.id, (None, None))[1]):
             film.attempt(self.report, film.begin, message, self.game.views.get(film.view, (0, 0)))
             self.films[film.view] = film
             self.answer(message.id)
         elif (film := self.films.get(view)) and message.kind == "frame" and message.id == film.id:
             film.attempt(self.report, film.add, message)
-            self.game.send("took", film.id, {"view": view, "number": message.values.get("number", 0)})
+            self.game.send("took", film.id, {"view": view, "number": values.get("number", 0)})
         elif film and message.kind == "ended" and not film.over:
             film.attempt(self.report, film.end, message)
             if film.path:

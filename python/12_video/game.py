@@ -63,7 +63,8 @@ class Game:
         if not self.socket.poll(20):
             if self.peer and time.monotonic() > self.heard + SILENCE:
                 self.heard = time.monotonic()
-                self.send("alive")
+                if not self.send("alive"):
+                    self.forget()
             return None
         frames: list[Any] = self.socket.recv_multipart(copy=False)
         peer = bytes(frames.pop(0))
@@ -88,10 +89,10 @@ class Game:
         if not sizes or (sizes.dtype, sizes.shape) != ("int32", (len(names), 2)) or not all(map(NAME.fullmatch, names)):
             raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
         views = {name: (width, height) for name, (width, height) in zip(names, sizes.numpy().tolist(), strict=True)}
-        fits = [min(size) > 0 and 3 * math.prod(size) <= LIMIT for size in views.values()]
-        if len(views) < len(names) or not all(fits):
+        if len(views) < len(names) or not all(min(one) > 0 and 3 * math.prod(one) <= LIMIT for one in views.values()):
             raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
         if self.send("welcome", hello.id, peer=peer):
+            self.forget()
             self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
 
     def forget(self) -> None:
@@ -99,14 +100,14 @@ class Game:
         self.lost()
 
     def send(self, kind: str, id: int = 0, values: dict[str, Any] | None = None, peer: bytes = b"") -> bool:
-        """False if there is no way to it any more: then the game is forgotten."""
+        """False if there is no way to it any more."""
         # A game hangs up on what it cannot read: MessageError says so before it is sent.
         read(frames := Message(kind, id, values or {}).frames())
         try:
             self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:
-            if self.peer and not peer:
-                self.forget()
+            # What has come from it is heard; with the first silence it is forgotten.
+            self.heard = -math.inf
             return False
         return True
 

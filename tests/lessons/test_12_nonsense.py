@@ -154,6 +154,21 @@ def test_what_one_view_refuses_ends_the_films_of_the_others(serve, context):
     peer.socket.close()
 
 
+def test_what_a_game_said_before_it_went_is_heard(serve, context):
+    server, endpoint = serve(KEY, "--seconds", "0.3", "--slow", "0.3")
+    peer = Peer(context, endpoint)
+    assert peer.hello() == "welcome"
+    peer.begun()
+    peer.frame(1, 0.0)
+    ask = peer.next("end")
+    # It goes while this picture is written.
+    peer.frame(2, 0.1)
+    peer.say("ended", ask.id, {"view": "one", "frames": 2, "skipped": 0, "time": 0.5})
+    peer.socket.close(linger=5000)
+    server.wait_for(r"^film one_1\.gif: 2 frames, 0\.5 s, 0 skipped$")
+    assert "trouble" not in server.output
+
+
 def test_a_game_that_is_gone_leaves_its_film_at_once(films, peer):
     peer.hello()
     begin(films, peer, path="film.gif")
