@@ -14,8 +14,8 @@ import zmq
 
 from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.test_12_films import Game, films, game, np, shown
-from tests.lessons.test_12_video import KEY, filmer
+from tests.lessons.test_12_films import Game, films, game, np
+from tests.lessons.test_12_video import KEY, filmer, shown
 from tests.programs import LIMIT, ROOT, steady_port
 
 sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "05_messages")]
