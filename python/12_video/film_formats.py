@@ -37,6 +37,8 @@ class Gif(Format):
     ticks, tail = 100, b";"
 
     def head(self, size: tuple[int, int]) -> bytes:
+        if max(size) > 65_535:
+            raise ValueError(f"a GIF has at most 65535 pixels a side, not {size[0]} x {size[1]}: let it end in .png")
         # Without colours for all pictures: each has its own. Shown again and again.
         return b"GIF89a" + struct.pack("<HHxxx", *size) + b"\x21\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
 

@@ -8,17 +8,18 @@ skipped and counted, so nothing piles up, and the game waits for nobody.
 Take home: this file, with messages.py of lesson 05.
 """
 
+import re
 import sys
 import time
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from messages import Array, Message, MessageError, take
+from messages import LIMIT, Array, Message, MessageError, take
 
 # Pictures that were sent and are not yet with Python, and pictures at all.
 CREDIT, ROOM = 2, 4
@@ -37,7 +38,7 @@ class Film:
     number: int = 0
     skipped: int = 0
     sent: int = 0
-    took: int = 0
+    away: set[Any] = field(default_factory=set)
     ready: deque[Message] = field(default_factory=deque)
     ending: Message | None = None
     seconds: float = 0.0
@@ -46,8 +47,7 @@ class Film:
         return time.monotonic() - self.began
 
 
-@dataclass
-class Picture:
+class Picture(NamedTuple):
     """One that is to be taken now."""
 
     film: Film
@@ -58,7 +58,12 @@ class FilmView:
     """Half of it is for the game's thread, half for the network's."""
 
     def __init__(self, name: str, width: int, height: int) -> None:
-        self.name, self.width, self.height = name, width, height
+        # It becomes the name of a file.
+        if not re.fullmatch(r"[A-Za-z0-9_ -]{1,40}", name):
+            raise ValueError(f"a view cannot be {name!a:.50}: give it a name of letters, digits, - and _")
+        if not (width > 0 and height > 0 and 4 * width * height <= LIMIT):
+            raise ValueError(f"a view of {width} x {height} is too small, or too large for a message")
+        self.name, self.width, self.height = name, int(width), int(height)
         self.film: Film | None = None
 
     # The game's half.
@@ -70,7 +75,7 @@ class FilmView:
         # As often as it was asked for, whenever the game has its frames; more than one is not made up for.
         film.next = max(film.next + film.interval, now - film.interval)
         film.number += 1
-        if film.number - film.skipped - film.took > ROOM:
+        if film.number - film.skipped - film.sent + len(film.away) > ROOM:
             film.skipped += 1
             return None
         return Picture(film, {"view": self.name, "number": film.number, "time": now, "bottom_up": True})
@@ -100,13 +105,14 @@ class FilmView:
 
     def took(self, request: Message) -> None:
         if self.film and self.film.id == request.id:
-            self.film.took += 1
+            self.film.away.discard(request.values.get("number"))
 
     def outgoing(self) -> Iterator[Message]:
         """The pictures that are there, and the answer to `end` after the last one."""
         film = self.film
-        while film and film.ready and film.sent - film.took < CREDIT:
+        while film and film.ready and len(film.away) < CREDIT:
             film.sent += 1
+            film.away.add(film.ready[0].values["number"])
             yield film.ready.popleft()
         # What a camera still has is waited for, but not for ever.
         if film and film.ending and (film.sent + film.skipped == film.number or film.now() > film.seconds + 1):

@@ -4,6 +4,7 @@ Take home: this file, game.py, view_film.py, film_writer.py, film_formats.py and
 lesson 05.
 """
 
+import contextlib
 import itertools
 import queue
 import threading
@@ -13,7 +14,7 @@ from typing import Any
 
 import zmq
 from game import Game, Lost
-from messages import Message, MessageError, take
+from messages import Message, MessageError
 from view_film import ViewFilm
 
 
@@ -21,75 +22,76 @@ class Filming:
     """The socket belongs to the thread; others ask it to say something."""
 
     def __init__(self, socket: zmq.Socket[bytes], patience: float, report: Callable[[str], object]) -> None:
-        self.patience, self.report, self.ids = patience, report, itertools.count(1)
+        self.patience, self.tell, self.ids = patience, report, itertools.count(1)
         self.game = Game(socket, self.lose)
         # What is to be said to the game, who waits for an answer, and the newest film of each view.
         self.requests, self.films = queue.SimpleQueue[Message](), dict[str, ViewFilm]()
         self.asked = dict[int, tuple[Future[None], ViewFilm | None]]()
-        self.over = threading.Event()
-        self.thread = threading.Thread(target=self.run, daemon=True)
+        self.over, self.thread = threading.Event(), threading.Thread(target=self.run, daemon=True)
 
     def start(self) -> None:
         """Not before it is needed: by then there is somebody who will call close."""
+        if self.over.is_set():
+            raise ValueError("these films are closed: make new ones")
         if not self.thread.is_alive():
             self.thread.start()
 
+    def report(self, line: str) -> None:
+        """What cannot be told, as into a pipe that is closed, ends no film."""
+        with contextlib.suppress(Exception):
+            self.tell(line)
+
     def ask(self, kind: str, values: dict[str, Any], film: ViewFilm | None = None) -> None:
         """For any thread: ask the game for something, and wait until it is done. MessageError is its refusal."""
+        self.start()
         request, done = Message(kind, next(self.ids), values), Future[None]()
         self.asked[request.id] = done, film
-        self.start()
         self.requests.put(request)
         try:
             done.result(self.patience)
         except TimeoutError:
+            # Without it a game that is only slow would be filmed for ever.
+            self.requests.put(Message("end", next(self.ids), {"view": values["view"]}))
             raise TimeoutError(f"no answer to {kind} within {self.patience:g} s; does the game hang?") from None
         finally:
             self.asked.pop(request.id, None)
 
     def run(self) -> None:
         while not self.over.is_set():
-            while not self.requests.empty():
-                request = self.requests.get()
-                if not (self.game.peer and self.game.send(request.kind, request.id, request.values)):
-                    self.answer(request.id, Lost("there is no game, or it is gone"))
             try:
+                while not self.requests.empty():
+                    self.say(self.requests.get())
                 if message := self.game.receive():
                     self.hear(message)
-            except MessageError as error:
-                self.game.refuse(self.game.peer, error)
+            except Exception as error:
+                # Unforeseen. It ends the films, and not this thread: whoever asks would wait for nothing.
+                self.report(f"trouble: {error!r:.200}")
+                self.game.forget()
+
+    def say(self, request: Message) -> None:
+        try:
+            if not self.game.peer:
+                raise Lost("there is no game, or it is gone")
+            self.game.send(request.kind, request.id, request.values)
+        except Exception as error:
+            self.answer(request.id, error)
 
     def hear(self, message: Message) -> None:
+        values, view = message.values, str(message.values.get("view"))
         if message.kind == "error":
-            code, text = str(message.values.get("code")), str(message.values.get("text"))
-            self.answer(message.id, MessageError(code[:40], text[:200]))
-            return
-        view = take(message.values, "view", str)
-        if message.kind == "begun" and (film := self.asked.get(message.id, (None, None))[1]):
-            film.begin(message)
-            self.films[view] = film
+            self.answer(message.id, MessageError(str(values.get("code"))[:40], str(values.get("text"))[:200]))
+        elif message.kind == "begun" and (film := self.asked.get(message.id, (None, None))[1]):
+            film.attempt(self.report, film.begin, message, self.game.views.get(film.view, (0, 0)))
+            self.films[film.view] = film
             self.answer(message.id)
         elif (film := self.films.get(view)) and message.kind == "frame" and message.id == film.id:
-            self.keep(film, message)
-            self.game.send("took", film.id, {"view": view, "number": film.number})
-        elif film and message.kind == "ended":
-            self.attempt(film, lambda: film.end(message))
+            film.attempt(self.report, film.add, message)
+            self.game.send("took", film.id, {"view": view, "number": values.get("number", 0)})
+        elif film and message.kind == "ended" and not film.over:
+            film.attempt(self.report, film.end, message)
             if film.path:
                 self.report(str(film))
             self.answer(message.id)
-
-    def keep(self, film: ViewFilm, frame: Message) -> None:
-        """A picture that came; until this returns it counts as one on its way."""
-        self.attempt(film, lambda: film.add(frame))
-
-    def attempt(self, film: ViewFilm, do: Callable[[], None]) -> None:
-        """What goes wrong with a file is said once, and the game goes on."""
-        try:
-            do()
-        except (OSError, ValueError, MessageError) as error:
-            if not film.trouble:
-                film.stop(str(error))
-                self.report(f"trouble: {film}")
 
     def answer(self, id: int, error: Exception | None = None) -> None:
         if waiting := self.asked.pop(id, None):
@@ -97,9 +99,8 @@ class Filming:
 
     def lose(self) -> None:
         """The game is gone: what came is a film."""
-        for film in self.films.values():
-            if not film.over:
-                self.attempt(film, film.close)
-                self.report(f"trouble: the game is gone; {film}")
+        for film in [film for film in list(self.films.values()) if not film.over]:
+            film.attempt(self.report, film.close)
+            self.report(f"trouble: the game is gone; {film}")
         for id in list(self.asked):
             self.answer(id, Lost("the game is gone"))

@@ -16,12 +16,13 @@ messages.py of lesson 05. They need numpy and Pillow.
 import contextlib
 import time
 from collections.abc import Callable
+from operator import index
 from pathlib import Path
 from typing import Any, Self
 
 import zmq
 from filming import Filming
-from game import bound
+from game import Lost, bound
 from messages import MessageError
 from view_film import ViewFilm
 
@@ -63,11 +64,11 @@ class Films(Filming):
         view = view or next(iter(self.game.views), "")
         film = ViewFilm(view, path, fps)
         try:
-            self.ask("begin", {"view": view, "width": width, "height": height, "fps": float(fps)}, film)
+            self.ask("begin", {"view": view, "width": index(width), "height": index(height), "fps": float(fps)}, film)
         except BaseException:
             film.close()
             raise
-        if film.path:
+        if film.path and not film.trouble:
             self.report(f"begin {view} {film.size[1]} x {film.size[0]}")
 
     def end_render(self, view: str = "") -> ViewFilm:
@@ -75,16 +76,21 @@ class Films(Filming):
         view = view or next(iter(self.films), "")
         film = self.films.get(view)
         if not film or not film.over:
-            self.ask("end", {"view": view})
+            try:
+                self.ask("end", {"view": view})
+            except Lost:
+                if not film:
+                    raise
         return self.films.pop(view)
 
     def render_all(self) -> dict[str, Any]:
         """The newest picture of each view; of one that is not filmed a new one."""
-        idle = [view for view in self.game.views if view not in self.films or self.films[view].over]
+        views = list(self.game.views)
+        idle = [view for view in views if view not in self.films or self.films[view].over]
         for view in idle:
             self.begin_render(view, None)
         try:
-            return {view: film.picture(self.patience) for view, film in self.films.items()}
+            return {view: self.films[view].picture(self.patience) for view in views}
         finally:
             for view in idle:
                 self.end_render(view)
@@ -92,10 +98,9 @@ class Films(Filming):
     def close(self) -> None:
         """End all films, and leave the game."""
         self.patience = min(1, self.patience)
-        for view, film in list(self.films.items()):
-            if not film.over:
-                with contextlib.suppress(OSError, MessageError):
-                    self.end_render(view)
+        for view in [view for view, film in list(self.films.items()) if not film.over]:
+            with contextlib.suppress(OSError, MessageError):
+                self.end_render(view)
         self.over.set()
         if self.thread.is_alive():
             self.thread.join()

@@ -5,6 +5,7 @@ has no way to a peer.
 Take home: this file, with messages.py of lesson 05.
 """
 
+import math
 import re
 import sys
 import time
@@ -29,14 +30,17 @@ class Lost(ConnectionError):
 
 
 def bound(endpoint: str) -> zmq.Socket[bytes]:
-    context = zmq.Context()
-    socket = context.socket(zmq.ROUTER)
+    # libzmq itself would listen on port 99999 - 65536 without a word.
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", endpoint, re.ASCII)
+    if not port or int(port[1].replace("*", "0")) > 65535:
+        raise ValueError(f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5562, port 0 to 65535")
+    socket = zmq.Context().socket(zmq.ROUTER)
     # Who announces more than the largest message is disconnected before it is in memory.
     socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 4 * LIMIT, 200
     try:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
-        context.destroy()
+        socket.context.destroy()
         cure = "if another program films there, end it, or take another port here and in the game"
         raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
     return socket
@@ -59,7 +63,8 @@ class Game:
         if not self.socket.poll(20):
             if self.peer and time.monotonic() > self.heard + SILENCE:
                 self.heard = time.monotonic()
-                self.is_there()
+                if not self.send("alive"):
+                    self.forget()
             return None
         frames: list[Any] = self.socket.recv_multipart(copy=False)
         peer = bytes(frames.pop(0))
@@ -77,28 +82,32 @@ class Game:
         return None
 
     def greet(self, peer: bytes, hello: Message) -> None:
-        if self.peer and self.is_there():
+        if self.peer and self.send("alive"):
             raise MessageError("busy", "there is a game already: one at a time")
         names = take(hello.values, "views", str).split(",")
-        sizes = hello.arrays[0].numpy() if hello.arrays else None
-        if sizes is None or sizes.shape != (len(names), 2) or not all(map(NAME.fullmatch, names)):
+        sizes = hello.arrays[0] if hello.arrays else None
+        if not sizes or (sizes.dtype, sizes.shape) != ("int32", (len(names), 2)) or not all(map(NAME.fullmatch, names)):
             raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
+        views = {name: (width, height) for name, (width, height) in zip(names, sizes.numpy().tolist(), strict=True)}
+        if len(views) < len(names) or not all(min(one) > 0 and 3 * math.prod(one) <= LIMIT for one in views.values()):
+            raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
         if self.send("welcome", hello.id, peer=peer):
-            self.views = {name: (int(width), int(height)) for name, (width, height) in zip(names, sizes, strict=True)}
-            self.peer, self.heard, self.count = peer, time.monotonic(), self.count + 1
+            self.forget()
+            self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
 
-    def is_there(self) -> bool:
-        """False, and it is forgotten, if there is no way to it any more."""
-        if self.send("alive"):
-            return True
+    def forget(self) -> None:
         self.peer, self.views = b"", {}
         self.lost()
-        return False
 
     def send(self, kind: str, id: int = 0, values: dict[str, Any] | None = None, peer: bytes = b"") -> bool:
+        """False if there is no way to it any more."""
+        # A game hangs up on what it cannot read: MessageError says so before it is sent.
+        read(frames := Message(kind, id, values or {}).frames())
         try:
-            self.socket.send_multipart([peer or self.peer, *Message(kind, id, values or {}).frames()], zmq.NOBLOCK)
+            self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:
+            # What has come from it is heard; with the first silence it is forgotten.
+            self.heard = -math.inf
             return False
         return True
 

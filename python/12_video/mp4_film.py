@@ -10,11 +10,15 @@ import contextlib
 import shutil
 import subprocess
 import tempfile
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+# Seconds that ffmpeg may take over one picture, and then over its end.
+TAKES, ENDS = 10.0, 30.0
 # H.264 and most of its viewers want an even number of rows and columns, and colours at half the size.
 EVEN = "pad=ceil(iw/2)*2:ceil(ih/2)*2,format=yuv420p"
 
@@ -47,12 +51,10 @@ class Mp4Film:
         try:
             self.repeat(time)
         finally:
-            with contextlib.suppress(OSError):
+            # What is not written yet is written now.
+            with contextlib.suppress(OSError), self.limited(TAKES):
                 self.process.stdin.close()  # type: ignore[union-attr]
-            try:
-                self.process.wait(30)
-            except subprocess.TimeoutExpired:
-                self.process.kill()
+            with self.limited(ENDS):
                 self.process.wait()
         if self.process.returncode:
             raise OSError(self.why())
@@ -69,10 +71,25 @@ class Mp4Film:
         wanted = round((until - self.began) * self.fps)
         for _ in range(wanted - self.written if self.last else 0):
             try:
-                self.process.stdin.write(self.last)  # type: ignore[union-attr]
+                with self.limited(TAKES):
+                    self.process.stdin.write(self.last)  # type: ignore[union-attr]
             except OSError:
                 raise OSError(self.why()) from None
             self.written += 1
+
+    @contextlib.contextmanager
+    def limited(self, seconds: float) -> Iterator[None]:
+        """To write to a process that reads nothing waits for ever: it is killed after so many seconds."""
+        timer = threading.Timer(seconds, self.kill, [seconds])
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+
+    def kill(self, seconds: float) -> None:
+        self.said.write(f"killed, because it did nothing for {seconds:g} s\n".encode())
+        self.process.kill()  # type: ignore[union-attr]
 
     def why(self) -> str:
         self.said.seek(0)

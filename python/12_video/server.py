@@ -21,14 +21,14 @@ import re
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import zmq
 from film_writer import check_new
 from films import Films
-from game import SILENCE
 from messages import LIMIT, Message, MessageError
-from view_film import ViewFilm
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5562", zmq.ROUTER, 4 * LIMIT
 
@@ -38,9 +38,9 @@ class SlowFilms(Films):
 
     slow = 0.0
 
-    def keep(self, film: ViewFilm, frame: Message) -> None:
-        time.sleep(self.slow)
-        super().keep(film, frame)
+    def hear(self, message: Message) -> None:
+        time.sleep(self.slow if message.kind == "frame" else 0)
+        super().hear(message)
 
 
 def film(films: Films, options: argparse.Namespace) -> None:
@@ -51,22 +51,26 @@ def film(films: Films, options: argparse.Namespace) -> None:
     end = time.monotonic() + options.seconds
     while time.monotonic() < end and films.game.views:
         time.sleep(0.02)
-    for view in views:
-        films.end_render(view)
+
+
+def attempt(do: Callable[..., object], *what: Any) -> None:
+    """What goes wrong with one game, or with one of its films, does not end this program."""
+    try:
+        do(*what)
+    except (OSError, ValueError, MessageError) as error:
+        print(f"trouble: {str(error)!a:.200}", flush=True)
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
-    """One game after the other; what goes wrong with one of them does not end this program."""
+    """One game after the other."""
     with SlowFilms(socket=socket, report=lambda line: print(line, flush=True)) as films:
         films.slow = options.slow
         while True:
-            try:
-                films.wait(SILENCE)
-                film(films, options)
-            except TimeoutError:
-                pass
-            except (OSError, ValueError, MessageError) as error:
-                print(f"trouble: {str(error)!a:.200}", flush=True)
+            films.wait(float("inf"))
+            attempt(film, films, options)
+            # All that were begun, also when another one could not be.
+            for view in list(films.films):
+                attempt(films.end_render, view)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -7,7 +7,9 @@ import contextlib
 import itertools
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from film_writer import open_film
@@ -29,7 +31,7 @@ class ViewFilm:
         self.view, self.id, self.size = view, 0, (0, 0)
         self.path = free_path(view) if path == "" else Path(path) if path else None
         self.file = open_film(self.path, fps) if self.path else None
-        self.frames, self.number, self.skipped, self.began, self.seconds = 0, 0, 0, 0.0, 0.0
+        self.made, self.began, self.seconds, self.frames, self.skipped = monotonic(), 0.0, 0.0, 0, 0
         # Why nothing is written any more. And whether it has come to its end.
         self.trouble, self.over = "", False
         self.newest: Any = None
@@ -40,13 +42,32 @@ class ViewFilm:
         why = f"; {self.trouble}" if self.trouble else ""
         return f"film {name}: {self.frames} frames, {self.seconds:.1f} s, {self.skipped} skipped{why}"
 
-    def begin(self, begun: Message) -> None:
+    def begin(self, begun: Message, largest: tuple[int, int]) -> None:
         """The game has begun, and says how large its pictures are."""
-        self.id, self.size = begun.id, (take(begun.values, "height", int), take(begun.values, "width", int))
+        self.id, width, height = begun.id, take(begun.values, "width", int), take(begun.values, "height", int)
+        if not (0 < width <= largest[0] and 0 < height <= largest[1]):
+            raise MessageError("bad-size", f"{self.view} has no pictures of {width} x {height}")
+        self.size = (height, width)
+
+    def attempt(self, report: Callable[[str], object], do: Callable[..., None], *what: Any) -> None:
+        """Whatever goes wrong with a film is said once, and ends that film alone."""
+        try:
+            do(*what)
+        except Exception as error:
+            if not self.trouble:
+                self.stop(str(error) or repr(error))
+                report(f"trouble: {self}")
+
+    def seen(self, values: dict[str, Any]) -> float:
+        """A time of the game, which cannot have filmed for longer than it was asked to; clocks differ a little."""
+        time: float = take(values, "time", float)
+        if not 0 <= time <= monotonic() - self.made + 60:
+            raise MessageError("bad-time", f"{time:g} s is longer than it was filmed")
+        return time
 
     def add(self, frame: Message) -> None:
         """The next picture. MessageError says why it is none, OSError why it cannot be written."""
-        time, self.number = take(frame.values, "time", float), take(frame.values, "number", int)
+        time, number = self.seen(frame.values), take(frame.values, "number", int)
         shape = frame.arrays[0].shape if len(frame.arrays) == 1 else ()
         if shape[:2] != self.size or shape[2:] not in ((3,), (4,)) or frame.arrays[0].dtype != "uint8":
             raise MessageError("bad-picture", f"a picture is uint8 {[*self.size]} and 3 or 4, not {[*shape]}")
@@ -59,30 +80,31 @@ class ViewFilm:
         if self.file:
             self.file.add(self.newest, time)
         self.began = self.began if self.frames else time
-        self.frames, self.skipped, self.seconds = self.frames + 1, self.number - self.frames - 1, time - self.began
+        self.frames, self.skipped, self.seconds = self.frames + 1, number - self.frames - 1, time - self.began
 
     def stop(self, why: str) -> None:
         """Nothing more is written."""
         self.trouble, file, self.file = f"its file has ended early: {why[:200]}", self.file, None
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(Exception):
             if file:
                 file.close(self.began + self.seconds)
 
     def picture(self, patience: float) -> Any:
         """The newest; the first one is waited for."""
-        if not self.first.wait(patience):
-            raise TimeoutError(f"no picture of {self.view} within {patience:g} s; is the game paused?")
+        if not self.first.wait(patience) or self.newest is None:
+            raise TimeoutError(f"no picture of {self.view} within {patience:g} s; is the game paused, or gone?")
         return self.newest.copy()
 
     def end(self, ended: Message) -> None:
         """The game has taken the last picture, and says when it was over."""
-        self.close(take(ended.values, "time", float), take(ended.values, "skipped", int))
+        self.close(self.seen(ended.values), take(ended.values, "skipped", int))
 
     def close(self, time: float | None = None, skipped: int | None = None) -> None:
         """Without a time it ends with its last picture: nobody knows how long that was seen."""
         if self.over:
             return
         self.over = True
+        self.first.set()
         if self.trouble:
             return
         self.skipped = self.skipped if skipped is None else skipped

@@ -28,15 +28,20 @@ class ViewSender:
 
     def run(self, views: list[FilmView], stop: threading.Event) -> None:
         """Until `stop`. TimeoutError says that Python was not there for `patience` seconds."""
+        if not 0 < len({view.name for view in views}) == len(views):
+            raise ValueError(f"each view needs a name of its own: {', '.join(view.name for view in views) or 'none'}")
         self.heard, why = time.monotonic(), "no connection"
-        while time.monotonic() < self.heard + self.patience:
+        while not stop.is_set():
+            if time.monotonic() > self.heard + self.patience:
+                waited = f"nobody films at {self.endpoint} within {self.patience:g} s"
+                raise TimeoutError(f"{waited}; is the server running? ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 # Nothing can be sent while there is no connection: so it is known whether there is one.
                 socket.linger, socket.maxmsgsize, socket.immediate = 0, LIMIT, True
                 socket.sndtimeo = int(1000 * min(TRY, self.patience))
                 socket.connect(self.endpoint)
                 try:
-                    return self.talk(socket, views, stop)
+                    self.talk(socket, views, stop)
                 except zmq.Again:
                     pass
                 except (MessageError, TimeoutError) as error:
@@ -47,16 +52,12 @@ class ViewSender:
                     self.connected = False
                     for view in views:
                         view.film = None
-        waited = f"nobody films at {self.endpoint} within {self.patience:g} s"
-        raise TimeoutError(f"{waited}; is the server running? ({why})")
 
     def talk(self, socket: zmq.Socket[bytes], views: list[FilmView], stop: threading.Event) -> None:
         sizes = b"".join(side.to_bytes(4, "little") for view in views for side in (view.width, view.height))
         names = {"views": ",".join(view.name for view in views)}
         socket.send_multipart(Message("hello", 0, names, [Array("int32", (len(views), 2), sizes)]).frames())
-        end = time.monotonic() + min(TRY, self.patience)
-        while not (welcome := self.receive(socket)) and time.monotonic() < end:
-            pass
+        welcome = self.receive(socket, min(TRY, self.patience))
         if not welcome or welcome.kind != "welcome":
             raise MessageError("no-welcome", "no answer to hello")
         shown = ", ".join(f"{view.name} {view.width} x {view.height}" for view in views)
@@ -76,10 +77,9 @@ class ViewSender:
     def serve(self, socket: zmq.Socket[bytes], views: list[FilmView]) -> None:
         request = self.receive(socket)
         answers = [self.do(views, request)] if request and request.kind in ("begin", "end", "took") else []
-        for message in itertools.chain(answers, *(view.outgoing() for view in views)):
-            if message:
-                socket.send_multipart(message.frames())
-            if message and message.kind == "ended":
+        for message in filter(None, itertools.chain(answers, *(view.outgoing() for view in views))):
+            socket.send_multipart(message.frames())
+            if message.kind == "ended":
                 view, frames, skipped = (message.values[name] for name in ("view", "frames", "skipped"))
                 self.report(f"{view}: {frames} pictures, {skipped} skipped")
 
@@ -93,8 +93,8 @@ class ViewSender:
         except MessageError as error:
             return Message("error", request.id, {"code": error.code, "text": error.text})
 
-    def receive(self, socket: zmq.Socket[bytes]) -> Message | None:
-        if not socket.poll(10):
+    def receive(self, socket: zmq.Socket[bytes], seconds: float = 0.01) -> Message | None:
+        if not socket.poll(int(1000 * seconds)):
             if not socket.poll(0, zmq.POLLOUT):
                 raise TimeoutError("Python is gone")
             return None

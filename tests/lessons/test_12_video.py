@@ -170,6 +170,9 @@ def test_two_pictures_are_on_the_way_and_the_game_goes_on(kind, filmer, start, c
     begun = filmer.begin("front")
     first, second = (filmer.next("frame", "ended") for _ in range(2))
     assert [first.kind, second.kind] == ["frame", "frame"]
+    # What never came is not taken by saying so.
+    for number in range(100, 120):
+        filmer.say("took", begun.id, view="front", number=number)
     # Nothing is taken: neither a third one nor anything else comes until the drive is over, two seconds later.
     assert not filmer.socket.poll(600), "a third picture"
     filmer.say("took", begun.id, view="front", number=first.values["number"])

@@ -8,6 +8,7 @@
 //     … play.dll habits                                  one Play, in which scripts do what they may do in Unity
 //     … play.dll flood 1 tcp://127.0.0.1:5551 10000      a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0                         a Play of ten frames with a field that is wrong
+//     … play.dll views front front                       a Play of lesson 12 with cameras of these names
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
@@ -51,6 +52,7 @@ namespace NetMQExample.PlayTest
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
+                case "views": return Views(words.Skip(1).ToArray());
                 case "wrong": return Wrong(words[1], words[2], float.Parse(words[3], CultureInfo.InvariantCulture));
             }
             if (words[0] == "inside") return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
@@ -163,6 +165,25 @@ namespace NetMQExample.PlayTest
                         field.SetValue(part, Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
                 thing.SetActive(true);
             });
+            return UntilDone(player);
+        }
+
+        private static int Views(string[] names)
+        {
+            var player = new Player(typeof(NetMQLifetime).Assembly);
+            player.Begin(() =>
+            {
+                var thing = new GameObject("views");
+                thing.SetActive(false);
+                var recorder = thing.AddComponent<ViewRecorder>();
+                recorder.Cameras.AddRange(names.Select(name => new GameObject(name).AddComponent<Camera>()));
+                thing.SetActive(true);
+            });
+            return UntilDone(player);
+        }
+
+        private static int UntilDone(Player player)
+        {
             for (var i = 0; i < 10 || (!player.Done && i < 1000); i++)
             {
                 player.Frame();

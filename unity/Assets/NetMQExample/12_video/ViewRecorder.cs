@@ -24,8 +24,8 @@ namespace NetMQExample
         /// <summary>Whether Python is there.</summary>
         public bool Connected => sender?.Connected == true;
 
-        /// <summary>Whether a film is made of any of them.</summary>
-        public bool Filming => Array.Exists(filmed, one => one.View.Filming);
+        /// <summary>Whether a film is made of any of them, or has ended and that is not logged yet.</summary>
+        public bool Filming => Array.Exists(filmed, one => one.View.Filming) || Waiting;
 
         /// <summary>What can be filmed. To be changed before this component is enabled, or in Awake.</summary>
         public List<Camera> Cameras => cameras;

@@ -45,9 +45,13 @@ namespace NetMQExample
         public bool Connected => connected;
 
         /// <summary>Serves until it is stopped.</summary>
+        /// <exception cref="ArgumentException">Two of them have one name, or there are none.</exception>
         /// <exception cref="TimeoutException">Nobody was there for too long.</exception>
         public void Run(IReadOnlyList<FilmView> views, CancellationToken stop = default)
         {
+            var names = views.Select(view => view.Name).DefaultIfEmpty("none").ToList();
+            if (views.Count == 0 || names.Distinct().Count() < views.Count)
+                throw new ArgumentException($"each view needs a name of its own: {string.Join(", ", names)}");
             var why = "";
             for (silence.Restart(); silence.Elapsed < patience && !stop.IsCancellationRequested; dealer.Close())
             {

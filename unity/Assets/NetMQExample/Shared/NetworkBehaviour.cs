@@ -31,6 +31,10 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
 
+        /// <summary>Whether something is still to be done in Update, such as to log a line. Who disables the component
+        /// before drops it.</summary>
+        protected bool Waiting => run != null && run.ForUpdate.Count > 0;
+
         /// <summary>The lesson, on the network thread. What it throws is logged as the reason for giving up.</summary>
         /// <param name="stop">Cancelled when the component is disabled. Look at least every 50 ms.</param>
         protected abstract void Talk(CancellationToken stop);
