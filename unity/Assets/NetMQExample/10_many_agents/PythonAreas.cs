@@ -26,8 +26,7 @@ namespace NetMQExample
         protected override void Begin()
         {
             areas = GetComponentsInChildren<TArea>();
-            if (!Connects)
-                Debug.LogError($"gave up: {name} has no {typeof(TArea).Name} below it; put one into each area");
+            if (!Connects) GiveUp($"{name} has no {typeof(TArea).Name} below it; put one into each area");
             base.Begin();
         }
 
