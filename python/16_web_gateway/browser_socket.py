@@ -86,7 +86,7 @@ BrowserSocket = Requester | Listener
 
 
 def opened(context: zmq.asyncio.Context, kind: int, endpoint: str, patience: float) -> zmq.asyncio.Socket:
-    """A socket with its limits. Keys of its own, where the server asks for them, would be given to it here."""
+    """A socket with its limits."""
     socket = context.socket(kind)
     # What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
     socket.linger, socket.maxmsgsize, socket.rcvhwm = 0, LARGEST, 100

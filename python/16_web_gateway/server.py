@@ -11,7 +11,8 @@ topic, ["pose/"], and answers with the newest message; [] is: nothing new yet, a
 Socket.IO, at its usual path: emit(NAME, ...frames, callback), and the callback gets the frames of the answer.
 Trouble on command: Ctrl-C, here or in a server behind, and a new start: the page says so, and goes on.
 Started behind it: --hello 01_request_reply --background 04_background_client --poses 03_publish_subscribe
-Take home: this file, browser_socket.py, door.py, over_websocket.py, over_socketio.py and page.html.
+Take home: this file, browser_socket.py, door.py, over_websocket.py, over_socketio.py and page.html; for --keys also
+secure_requester.py and keys.py of lesson 15.
 """
 
 import argparse
@@ -20,6 +21,7 @@ import contextlib
 import signal
 import sys
 from pathlib import Path
+from typing import Any
 
 import over_socketio
 import over_websocket
@@ -37,6 +39,9 @@ PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555
 async def serve(options: argparse.Namespace) -> None:
     """The page, WebSocket and Socket.IO on one port, and behind it one ZeroMQ socket for each browser."""
     context, door, app = zmq.asyncio.Context(), Door(options.origin, options.token), web.Application()
+    if options.keys:
+        # What a context is given, each new socket of it has.
+        options.keys.apply(context)
 
     def opened(name: str) -> BrowserSocket:
         kind = Requester if name in SERVERS else Listener
@@ -57,6 +62,18 @@ async def serve(options: argparse.Namespace) -> None:
 # From here on all servers of this kit are the same, as far as they need it.
 
 
+def keys(folder: str) -> Any:
+    """Lesson 15's ClientKeys: a gateway is one client, whoever comes through it."""
+    # In its own lesson's folder; at home it lies beside this file.
+    sys.path.append(str(Path(__file__).resolve().parents[1] / "15_security"))
+    from secure_requester import ClientKeys
+
+    try:
+        return ClientKeys(Path(folder))
+    except (ValueError, OSError) as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
 def seconds(text: str) -> float:
     if not 0 <= float(text) < 86_400:
         raise ValueError
@@ -72,6 +89,7 @@ def main() -> None:
         "--origin", action="append", default=[], help="a page that may come in, like http://localhost:80"
     )
     parser.add_argument("--token", default="", help="a word that whoever comes in must know")
+    parser.add_argument("--keys", type=keys, metavar="DIR", help="lesson 15's, for servers that know their clients")
     parser.add_argument("--patience", type=seconds, default=1, help="seconds to wait for what is behind")
     for name, endpoint in (SERVERS | PUBLISHERS).items():
         parser.add_argument(f"--{name}", type=behind, default=endpoint, metavar="ENDPOINT", help=f"default: {endpoint}")

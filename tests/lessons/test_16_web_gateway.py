@@ -204,6 +204,17 @@ def test_others_than_this_machine_need_a_token(start):
     assert status(f"http://127.0.0.1:{port}", params={"token": "secret"}) == 101
 
 
+def test_a_server_with_keys_answers_a_gateway_that_has_them(serve, start, tmp_path):
+    """Lesson 15's, and a gateway without keys is told in a line that nobody answers."""
+    _, secure = serve("15_security", "--keys", str(tmp_path / "keys"))
+    for words, answer in (["--keys", str(tmp_path / "keys")], ["Hello alice"]), ([], None):
+        _, endpoint = serve(KEY, *ABSENT[2:], "--hello", secure, *words)
+        found = in_browser(endpoint, lambda browser: asked(browser, "Hello"))
+        assert found == answer or (answer is None and found["error"].startswith(f"no reply from {secure}")), found
+    lost = start(PYTHON, f"python/{KEY}/server.py", "--keys", str(tmp_path / "nothing"))
+    assert lost.wait() == 2 and "keys.py makes keys" in lost.lines[-1], lost.output
+
+
 def test_bytes_and_texts_in_several_frames(serve, echo):
     """A picture of 1.5 MB both ways, and what text can be."""
     _, endpoint = serve(KEY, "--hello", echo, *ABSENT[2:])
