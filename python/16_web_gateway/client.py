@@ -12,8 +12,14 @@ import re
 import sys
 from socket import getaddrinfo
 
-from socketio_requester import SocketIORequester
-from web_requester import WebSocketRequester
+try:
+    from socketio_requester import SocketIORequester
+    from web_requester import WebSocketRequester
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
+except KeyboardInterrupt:
+    # They take half a second.
+    sys.exit("stopped")
 
 ENDPOINT = "http://127.0.0.1:5566"
 

@@ -23,12 +23,19 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import over_socketio
-import over_websocket
 import zmq.asyncio
-from aiohttp import web
-from browser_socket import BrowserSocket, Listener, Requester
-from door import Door, address, behind, listen
+
+try:
+    import over_socketio
+    import over_websocket
+    from aiohttp import web
+    from browser_socket import BrowserSocket, Listener, Requester
+    from door import Door, address, behind, listen
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
+except KeyboardInterrupt:
+    # They take half a second.
+    sys.exit()
 
 ENDPOINT = "http://127.0.0.1:5566"
 # Your own servers go here. A browser asks for a name: it must never choose an address of the network behind.

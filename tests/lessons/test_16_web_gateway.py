@@ -204,6 +204,15 @@ def test_others_than_this_machine_need_a_token(start):
     assert status(f"http://127.0.0.1:{port}", params={"token": "secret"}) == 101
 
 
+@pytest.mark.parametrize("program", ["server", "client"])
+@pytest.mark.parametrize("missing", ["aiohttp", "socketio"])
+def test_a_python_without_what_it_needs_says_what_is_missing(program, missing, start, tmp_path):
+    (tmp_path / f"{missing}.py").write_text(f"raise ImportError('No module named {missing}')", encoding="utf-8")
+    ended = start(PYTHON, f"python/{KEY}/{program}.py", PYTHONPATH=str(tmp_path))
+    assert ended.wait() == 1
+    assert ended.lines[-1].startswith(f"No module named {missing}: this lesson needs aiohttp") and len(ended.lines) == 1
+
+
 def test_a_server_with_keys_answers_a_gateway_that_has_them(serve, start, tmp_path):
     """Lesson 15's, and a gateway without keys is told in a line that nobody answers."""
     _, secure = serve("15_security", "--keys", str(tmp_path / "keys"))
