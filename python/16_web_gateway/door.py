@@ -14,6 +14,8 @@ import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 from aiohttp import web
 from aiohttp.http import HttpProcessingError as NOISE
@@ -90,3 +92,21 @@ def behind(text: str) -> str:
     if not port or not 0 < int(port[1]) < 65536:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551")
     return text
+
+
+def keys(folder: str) -> Any:
+    """Lesson 15's ClientKeys: a gateway is one client, whoever comes through it."""
+    # In its own lesson's folder; at home it lies beside this file.
+    sys.path.append(str(Path(__file__).resolve().parents[1] / "15_security"))
+    from secure_requester import ClientKeys
+
+    try:
+        return ClientKeys(Path(folder))
+    except (ValueError, OSError) as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def seconds(text: str) -> float:
+    if not 0 <= float(text) < 86_400:
+        raise ValueError
+    return float(text)

@@ -21,7 +21,6 @@ import contextlib
 import signal
 import sys
 from pathlib import Path
-from typing import Any
 
 import zmq.asyncio
 
@@ -30,7 +29,7 @@ try:
     import over_websocket
     from aiohttp import web
     from browser_socket import BrowserSocket, Listener, Requester
-    from door import Door, address, behind, listen
+    from door import Door, address, behind, keys, listen, seconds
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
 except KeyboardInterrupt:
@@ -67,24 +66,6 @@ async def serve(options: argparse.Namespace) -> None:
 
 
 # From here on all servers of this kit are the same, as far as they need it.
-
-
-def keys(folder: str) -> Any:
-    """Lesson 15's ClientKeys: a gateway is one client, whoever comes through it."""
-    # In its own lesson's folder; at home it lies beside this file.
-    sys.path.append(str(Path(__file__).resolve().parents[1] / "15_security"))
-    from secure_requester import ClientKeys
-
-    try:
-        return ClientKeys(Path(folder))
-    except (ValueError, OSError) as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def seconds(text: str) -> float:
-    if not 0 <= float(text) < 86_400:
-        raise ValueError
-    return float(text)
 
 
 def main() -> None:
