@@ -21,6 +21,7 @@ from gymnasium import spaces  # noqa: E402
 
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", "11_observations")]
 messages, tree, fit = (importlib.import_module(name) for name in ("messages", "tree", "fit"))
+empty = importlib.import_module("empty").empty
 MessageError, Array = messages.MessageError, messages.Array
 
 
@@ -118,12 +119,12 @@ def test_10_000_random_values_go_through_csharp_and_come_back_equal(program):
 def test_what_a_space_begins_with_is_in_it_and_no_sample():
     for number in range(500):
         space = a_space(np.random.default_rng(number))
-        begin = fit.empty(space)
-        assert equal(fit.empty(space), begin), "not by chance"
+        begin = empty(space, "")
+        assert equal(empty(space, ""), begin), "not by chance"
         fit.fitted(space, begin, "")
-    assert fit.empty(spaces.Box(2, 3, (1,))).tolist() == [2], "as near to 0 as the space has it"
-    assert fit.empty(spaces.Discrete(3, start=-7)) == -7
-    assert fit.empty(spaces.Text(4, min_length=2, charset="xy")) == "xx"
+    assert empty(spaces.Box(2, 3, (1,)), "").tolist() == [2], "as near to 0 as the space has it"
+    assert empty(spaces.Discrete(3, start=-7), "") == -7
+    assert empty(spaces.Text(4, min_length=2, charset="xy"), "") == "xx"
 
 
 # What is no tree
