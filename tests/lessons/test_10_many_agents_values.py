@@ -21,7 +21,7 @@ from agents import AgentSimulator  # noqa: E402
 from areas import AreaSimulator  # noqa: E402
 from cart_pole import CartPole  # noqa: E402
 from infos import pack, unpack  # noqa: E402
-from messages import EXACT, Message, MessageError, read  # noqa: E402
+from messages import EXACT, MessageError, read  # noqa: E402
 from parallel import ZmqParallelEnv  # noqa: E402
 from pursuit import Pursuit  # noqa: E402
 from spaces import to_array  # noqa: E402
@@ -130,16 +130,19 @@ def test_areas_that_no_message_can_hold_are_refused(serve):
 # From an environment
 
 
-@pytest.mark.parametrize(
-    ("mask", "seeds"),
-    [
-        (to_array(np.zeros((3, 2)), np.uint8), to_array([1, 2, 3], np.int64)),
-        (to_array([1, 1, 1], np.uint8), to_array([np.nan] * 3, np.float64)),
-    ],
-)
-def test_a_simulator_names_a_wrong_mask_or_seed(mask, seeds, capfd):
-    answer = read(AreaSimulator([CartPole()] * 3).answer(Message("reset", 1, {}, [mask, seeds])))
-    assert (answer.kind, answer.values["code"]) == ("error", "wrong-areas")
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_simulator_names_a_wrong_mask_or_seed(kind, launch, capfd):
+    words = launch(kind, "--world", "CartPole", "--areas", "3", key=KEY)
+    envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 3, launch=words)
+    flat, seeds = to_array([1, 1, 1], np.uint8), to_array([1, 2, 3], np.int64)
+    for wrong in (
+        [to_array(np.zeros((3, 2)), np.uint8), seeds],
+        [flat, to_array([np.nan] * 3, np.float64)],
+        [flat, to_array([1, 2, 3], np.float64)],
+    ):
+        with pytest.raises(MessageError, match=r"wrong-areas|bad-dtype"):
+            envs.areas.ask("reset", {}, wrong)
+    envs.close()
     assert "Traceback" not in capfd.readouterr().err
 
 

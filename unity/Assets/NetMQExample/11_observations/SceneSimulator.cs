@@ -85,7 +85,7 @@ namespace NetMQExample
 
         private List<IAgent> Reset(long seed, Dictionary<string, object> options, List<object> names)
         {
-            var asked = names.ConvertAll(name => Find(name as string));
+            var asked = names.Select(name => Find(name as string)).Distinct().ToList();
             var chance = new Chance(seed);
             infos.Clear();
             foreach (var agent in asked)
