@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 import sys
 from types import SimpleNamespace
@@ -20,11 +19,15 @@ from gymnasium import spaces  # noqa: E402
 
 KEY = "11_observations"
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-names = "messages", "tree", "fit", "scene_agent", "scene_simulator", "unity_agents", "coin_car"
-messages, tree, fit, scene_agent, scene, unity_agents, coin_car = map(importlib.import_module, names)
-observations, parallel = (importlib.import_module(name) for name in ("observations", "unity_parallel"))
-Message, MessageError, read = messages.Message, messages.MessageError, messages.read
-Agent, Obs = scene_agent.Agent, scene_agent.Obs
+import fit  # noqa: E402
+import observations  # noqa: E402
+import tree  # noqa: E402
+import unity_agents  # noqa: E402
+from messages import Message, MessageError, read  # noqa: E402
+from scene_agent import Agent, Obs  # noqa: E402
+from scene_simulator import SceneSimulator  # noqa: E402
+from unity_parallel import UnityParallelEnv  # noqa: E402
+
 ONE = spaces.Box(-9, 9, (2,), np.float32)
 
 
@@ -42,7 +45,7 @@ def world(monkeypatch):
     """Makes an environment, without a wire: its simulator is in this process, and `change` alters what it answers."""
 
     def make(space=ONE, simulator=None, change=lambda said: said, kind=observations.UnityEnv, **spaces_of):
-        simulator = simulator or scene.SceneSimulator("Cars", 0.1, [Car()])
+        simulator = simulator or SceneSimulator("Cars", 0.1, [Car()])
 
         class Wire:
             def __init__(self, **where):
@@ -72,7 +75,7 @@ def seeing(value):
     """An agent that sees it."""
     car = Car()
     car.x = value
-    return scene.SceneSimulator("Cars", 0.1, [car])
+    return SceneSimulator("Cars", 0.1, [car])
 
 
 # From a simulator
@@ -215,7 +218,7 @@ def test_a_wrong_seed_wrong_options_and_a_step_too_early_are_named(world):
 @pytest.mark.parametrize("actions", [None, {}, {"b": 1}, [1], {"agent": 1, "b": 1}])
 def test_actions_of_others_than_those_that_live_are_named(actions, world):
     declared = {"observation_spaces": {"agent": spaces.Dict(x=ONE)}, "action_spaces": {"agent": spaces.Discrete(2)}}
-    env = world(simulator=seeing(np.zeros(2)), kind=parallel.UnityParallelEnv, **declared)
+    env = world(simulator=seeing(np.zeros(2)), kind=UnityParallelEnv, **declared)
     env.reset(seed=1)
     text = f"actions {actions}, but those that live are ['agent']"
     with pytest.raises(ValueError, match=f"^{re.escape(text)}"):
@@ -226,7 +229,7 @@ def test_actions_of_others_than_those_that_live_are_named(actions, world):
 
 
 def test_it_hears_what_is_said_to_the_environment_and_says_something_of_it(world):
-    class Heard(scene.SceneSimulator):
+    class Heard(SceneSimulator):
         def on_info(self, info):
             self.infos.append(f"heard {info}")
 
@@ -265,11 +268,11 @@ def test_a_request_that_is_none_is_a_line(kind, state, capfd):
 def test_rewards_and_ends_may_be_whole_numbers(world):
     class Gives(Car):
         def on_action(self, action):
-            self.reward, self.terminated, self.truncated = 1, 1, np.bool_(False)
+            vars(self).update(reward=1, terminated=1, truncated=np.bool_(False))
 
     car = Gives()
     car.x = np.zeros(2)
-    env = world(simulator=scene.SceneSimulator("Cars", 0.1, [car]))
+    env = world(simulator=SceneSimulator("Cars", 0.1, [car]))
     env.reset(seed=1)
     assert env.step(1)[1:4] == (1.0, True, False)
 
@@ -289,7 +292,7 @@ def test_a_wrong_class_or_scene_is_named():
         with pytest.raises(ValueError, match=f"^{re.escape(said)}"):
             kind()
     with pytest.raises(ValueError, match=r"^two agents have one name: 'a', 'a'; each needs a name of its own"):
-        scene.SceneSimulator("Cars", 0.1, [Car("a"), Car("a")])
+        SceneSimulator("Cars", 0.1, [Car("a"), Car("a")])
 
 
 def test_an_agent_that_is_asked_for_twice_answers_once():

@@ -33,8 +33,12 @@ namespace NetMQExample
         // The names are numpy's. What Unity runs on is little-endian, as the bytes are.
         private static readonly Dictionary<string, (int Size, Type Type)> Kinds = new Dictionary<string, (int, Type)>
         {
-            ["uint8"] = (1, typeof(byte)), ["uint16"] = (2, typeof(ushort)), ["int32"] = (4, typeof(int)),
-            ["int64"] = (8, typeof(long)), ["float32"] = (4, typeof(float)), ["float64"] = (8, typeof(double)),
+            ["uint8"] = (1, typeof(byte)),
+            ["uint16"] = (2, typeof(ushort)),
+            ["int32"] = (4, typeof(int)),
+            ["int64"] = (8, typeof(long)),
+            ["float32"] = (4, typeof(float)),
+            ["float64"] = (8, typeof(double)),
         };
 
         /// <summary>Describes bytes; they are not copied.</summary>

@@ -17,14 +17,22 @@ namespace NetMQExample
         // Those whose memory is already what a message has.
         private static readonly Dictionary<Type, string> Same = new Dictionary<Type, string>
         {
-            [typeof(byte)] = "uint8", [typeof(bool)] = "uint8", [typeof(ushort)] = "uint16", [typeof(char)] = "uint16",
-            [typeof(int)] = "int32", [typeof(long)] = "int64",
-            [typeof(float)] = "float32", [typeof(double)] = "float64",
+            [typeof(byte)] = "uint8",
+            [typeof(bool)] = "uint8",
+            [typeof(ushort)] = "uint16",
+            [typeof(char)] = "uint16",
+            [typeof(int)] = "int32",
+            [typeof(long)] = "int64",
+            [typeof(float)] = "float32",
+            [typeof(double)] = "float64",
         };
 
         private static readonly Dictionary<Type, string> Wider = new Dictionary<Type, string>
         {
-            [typeof(sbyte)] = "int32", [typeof(short)] = "int32", [typeof(uint)] = "int64", [typeof(ulong)] = "int64",
+            [typeof(sbyte)] = "int32",
+            [typeof(short)] = "int32",
+            [typeof(uint)] = "int64",
+            [typeof(ulong)] = "int64",
             [typeof(decimal)] = "float64",
         };
 

@@ -133,7 +133,8 @@ namespace NetMQExample
             var tree = new Dictionary<string, object>
             {
                 ["agents"] = asked.ToDictionary(agent => agent.State.Name, agent => (object)agent.State.Take()),
-                ["infos"] = new List<object>(infos), ["observations"] = observations,
+                ["infos"] = new List<object>(infos),
+                ["observations"] = observations,
             };
             infos.Clear();
             state.Values["state"] = MessageTree.Write(tree, state.Arrays);
