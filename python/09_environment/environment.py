@@ -22,7 +22,7 @@ try:
 except ImportError:
     sys.exit("this lesson needs gymnasium: pip install gymnasium, or let python3 kit.py run 9 do it")
 from connection import Lost
-from messages import Message, take
+from messages import Array, Message, take
 from simulators import Simulators
 from spaces import from_array, offered, picture, sendable, shown, to_array
 
@@ -37,7 +37,7 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
         self.name, self.render_mode = name, render_mode
         self.simulators = Simulators(**where)
         self.connection = self.simulators.connection
-        self.seen, self.picture = None, np.zeros((240, 320, 3), np.uint8)
+        self.seen, self.picture = list[Array](), np.zeros((240, 320, 3), np.uint8)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = weakref.finalize(self, self.simulators.close)
         try:
@@ -63,24 +63,24 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
         except Lost:
             self.simulators.find(self.accept)
             state = self.connection.ask("reset", values, arrays)
-        self.seen = from_array(self.observation_space, state.arrays)
-        return self.seen, state.values
+        seen, self.seen = from_array(self.observation_space, state.arrays), state.arrays
+        return seen, state.values
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        if self.seen is None:
+        if not self.seen:
             raise gymnasium.error.ResetNeeded("call reset before step")
         if action not in self.action_space:
             raise ValueError(f"action {shown(action)} is not in {shown(self.action_space)}")
         try:
             state = self.connection.ask("step", {}, [to_array(action, self.action_space.dtype)])
         except Lost as lost:
-            # Nobody knows what came after this observation.
-            return self.seen.copy(), 0.0, False, True, {"lost": str(lost)}
-        self.seen = from_array(self.observation_space, state.arrays)
+            # Nobody knows what came after this observation; it is read anew, as who got it may have changed it.
+            return from_array(self.observation_space, self.seen), 0.0, False, True, {"lost": str(lost)}
+        seen, self.seen = from_array(self.observation_space, state.arrays), state.arrays
         reward = take(state.values, "reward", float)
         terminated, truncated = (take(state.values, name, bool) for name in ("terminated", "truncated"))
         rest = state.values.keys() - {"reward", "terminated", "truncated"}
-        return self.seen, reward, terminated, truncated, {name: state.values[name] for name in rest}
+        return seen, reward, terminated, truncated, {name: state.values[name] for name in rest}
 
     def render(self) -> Any:
         if self.render_mode != "rgb_array":

@@ -47,7 +47,8 @@ class AreaSimulator(Simulator):
         actions = [self.action(row) for row in self.rows(arrays.pop(0))] if step and arrays else []
         if len(arrays) not in ((0, 2) if actions else (2, 3)):
             raise MessageError("no-mask", f"this simulator has {count} areas: make_vec(…, num_envs={count})")
-        mask, seeds = (self.rows(array) for array in arrays[:2]) if arrays else (np.zeros(count), np.zeros(count))
+        lots = [self.lots(array, kind) for array, kind in zip(arrays, ("uint8", "int64"), strict=False)]
+        mask, seeds = lots or 2 * [np.zeros(count)]
         state = [float(item) for array in arrays[2:] for item in array.numpy().flat]
         if len(state) not in (0, self.simulation.size):
             raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {len(state)}")
@@ -67,6 +68,11 @@ class AreaSimulator(Simulator):
         if rows.shape[:1] != (len(self.areas),):
             raise MessageError("wrong-areas", f"{rows.shape} is not one row for each of {len(self.areas)} areas")
         return rows
+
+    def lots(self, array: Array, dtype: str) -> Any:
+        if (array.dtype, array.shape) != (dtype, (len(self.areas),)):
+            raise MessageError("wrong-areas", f"mask and seeds are not one for each of {len(self.areas)} areas")
+        return array.numpy()
 
     def action(self, row: Any) -> Any:
         return from_array(self.simulation.action, [to_array(row, row.dtype)])

@@ -6,7 +6,9 @@ An info is flat: texts, numbers, true and false by name, as the values of a mess
 Take home: this file, with spaces.py of lesson 09 and messages.py of 05.
 """
 
+import json
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,7 @@ import numpy as np
 
 # In its own lesson's folder; at home they lie beside this file.
 sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
-from messages import DECODER, ENCODER, Array, MessageError
+from messages import DECODER, ENCODER, EXACT, Array, MessageError
 from spaces import to_array
 
 # Characters. In a header each may take four bytes, and a header has at most 64 KB.
@@ -23,22 +25,35 @@ LIMIT = 12_000
 
 def pack(infos: list[tuple[Any, dict[str, Any]]]) -> str:
     """ValueError says what has no place in an info."""
-    for who, info in infos:
-        if type(who) not in (str, int):
-            raise ValueError(f"{who!a:.40} is no name and no number")
-        for name, value in info.items():
-            if type(name) is not str or type(value) not in (str, int, float, bool):
-                raise ValueError(f"info {name!a:.40} of {who!a:.40} must be text, a number, true or false")
-    return ENCODER.encode(infos)
+    infos = [(who, checked(who, info)) for who, info in infos]
+    if "\\u" in (text := ENCODER.encode(infos)):
+        # Half a character, such as \ud800 alone, is none that could be printed.
+        json.dumps(infos, ensure_ascii=False).encode()
+    return text
 
 
-def unpack(text: Any) -> list[tuple[Any, dict[str, Any]]]:
-    """MessageError says what is wrong with what a peer sent."""
+def checked(who: Any, info: Any) -> dict[str, Any]:
+    if type(who) not in (str, int) or type(info) is not dict:
+        raise ValueError(f"{info!a:.40} of {who!a:.40} is no dict of a name or a number")
+    # Whatever numpy made them of.
+    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in info.items()}
+    for name, value in plain.items():
+        if type(name) is not str or type(value) not in (str, int, float, bool):
+            raise ValueError(f"info {name!a:.40} of {who!a:.40} must be text, a number, true or false")
+        if type(value) is int and abs(value) >= EXACT:
+            raise ValueError(f"info {name!a:.40} of {who!a:.40} is too large to be exact")
+    return plain
+
+
+def unpack(text: Any, whose: type = str, own: Collection[str] = ()) -> list[tuple[Any, dict[str, Any]]]:
+    """MessageError says what is wrong with what a peer sent. `own` are the names that the environment itself gives."""
     try:
         infos = [(who, info) for who, info in DECODER.decode(text)]
-        pack([(who, dict(info)) for who, info in infos])
-    except (ValueError, TypeError, AttributeError, RecursionError) as error:
-        raise MessageError("bad-infos", f"these are no infos: {error!s:.80}") from None
+        pack(infos)
+        if wrong := [who for who, info in infos if type(who) is not whose or not info.keys().isdisjoint(own)]:
+            raise ValueError(f"{wrong[0]!a:.40} is no {whose.__name__}, or has a name of the environment's own: {own}")
+    except (ValueError, TypeError, RecursionError) as error:
+        raise MessageError("bad-infos", f"these are no infos: {error!s:.120}") from None
     return infos
 
 

@@ -68,29 +68,29 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         state = self.remote.begin(values)
         self.next = time.monotonic() + self.remote.dt
         self.agents = self.possible_agents[:]
-        self.seen, *_, infos = self.remote.read(state, self.agents)
-        return self.seen, infos
+        seen, *_, infos = self.remote.read(state, self.agents)
+        return seen, infos
 
     def step(self, actions: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any]:
-        if not self.agents or actions.keys() != set(self.agents):
-            raise ValueError(f"actions for {list(actions)!s:.200}, but those that live are {self.agents}")
+        if not isinstance(actions, dict) or not actions or actions.keys() != set(self.agents):
+            raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
         for agent, action in actions.items():
             if action not in self.action_space(agent):
                 raise ValueError(f"action {shown(action)} of {agent} is not in {shown(self.action_space(agent))}")
         if self.real_time:
             time.sleep(max(0.0, self.next - time.monotonic()))
             self.next = time.monotonic() + self.remote.dt
+        arrays = [to_array(actions[agent], self.action_space(agent).dtype) for agent in self.agents]
         try:
-            arrays = [to_array(actions[agent], self.action_space(agent).dtype) for agent in self.agents]
-            state = self.remote.read(self.remote.ask("step", {}, arrays), self.agents)
+            state = self.remote.ask("step", {}, arrays)
+            seen, rewards, terminated, truncated, infos = self.remote.read(state, self.agents)
         except Lost as lost:
-            # Nobody knows what came after what was seen last.
-            seen = {agent: self.seen[agent].copy() for agent in self.agents}
+            # Nobody knows what came after what was seen last; it is read anew, as who got it may have changed it.
+            seen = self.remote.seen({agent: self.remote.last[agent] for agent in self.agents})
             rewards, terminated, truncated = (dict.fromkeys(self.agents, value) for value in (0.0, False, True))
-            state = seen, rewards, terminated, truncated, {agent: {"lost": str(lost)} for agent in self.agents}
-        self.seen, rewards, terminated, truncated, infos = state
+            infos = {agent: {"lost": str(lost)} for agent in self.agents}
         self.agents = [agent for agent in self.agents if not terminated[agent] and not truncated[agent]]
-        return self.seen, rewards, terminated, truncated, infos
+        return seen, rewards, terminated, truncated, infos
 
     def send_info(self, info: dict[str, Any], agent: str = "") -> dict[str, list[Any]]:
         """Say something to an agent, or to the environment; what the game had to say comes back."""

@@ -19,7 +19,7 @@ from gymnasium.vector.utils import batch_space
 sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
 from connection import Lost
 from infos import unpack
-from messages import Array, Message, MessageError, take
+from messages import EXACT, LIMIT, Array, Message, MessageError, take
 from simulators import Simulators
 from spaces import from_array, offered, picture, sendable, to_array
 
@@ -31,8 +31,9 @@ class RemoteAreas:
 
     def __init__(self, count: int, name: str, limit: float, **where: Any) -> None:
         self.count, self.name, self.limit = count, name, limit
-        self.random = [seeding.np_random()[0] for _ in range(count)]
-        self.steps, self.spaces, self.dt = np.zeros(count, int), list[Any](), 0.0
+        # With the seed that each was made of.
+        self.random, self.seen = [seeding.np_random() for _ in range(count)], list[Array]()
+        self.steps, self.spaces, self.fps = np.zeros(count, int), list[Any](), 0
         most = np.finfo(np.float64).max
         self.rewards, self.flags = Box(-most, most, (count,), np.float64), Box(0, 1, (count,), np.uint8)
         self.pictures = count * [np.zeros((240, 320, 3), np.uint8)]
@@ -44,8 +45,10 @@ class RemoteAreas:
             cure = f"start it with --areas {self.count}"
             raise MessageError("wrong-areas", f"num_envs is {self.count}, the simulator has {areas!a:.20}: {cure}")
         # Whoever learns has asked for them already: another simulator must have the same ones.
-        self.spaces = offered(hello, self.name, self.spaces)
-        self.dt, self.seen_space = take(hello.values, "dt", float), batch_space(self.spaces[0], self.count)
+        dt, self.spaces = take(hello.values, "dt", float), offered(hello, self.name, self.spaces)
+        if (most := self.count * max(len(array.data) for array in hello.arrays)) > LIMIT:
+            raise MessageError("too-big", f"{most} bytes of {self.count} areas are more than a message has, {LIMIT}")
+        self.fps, self.seen_space = round(1 / max(1e-3, dt)), batch_space(self.spaces[0], self.count)
 
     def begin(self, mask: Any, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, list[Any]]:
         """What is seen, and the infos. In another simulator all areas begin anew: those not asked to were lost."""
@@ -66,11 +69,11 @@ class RemoteAreas:
         """One step of all areas, and those of `again` are reset in place of it."""
         lots = self.lots(again) if again.any() else []
         try:
-            answer = self.ask("step", {}, [to_array(actions, np.asarray(actions).dtype), *lots])
+            answer = self.ask("step", {}, [to_array(actions, self.spaces[1].dtype), *lots])
         except Lost as lost:
-            # Nobody knows what came after what was seen last.
-            infos = [{"lost": str(lost)} for _ in range(self.count)]
-            return self.seen.copy(), np.zeros(self.count), np.zeros(self.count, bool), np.ones(self.count, bool), infos
+            # Nobody knows what came after what was seen last; it is read anew, as who got it may have changed it.
+            infos, none = [{"lost": str(lost)} for _ in range(self.count)], np.zeros(self.count)
+            return from_array(self.seen_space, self.seen), none, none > 0, none == 0, infos
         self.steps = np.where(again, 0, self.steps + 1)
         seen, rewards, terminated, truncated, infos = self.read(answer)
         return seen, rewards, terminated, truncated | (self.steps >= self.limit), infos
@@ -84,22 +87,22 @@ class RemoteAreas:
     def lots(self, mask: Any, seed: Any = None) -> list[Array]:
         """Which areas begin anew, and by which chance: the seed that is given, or what its generator draws."""
         seeds = [seed + i for i in range(self.count)] if isinstance(seed, int) else list(seed or [None] * self.count)
-        if len(seeds) != self.count:
-            raise ValueError(f"{len(seeds)} seeds are not one for each of {self.count} areas")
+        if len(seeds) != self.count or any(isinstance(one, int) and one >= EXACT for one in seeds):
+            raise ValueError(f"{len(seeds)} seeds are not one for each of {self.count} areas, below 2**53: {seeds}")
         for i in np.flatnonzero(mask):
             if seeds[i] is None:
-                seeds[i] = int(self.random[i].integers(2**53))
+                seeds[i] = int(self.random[i][0].integers(2**53))
             else:
-                self.random[i] = seeding.np_random(seeds[i])[0]
+                self.random[i] = seeding.np_random(seeds[i])
         return [to_array(mask, np.uint8), to_array([seed or 0 for seed in seeds], np.int64)]
 
     def read(self, state: Message) -> tuple[Any, Any, Any, Any, list[dict[str, Any]]]:
-        seen, reward, *flags = ([array] for array in state.arrays) if len(state.arrays) == 4 else ([], [], [], [])
-        self.seen, rewards = from_array(self.seen_space, seen), from_array(self.rewards, reward)
+        last, reward, *flags = ([array] for array in state.arrays) if len(state.arrays) == 4 else ([], [], [], [])
+        seen, rewards = from_array(self.seen_space, last), from_array(self.rewards, reward)
         terminated, truncated = (from_array(self.flags, flag).astype(bool) for flag in flags)
-        infos = [dict[str, Any]() for _ in range(self.count)]
-        for area, info in unpack(state.values.get("infos", "[]")):
+        self.seen, infos = last, [dict[str, Any]() for _ in range(self.count)]
+        for area, info in unpack(state.values.get("infos", "[]"), int, ("lost", "final_obs", "final_info")):
             if area not in range(self.count):
                 raise MessageError("bad-infos", f"an info for area {area!a:.40}, but there are {self.count}")
             infos[area].update(info)
-        return self.seen, rewards, terminated, truncated, infos
+        return seen, rewards, terminated, truncated, infos

@@ -43,7 +43,6 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
     ) -> None:
         self.num_envs, self.mode, self.render_mode = num_envs, AutoresetMode(autoreset_mode), render_mode
         self.areas = RemoteAreas(num_envs, name, max_episode_steps or np.inf, **where)
-        # Whoever steps before the first reset begins.
         self.over = np.ones(num_envs, bool)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = weakref.finalize(self, self.areas.simulators.close)
@@ -54,8 +53,7 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
             raise
         self.single_observation_space, self.single_action_space = self.areas.spaces
         self.observation_space, self.action_space = (batch_space(space, num_envs) for space in self.areas.spaces)
-        pictures = round(1 / max(1e-3, self.areas.dt))
-        self.metadata = {**self.metadata, "autoreset_mode": self.mode, "render_fps": pictures}
+        self.metadata = {**self.metadata, "autoreset_mode": self.mode, "render_fps": self.areas.fps}
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         options = dict(options or {})
@@ -67,6 +65,8 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
         return seen, self.gathered(infos)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        if not self.areas.seen:
+            raise gymnasium.error.ResetNeeded("call reset before step")
         if actions not in self.action_space:
             raise ValueError(f"actions {shown(actions)} are not in {shown(self.action_space)}")
         if self.mode == AutoresetMode.DISABLED and self.over.any():
@@ -100,9 +100,11 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
         return all_of_them
 
     def render(self) -> tuple[Any, ...] | None:
-        if self.render_mode != "rgb_array":
-            return None
-        return tuple(self.areas.render())
+        return tuple(self.areas.render()) if self.render_mode == "rgb_array" else None
+
+    # As Gymnasium has them: one for each area.
+    np_random = property(lambda self: tuple(random for random, _ in self.areas.random))
+    np_random_seed = property(lambda self: tuple(seed for _, seed in self.areas.random))
 
     def close_extras(self, **kwargs: Any) -> None:
         self.close_once()

@@ -3,9 +3,9 @@
     python python/11_observations/client.py                a car collects coins, until the environment closes it
     python python/11_observations/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: messages of lesson 05, see scene_simulator.py and tree.py. Take home: this file, scene_simulator.py, tree.py,
-locator.py, mapping.py and reader.py, with environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09
-and messages.py of lesson 05; coin_car.py stands for your agents.
+Bytes: messages of lesson 05, see scene_simulator.py and tree.py. Take home: this file, scene_simulator.py,
+scene_agent.py, tree.py, locator.py, mapping.py and reader.py, with environment_client.py, simulator.py, simulation.py
+and spaces.py of lesson 09 and messages.py of lesson 05; coin_car.py stands for your agents.
 """
 
 import argparse

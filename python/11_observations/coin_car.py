@@ -6,7 +6,7 @@ Its fields say what is seen of them. At home your own agent takes its place.
 from typing import Annotated, Any
 
 import numpy as np
-from scene_simulator import Agent, Obs
+from scene_agent import Agent, Obs
 
 FIELD, COINS, REACH, SPEED = 10.0, 3, 0.5, 3.0
 GRASS, COIN, CAR = (40, 80, 40), (240, 200, 40), (200, 30, 30)

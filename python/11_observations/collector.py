@@ -28,9 +28,9 @@ def seen_space(wrong: bool) -> Dict[Any]:
 
 
 def policy(seen: Any) -> Any:
-    """By hand: straight to the nearest coin, and fast while it is far."""
+    """By hand: straight to the nearest coin, and fast while it is far. Without coins it stays."""
     ways = [coin - seen["place"] for coin in seen["coins"]]
-    way = min(ways, key=lambda way: float(way @ way))
+    way = min(ways, key=lambda way: float(way @ way), default=np.zeros(2, np.float32))
     return {"push": np.clip(2 * way, -1, 1), "boost": int(way @ way > 4)}
 
 
@@ -43,4 +43,4 @@ def play(env: gymnasium.Env[Any, Any], number: int) -> str:
         steps, total, over = steps + 1, total + float(reward), terminated or truncated
         said += [f"{each!a:.60}".strip("'") for each in info["agent"]]
     said += [info["lost"]] if "lost" in info else []
-    return f"episode {number}: {steps} steps, return {total:.2f}: {', '.join(said)}"
+    return f"episode {number}: {steps} steps, return {total:.2f}: {', '.join(said):.200}"

@@ -18,6 +18,8 @@ import numpy as np
 from locator import Locator
 from mapping import APPEND, LocatorError, Path, quoted, spelled
 
+# Items, of whatever kind, that are looked at one by one.
+MOST = 50_000
 NUMBERS = (bool, int, float, np.generic, np.ndarray)
 # What indexing and casting raise.
 REASONS = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RecursionError)
@@ -80,7 +82,7 @@ def like(old: Any, value: Any) -> Any:
         array = cast(np.asarray(old), value)
         return array if isinstance(old, np.ndarray) else array[()] if isinstance(old, np.generic) else array.item()
     if isinstance(old, str):
-        return str(value)
+        return "" if value is None else str(value)
     if isinstance(old, dict):
         return {**old, **{key: like(old[key], part) for key, part in dict(value).items()}}
     # Not isinstance: the parts of a graph are a named tuple, and it is taken as it is.
@@ -88,15 +90,25 @@ def like(old: Any, value: Any) -> Any:
         return value
     if isinstance(value, str | bytes | dict):
         raise TypeError(f"{type(value).__name__} is no {type(old).__name__}")
+    if isinstance(value, np.ndarray) and value.shape[:1] > (MOST,):
+        # Nobody takes so many one by one.
+        return value
     # A sequence can become longer, and its items are of one kind.
     kinds = old if len(old) == len(value) else [*old[:1]] * len(value)
     return type(old)(like(kind, part) for kind, part in zip(kinds, value, strict=True)) if old else type(old)(value)
 
 
 def cast(old: Any, value: Any) -> Any:
+    given = np.asarray(value)
+    if given.dtype.kind == "O":
+        # Among numbers null is NaN.
+        given = given.astype(np.float64)
+    if given.dtype.kind not in "biuf":
+        raise TypeError(f"{value!r:.40} is no number")
     with np.errstate(over="raise", invalid="raise"):
-        array = np.array(value, old.dtype)
-    if old.dtype.kind in "iub" and not np.array_equal(array, value):
+        array = given.astype(old.dtype)
+    # Of numbers with a fraction it is only their precision that may change.
+    if (old.dtype.kind != "f" or given.dtype.kind != "f") and not np.array_equal(array, given):
         raise ValueError(f"{value!r:.40} would become another number as {old.dtype}")
     # A single number is the same whether it is a number, or an array of one.
     return array.reshape(old.shape) if array.size == old.size == 1 else array

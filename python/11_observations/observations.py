@@ -3,9 +3,9 @@
     import gymnasium, observations
     env = gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", observation_space=…, action_space=…)
 
-Without `launch=["Build/Coins.exe"]`, or `file_name`, it waits for Play. The spaces are declared here, what is in them
-is declared in C#, at the fields that hold it.
-Take home: this file, unity_agents.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
+Without `launch=["Build/Coins.exe"]`, or `file_name="Build/Coins"`, it waits for Play. The spaces are declared here,
+what is in them is declared in C#, at the fields that hold it.
+Take home: this file, unity_agents.py, empty.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
 connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
@@ -14,7 +14,7 @@ from typing import Any
 
 import gymnasium
 from gymnasium.spaces import Space
-from unity_agents import Agents, program
+from unity_agents import Agents
 
 
 class UnityEnv(gymnasium.Env[Any, Any]):
@@ -34,7 +34,7 @@ class UnityEnv(gymnasium.Env[Any, Any]):
     ) -> None:
         self.observation_space, self.action_space, self.name = observation_space, action_space, agent_name
         self.render_mode = render_mode
-        where = {"launch": program(file_name), **where}
+        where = {"launch": file_name or (), **where}
         self.agents = Agents(env_name, {agent_name: observation_space}, {agent_name: action_space}, **where)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = weakref.finalize(self, self.agents.simulators.close)
@@ -47,6 +47,8 @@ class UnityEnv(gymnasium.Env[Any, Any]):
         return seen, info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        if not self.agents.seen:
+            raise gymnasium.error.ResetNeeded("call reset before step")
         seen, reward, terminated, truncated, info = self.agents.step({self.name: action})[self.name]
         return seen, reward, terminated, truncated, info
 

@@ -1,75 +1,35 @@
-"""Lesson 11, the simulator of agents: answers for all of them in one message. The twin of SceneSimulator.cs, and of
-the attributes.
+"""Lesson 11, the simulator of agents: answers for all of them in one message. The twin of SceneSimulator.cs.
 
-    class Car(Agent):
-        speed: Annotated[float, Obs(".speed")] = 0.0            seen under the key speed
-        place: Annotated[Any, Obs()] = np.zeros(2)              without a locator the field's name is the key
-
-Take home: this file with tree.py, locator.py, mapping.py and reader.py, and simulator.py, simulation.py and spaces.py
-of lesson 09, with messages.py of lesson 05.
+Take home: this file, scene_agent.py, tree.py, locator.py, mapping.py and reader.py, and simulator.py, simulation.py and
+spaces.py of lesson 09, with messages.py of lesson 05.
 """
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 # In their own lessons' folders; at home they lie beside this file.
 sys.path += [str(Path(__file__).resolve().parents[1] / folder) for folder in ("05_messages", "09_environment")]
-from locator import parse
-from mapping import ordinal, quoted
+from mapping import ordinal
 from messages import Message, MessageError, take
+from scene_agent import Agent
 from simulation import draws
 from simulator import SimulatorBase
 from tree import read, write
 
 
-@dataclass(frozen=True)
-class Obs:
-    locator: str = ""
-
-
-class Agent:
-    """Your own derives from it, and has on_reset, on_action, on_tick and on_info as it needs them."""
-
-    def __init__(self, name: str = "agent") -> None:
-        self.name, self.chance, self.options = name, draws(0), dict[str, Any]()
-        self.sources = declared(type(self), name)
-        self.begin()
-
-    def begin(self) -> None:
-        self.reward, self.terminated, self.truncated, self.infos = 0.0, False, False, list[Any]()
-
-    def on_reset(self) -> None: ...
-    def on_action(self, action: Any) -> None: ...
-    def on_tick(self, dt: float) -> None: ...
-    def on_info(self, info: Any) -> None: ...
-
-    def observe(self) -> Iterator[tuple[str, Any]]:
-        """Canonical locators, and the values that stand there now."""
-        return ((text, getattr(self, field)) for text, field in self.sources)
-
-    def take(self) -> dict[str, Any]:
-        """What Python is told is told once."""
-        ends = {"terminated": self.terminated, "truncated": self.truncated}
-        said = {"reward": self.reward, **ends, "infos": self.infos}
-        self.reward, self.infos = 0.0, []
-        return said
-
-
-def declared(kind: type, name: str) -> list[tuple[str, str]]:
-    scope, hints = parse(f"{quoted(name)}@"), get_type_hints(kind, include_extras=True)
-    marks = {field: mark for field, hint in hints.items() for mark in getattr(hint, "__metadata__", ())}
-    return [(parse(mark.locator, field, scope).text, field) for field, mark in marks.items() if isinstance(mark, Obs)]
-
-
 class SceneSimulator(SimulatorBase):
-    """For an environment of this name. Each agent has a name of its own."""
+    """For an environment of this name. Each agent has a name of its own; what is in `infos` Python is told once."""
 
     def __init__(self, name: str, dt: float, agents: list[Agent]) -> None:
         super().__init__(name)
-        self.dt, self.agents = dt, {agent.name: agent for agent in agents}
+        self.dt, self.agents, self.infos = dt, {agent.name: agent for agent in agents}, list[Any]()
+        if len(self.agents) < len(agents):
+            names = ", ".join(repr(agent.name) for agent in agents)
+            raise ValueError(f"two agents have one name: {names}; each needs a name of its own")
+
+    def on_info(self, info: Any) -> None:
+        """Python has said something to the environment itself."""
 
     def describe(self) -> Message:
         return Message("hello", 0, {"name": self.name, "dt": self.dt})
@@ -78,29 +38,34 @@ class SceneSimulator(SimulatorBase):
         said = read(take(request.values, "state", str), request.arrays)
         match request.kind:
             case "reset":
-                asked, chance = [self.find(name) for name in said["agents"]], draws(take(request.values, "seed", int))
+                names, options = take(said, "agents", list), take(said, "options", dict)
+                chance, asked = draws(take(request.values, "seed", int)), [*dict.fromkeys(map(self.find, names))]
+                self.infos = []
                 for agent in asked:
                     agent.begin()
-                    agent.chance, agent.options = chance, said["options"]
+                    agent.chance, agent.options = chance, options
                 for agent in asked:
                     agent.on_reset()
                 self.episodes += 1
             case "step":
-                asked = [self.find(name) for name in said["actions"]]
+                actions = take(said, "actions", dict)
+                asked = [self.find(name) for name in actions]
                 for agent in asked:
-                    agent.on_action(said["actions"][agent.name])
+                    agent.on_action(actions[agent.name])
                 for agent in self.agents.values():
                     agent.on_tick(self.dt)
                 self.steps += 1
-            case "info":
-                self.find(said["to"]).on_info(said["info"])
+            case "info" if "info" in said:
+                hearer = self.find(to) if (to := take(said, "to", str)) else self
+                hearer.on_info(said["info"])
                 return Message("ok", request.id)
             case _:
-                raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, info, close")
+                kind = f"{request.kind!a:.40} with these fields"
+                raise MessageError("unknown-kind", f"kind {kind} is none of reset, step, info, close")
         return self.state(request.id, asked)
 
-    def find(self, name: str) -> Agent:
-        if name in self.agents:
+    def find(self, name: Any) -> Agent:
+        if isinstance(name, str) and name in self.agents:
             return self.agents[name]
         raise MessageError("unknown-agent", f"no agent is named {name!a:.40}; there are: {', '.join(self.agents)}")
 
@@ -109,6 +74,7 @@ class SceneSimulator(SimulatorBase):
         seen = sorted((pair for agent in asked for pair in agent.observe()), key=lambda pair: ordinal(pair[0]))
         observations = [list(pair) for pair in seen]
         message, told = Message("state", id), {agent.name: agent.take() for agent in asked}
-        tree = {"agents": told, "infos": [], "observations": observations}
+        tree = {"agents": told, "infos": self.infos, "observations": observations}
+        self.infos = []
         message.values["state"] = write(tree, message.arrays)
         return message

@@ -6,8 +6,9 @@
 A car collects coins; what it sees, its class has marked field by field. Plays ten episodes with each simulator that
 comes, by hand, and prints a line for each. Bytes: messages of lesson 05, whose values are trees (tree.py).
 Trouble: --wrong-space declares a space that what is seen does not fit.
-Take home: this file, collector.py, observations.py, unity_agents.py, fit.py, tree.py, merge.py, locator.py, mapping.py
-and reader.py, with connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05.
+Take home: this file, collector.py, observations.py, unity_agents.py, empty.py, fit.py, tree.py, merge.py, locator.py,
+mapping.py and reader.py, with connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of
+lesson 05.
 """
 
 import argparse
@@ -43,7 +44,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
             with gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", socket=socket, **spaces) as env:
                 for number in range(1, EPISODES + 1):
                     print(play(env, number), flush=True)
-        except (OSError, MessageError) as error:
+        except (OSError, MessageError, ValueError, LookupError) as error:
             print(f"trouble: {str(error)!a:.300}", flush=True)
             # One such line a second: many that come with a wrong hello must not fill a disk.
             time.sleep(1)

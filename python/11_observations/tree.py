@@ -20,26 +20,38 @@ from gymnasium.spaces import GraphInstance
 
 # In their own lessons' folders; at home they lie beside this file.
 sys.path += [str(Path(__file__).resolve().parents[1] / folder) for folder in ("05_messages", "09_environment")]
-from messages import DECODER, ENCODER, EXACT, Array, MessageError
+from messages import DECODER, ENCODER, EXACT, Array, Message, MessageError
+from messages import read as read_message
 from spaces import to_array
 
 WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", "float16": "float32"}
 
 
 def write(value: Any, arrays: list[Array]) -> str:
-    """The text of a value, whose arrays are added to those of its message."""
-    return ENCODER.encode(node_of(value, arrays))
+    """The text of a value, whose arrays are added to those of its message; MessageError says what has no text."""
+    try:
+        return ENCODER.encode(whole(node_of(value, arrays)))
+    except (ValueError, RecursionError) as error:
+        raise MessageError("bad-tree", f"it is no text, or has no end: {error!s:.80}") from None
 
 
 def read(text: str, arrays: list[Array]) -> Any:
     """The value that a text means; MessageError says why it means none. Its arrays are those of the message."""
     try:
-        node = DECODER.decode(text)
-        # Half a character, such as \ud800 alone, is none that could be printed.
-        json.dumps(node, ensure_ascii=False).encode()
-        return value_of(node, arrays)
+        return value_of(whole(DECODER.decode(text)), arrays)
     except (ValueError, RecursionError) as error:
         raise MessageError("bad-tree", f"it is not JSON: {error!s:.80}") from None
+
+
+def request(kind: str, said: Any, values: dict[str, Any]) -> tuple[dict[str, Any], list[Array]]:
+    """Values and arrays of a request; ValueError says what no simulator could read, before anything is sent."""
+    arrays = list[Array]()
+    try:
+        values = {**values, "state": write(said, arrays)}
+        read_message(Message(kind, EXACT - 1, values, arrays).frames())
+    except MessageError as error:
+        raise ValueError(f"{kind} cannot be sent: {error}") from None
+    return values, arrays
 
 
 def node_of(value: Any, arrays: list[Array]) -> Any:
@@ -80,6 +92,12 @@ def value_of(node: Any, arrays: list[Array]) -> Any:
         case {"graph": dict(parts), **others} if not others and set(parts) == set(GraphInstance._fields):
             return GraphInstance(**{key: value_of(part, arrays) for key, part in parts.items()})
     raise MessageError("bad-tree", f"{node!a:.60} is no array of {len(arrays)}, no dict and no graph")
+
+
+def whole(node: Any) -> Any:
+    """ValueError: half a character, such as \\ud800 alone, is none that could be printed."""
+    json.dumps(node, ensure_ascii=False).encode()
+    return node
 
 
 def exact(number: float) -> float:

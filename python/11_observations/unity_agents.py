@@ -7,7 +7,7 @@
 An answer is complete: whoever is asked for several agents waits for all of them. What a message does not write stays as
 it was; what it writes must fit the spaces. Observations are copies. `info` is {"env": [...], "agent": [...]}, what the
 scene and the agent had to say since the last answer; if the simulator is lost, or the agent has left, `lost` says so.
-Take home: this file, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py,
+Take home: this file, empty.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py,
 simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05. The C# side is SceneSimulator.cs.
 """
 
@@ -19,33 +19,20 @@ from typing import Any
 # In their own lessons' folders; at home they lie beside this file.
 sys.path += [str(Path(__file__).resolve().parents[1] / folder) for folder in ("05_messages", "09_environment")]
 from connection import Lost
-from fit import empty, fitted
+from empty import empty
+from fit import fitted
 from gymnasium.spaces import Space
-from locator import Locator, parse
+from locator import parse
 from mapping import LocatorError, quoted
 from merge import merge
-from messages import Array, Message, MessageError, take
+from messages import Message, MessageError, take
 from simulators import Simulators
-from tree import read, write
+from tree import read, request
 
 Spaces = dict[str, Space[Any]]
 ENDPOINT = "tcp://127.0.0.1:5561"
-
-
-@functools.cache
-def known(locator: str) -> Locator:
-    """Each is read once; a scene has few, and a peer that sends ever new ones is refused at their agents' names."""
-    return parse(locator)
-
-
-def program(file_name: str | None) -> list[str]:
-    """The words that start a build of Unity's, with or without what its file is called on this system at the end."""
-    path = Path(file_name or ".").resolve()
-    names = [path, *(path.with_name(path.name + end) for end in (".exe", ".x86_64", ".app"))]
-    found = [str(file) for name in names for file in (name, *name.glob("Contents/MacOS/*")) if file.is_file()]
-    if file_name and not found:
-        raise FileNotFoundError(f"there is no game {path}; without file_name, launch and Play it is waited for")
-    return found[:1]
+# Each is read once; a scene has few, and one that sends ever new ones fills no memory.
+known = functools.lru_cache(10_000)(parse)
 
 
 class Agents:
@@ -54,8 +41,11 @@ class Agents:
     def __init__(self, env_name: str, observations: Spaces, actions: Spaces, **where: Any) -> None:
         self.env_name, self.observations, self.actions = env_name, observations, actions
         self.seen: dict[str, Any] = {}
-        # Whoever launches gets a port of its own.
-        self.simulators = Simulators(**({} if where.get("launch") else {"endpoint": ENDPOINT}) | where)
+        for name, space in observations.items():
+            # What has no place in a message is named before anybody is waited for.
+            empty(space, f"{quoted(name)}@")
+            empty(actions[name], f"action of {name}")
+        self.simulators = Simulators(default=ENDPOINT, **where)
         try:
             self.simulators.find(self.accept)
         except BaseException:
@@ -68,13 +58,15 @@ class Agents:
 
     def reset(self, names: list[str], seed: int, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Observation and info of each."""
+        if not isinstance(options, dict | None):
+            raise ValueError(f"options must be a dict: {options!r:.80}")
         asked = {"agents": names, "options": options or {}}
         try:
             state = self.ask("reset", asked, seed=seed)
         except Lost:
             self.simulators.find(self.accept)
             state = self.ask("reset", asked, seed=seed)
-        self.seen = {name: empty(space) for name, space in self.observations.items()}
+        self.seen = {name: empty(space, name) for name, space in self.observations.items()}
         return {name: (said[0], said[-1]) for name, said in self.taken(names, state).items()}
 
     def step(self, actions: dict[str, Any]) -> dict[str, Any]:
@@ -90,15 +82,16 @@ class Agents:
         self.ask("info", {"to": to, "info": info})
 
     def ask(self, kind: str, said: dict[str, Any], **values: int) -> dict[str, Any]:
-        arrays = list[Array]()
-        answer = self.simulators.connection.ask(kind, {**values, "state": write(said, arrays)}, arrays)
+        answer = self.simulators.connection.ask(kind, *request(kind, said, values))
         return {} if answer.kind == "ok" else read(take(answer.values, "state", str), answer.arrays)
 
     def taken(self, names: list[str], state: dict[str, Any]) -> dict[str, Any]:
         there, infos, appended = take(state, "agents", dict), take(state, "infos", list), set[str]()
         try:
-            for locator, value in take(state, "observations", list):
-                merge(self.seen, known(locator), value, appended)
+            for pair in take(state, "observations", list):
+                if type(pair) is not list or len(pair) != 2 or type(pair[0]) is not str:
+                    raise LocatorError(f"{pair!a:.60} is no locator with a value")
+                merge(self.seen, known(pair[0]), pair[1], appended)
         except LocatorError as error:
             raise MessageError("bad-observation", str(error)) from None
         result = dict[str, Any]()

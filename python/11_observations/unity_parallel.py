@@ -3,7 +3,7 @@
     env = unity_parallel.UnityParallelEnv("Coins", observation_spaces={"car": …, "bus": …}, action_spaces={…})
     env = pettingzoo.utils.parallel_to_aec(env)                          one after the other
 
-Take home: this file, unity_agents.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
+Take home: this file, unity_agents.py, empty.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
 connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Space
 from pettingzoo import ParallelEnv
-from unity_agents import Agents, Spaces, program
+from unity_agents import Agents, Spaces
 
 
 def own(spaces: Spaces) -> Spaces:
@@ -39,7 +39,7 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
         self.render_mode = render_mode
         self.possible_agents, self.agents = list(observation_spaces), list[str]()
         self.random = np.random.default_rng()
-        where = {"launch": program(file_name), **where}
+        where = {"launch": file_name or (), **where}
         self.scene = Agents(env_name, self.observation_spaces, self.action_spaces, **where)
         self.close_once = weakref.finalize(self, self.scene.simulators.close)
 
@@ -60,6 +60,8 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminations, truncations and infos, also of those that end with this step."""
+        if not isinstance(actions, dict) or not actions or actions.keys() != set(self.agents):
+            raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
         said = self.scene.step({name: actions[name] for name in self.agents})
         self.agents = [name for name, (_, _, *ends, _) in said.items() if not any(ends)]
         return tuple({name: parts[at] for name, parts in said.items()} for at in range(5))

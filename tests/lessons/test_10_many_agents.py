@@ -117,11 +117,13 @@ def test_infos_of_a_simulation_come_from_each_area(vectors, launch):
     simulator = AreaSimulator([RoadCar(), RoadCar()])
     lots = [to_array([1, 1], np.uint8), to_array([1, 2], np.int64)]
     first = read(simulator.answer(Message("reset", 1, {}, lots)))
-    assert (first.arrays[0].shape, unpack(first.values["infos"])) == ((2, 5), [])
+    assert (first.arrays[0].shape, unpack(first.values["infos"], int)) == ((2, 5), [])
     lots[0] = to_array([0, 1], np.uint8)
     actions = to_array([[0, 1], [0, 1]], np.float32)
     second = read(simulator.answer(Message("step", 2, {}, [actions, *lots])))
-    assert [(area, list(info)) for area, info in unpack(second.values["infos"])] == [(0, ["metres"])], "one was reset"
+    assert [(area, list(info)) for area, info in unpack(second.values["infos"], int)] == [(0, ["metres"])], (
+        "one was reset"
+    )
 
 
 @each_terminal

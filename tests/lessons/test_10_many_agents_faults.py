@@ -192,7 +192,7 @@ def test_an_agent_nobody_knows_and_an_action_outside_its_space(kind, made):
     env.reset(seed=1)
     fine = dict.fromkeys(env.agents, 0)
     for wrong in ({**fine, "ghost": 0}, {"hunter_0": 0}):
-        with pytest.raises(ValueError, match=r"actions for \['hunter_0'.*, but those that live are \['hunter_0', "):
+        with pytest.raises(ValueError, match=r"actions \{'hunter_0'.*, but those that live are \['hunter_0', "):
             env.step(wrong)
     with pytest.raises(ValueError, match=r"action 5 of rabbit_1 is not in Discrete\(5\)"):
         env.step({**fine, "rabbit_1": 5})

@@ -21,6 +21,7 @@ from gymnasium import spaces  # noqa: E402
 
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", "11_observations")]
 messages, tree, fit = (importlib.import_module(name) for name in ("messages", "tree", "fit"))
+empty = importlib.import_module("empty").empty
 MessageError, Array = messages.MessageError, messages.Array
 
 
@@ -118,12 +119,12 @@ def test_10_000_random_values_go_through_csharp_and_come_back_equal(program):
 def test_what_a_space_begins_with_is_in_it_and_no_sample():
     for number in range(500):
         space = a_space(np.random.default_rng(number))
-        begin = fit.empty(space)
-        assert equal(fit.empty(space), begin), "not by chance"
+        begin = empty(space, "")
+        assert equal(empty(space, ""), begin), "not by chance"
         fit.fitted(space, begin, "")
-    assert fit.empty(spaces.Box(2, 3, (1,))).tolist() == [2], "as near to 0 as the space has it"
-    assert fit.empty(spaces.Discrete(3, start=-7)) == -7
-    assert fit.empty(spaces.Text(4, min_length=2, charset="xy")) == "xx"
+    assert empty(spaces.Box(2, 3, (1,)), "").tolist() == [2], "as near to 0 as the space has it"
+    assert empty(spaces.Discrete(3, start=-7), "") == -7
+    assert empty(spaces.Text(4, min_length=2, charset="xy"), "") == "xx"
 
 
 # What is no tree
@@ -265,6 +266,8 @@ def test_every_member_is_seen_as_its_attribute_says(seen):
         "queue": ["x"],
         "said": "one",
         "said = $0": ["two"],
+        "exact": np.array(16777216, floats),
+        "Behind": 4,
         "Edges": graph(np.zeros(2, np.int64), np.zeros(1, np.int64), np.zeros((1, 2), np.int32)),
     }
     assert found.keys() == expected.keys()
@@ -283,7 +286,16 @@ def test_what_is_wrong_with_a_member_is_named_with_its_class(seen):
         "MessageException no-space: Half.speed: 0.5 is no whole number",
         "MessageException bad-dtype: NoDtype.speed: dtype float128 is none of uint8, uint16, int32, int64, float32",
         "MessageException no-space: OddKeys.speeds: Dictionary`2 is no dictionary of texts",
-        "MessageException error-in-property: Broken.Speed: System.InvalidOperationException: no gearbox",
+        "InvalidOperationException Broken.Speed: no gearbox",
+        "bad-dtype: its numbers are float64, which is no Single",
+        "ArgumentException NoObjects.speed is static: it belongs to no agent",
+        "ArgumentException TwoAttributes.speed has two attributes: one is enough",
+        "ArgumentException Indexed.Item cannot be read: give it a get",
+        "MessageException no-space: Endless.items: it is nested more than 100 times, or has no end",
+        "MessageException bad-shape: EndlessBox.items: an array has at most 8 dimensions",
+        "MessageException bad-value: NoLong.speed: 9223372036854775807 is not finite, or too large to be exact",
+        "MessageException bad-value: NoFloat.speed: 1E+300 would become another number as float32",
+        "MessageException bad-value: Lossy.speed: 16777217 would become another number as float32",
     ):
         assert [one for one in seen if one.startswith(line)], line
     assert "nothing is wrong" not in seen

@@ -64,7 +64,10 @@ namespace NetMQExample.Tests
         [Obs(".said[]")] private readonly string first = "one";
         [Obs(".said[] = $[0]")] private readonly string[] second = { "two" };
         [Obs] private readonly int hidden = 8;
+        [Box(null, "float32")] private readonly int exact = 16777216;
         private int unseen = 9;
+
+        [field: Discrete] public int Behind { get; } = 4;
 
         public override string Says => "not this";
 
@@ -128,6 +131,50 @@ namespace NetMQExample.Tests
         [Obs] private int Speed => throw new InvalidOperationException("no gearbox");
     }
 
+    internal sealed class NoObjects
+    {
+        [Box] private static float speed = 1;
+    }
+
+    internal sealed class TwoAttributes
+    {
+        [Box, Discrete] private readonly int speed = 1;
+    }
+
+    internal sealed class Indexed
+    {
+        [Box] public float this[int at] => at;
+    }
+
+    internal sealed class Endless
+    {
+        [Obs] private readonly List<object> items = new();
+
+        public Endless() => items.Add(items);
+    }
+
+    internal sealed class EndlessBox
+    {
+        [Box] private readonly List<object> items = new();
+
+        public EndlessBox() => items.Add(items);
+    }
+
+    internal sealed class NoLong
+    {
+        [Discrete] private readonly long speed = long.MaxValue;
+    }
+
+    internal sealed class NoFloat
+    {
+        [Box("", "float32")] private readonly double speed = 1e300;
+    }
+
+    internal sealed class Lossy
+    {
+        [Box("", "float32")] private readonly int speed = 16777217;
+    }
+
     internal static class Attributes
     {
         public static void Print()
@@ -135,20 +182,22 @@ namespace NetMQExample.Tests
             Observed.Engine = UnityValues.Numbers;
             var car = new AgentState("it's", new Car());
             foreach (var source in car.Sources) Console.WriteLine($"{source.Locator} : {Program.Shown(source.Read())}");
-            foreach (var wrong in new object[] { new WrongLocator(), new Unreadable(), new OnePlace(), new NaN(), new Strange(), new Ragged(), new TooBig(), new Half(), new NoDtype(), new OddKeys(), new Broken() })
+            foreach (var wrong in new object[] { new WrongLocator(), new Unreadable(), new OnePlace(), new NaN(), new Strange(), new Ragged(), new TooBig(), new Half(), new NoDtype(), new OddKeys(), new Broken(), new NoObjects(), new TwoAttributes(), new Indexed(), new Endless(), new EndlessBox(), new NoLong(), new NoFloat(), new Lossy() })
             {
                 try
                 {
                     Program.Shown(new AgentState("car", wrong).Sources.Single().Read());
                     Console.WriteLine("nothing is wrong");
                 }
-                catch (Exception e) when (e is ArgumentException || e is MessageException)
+                catch (Exception e) when (e is ArgumentException || e is MessageException || e is InvalidOperationException)
                 {
                     Console.WriteLine($"{e.GetType().Name} {e.Message}");
                 }
             }
             for (var step = 0; step < 1000; step++)
                 foreach (var source in new AgentState("other", new Car()).Sources) source.Read();
+            try { new MessageArray("float64", new byte[16], 2).Items<float>(); }
+            catch (MessageException e) { Console.WriteLine(e.Message); }
             Console.WriteLine($"made {CountedAttribute.Made} times");
             var before = GC.GetAllocatedBytesForCurrentThread();
             for (var step = 0; step < 1000; step++)

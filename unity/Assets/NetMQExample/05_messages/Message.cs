@@ -31,19 +31,26 @@ namespace NetMQExample
     public sealed class MessageArray
     {
         // The names are numpy's. What Unity runs on is little-endian, as the bytes are.
-        private static readonly Dictionary<string, int> Sizes = new Dictionary<string, int>
-        { ["uint8"] = 1, ["uint16"] = 2, ["int32"] = 4, ["int64"] = 8, ["float32"] = 4, ["float64"] = 8 };
+        private static readonly Dictionary<string, (int Size, Type Type)> Kinds = new Dictionary<string, (int, Type)>
+        {
+            ["uint8"] = (1, typeof(byte)),
+            ["uint16"] = (2, typeof(ushort)),
+            ["int32"] = (4, typeof(int)),
+            ["int64"] = (8, typeof(long)),
+            ["float32"] = (4, typeof(float)),
+            ["float64"] = (8, typeof(double)),
+        };
 
         /// <summary>Describes bytes; they are not copied.</summary>
         /// <exception cref="MessageException">The bytes are not as many as dtype and shape say.</exception>
         public MessageArray(string dtype, ReadOnlyMemory<byte> data, params int[] shape)
         {
             (Dtype, Data, Shape) = (dtype, data, shape);
-            if (!Sizes.TryGetValue(dtype, out var size))
+            if (!Kinds.TryGetValue(dtype, out var kind))
                 throw new MessageException("bad-dtype",
-                    $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Sizes.Keys)}");
+                    $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Kinds.Keys)}");
             // In double, which no product of eight sizes overflows.
-            if (shape.Aggregate((double)size, (product, length) => product * length) != data.Length)
+            if (shape.Aggregate((double)kind.Size, (product, length) => product * length) != data.Length)
                 throw new MessageException("bad-shape",
                     $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
         }
@@ -58,7 +65,10 @@ namespace NetMQExample
         public ReadOnlyMemory<byte> Data { get; }
 
         /// <summary>The numbers, without a copy: <c>array.Items&lt;float&gt;()</c> for float32.</summary>
-        public ReadOnlySpan<T> Items<T>() where T : struct => MemoryMarshal.Cast<byte, T>(Data.Span);
+        /// <exception cref="MessageException">They are no T.</exception>
+        public ReadOnlySpan<T> Items<T>() where T : struct => Kinds[Dtype].Type == typeof(T)
+            ? MemoryMarshal.Cast<byte, T>(Data.Span)
+            : throw new MessageException("bad-dtype", $"its numbers are {Dtype}, which is no {typeof(T).Name}");
     }
 
     /// <summary>One message. What it was read from must not change while it is used.</summary>

@@ -123,7 +123,9 @@ namespace NetMQExample
         {
             var said = new Dictionary<string, object>
             {
-                ["reward"] = reward, ["terminated"] = terminated, ["truncated"] = truncated,
+                ["reward"] = reward,
+                ["terminated"] = terminated,
+                ["truncated"] = truncated,
                 ["infos"] = new List<object>(infos),
             };
             reward = 0;

@@ -17,14 +17,22 @@ namespace NetMQExample
         // Those whose memory is already what a message has.
         private static readonly Dictionary<Type, string> Same = new Dictionary<Type, string>
         {
-            [typeof(byte)] = "uint8", [typeof(bool)] = "uint8", [typeof(ushort)] = "uint16", [typeof(char)] = "uint16",
-            [typeof(int)] = "int32", [typeof(long)] = "int64",
-            [typeof(float)] = "float32", [typeof(double)] = "float64",
+            [typeof(byte)] = "uint8",
+            [typeof(bool)] = "uint8",
+            [typeof(ushort)] = "uint16",
+            [typeof(char)] = "uint16",
+            [typeof(int)] = "int32",
+            [typeof(long)] = "int64",
+            [typeof(float)] = "float32",
+            [typeof(double)] = "float64",
         };
 
         private static readonly Dictionary<Type, string> Wider = new Dictionary<Type, string>
         {
-            [typeof(sbyte)] = "int32", [typeof(short)] = "int32", [typeof(uint)] = "int64", [typeof(ulong)] = "int64",
+            [typeof(sbyte)] = "int32",
+            [typeof(short)] = "int32",
+            [typeof(uint)] = "int64",
+            [typeof(ulong)] = "int64",
             [typeof(decimal)] = "float64",
         };
 
@@ -53,7 +61,7 @@ namespace NetMQExample
                 && (dtype == "" || dtype == own))
                 return Copy(own, array, Enumerable.Range(0, array.Rank).Select(array.GetLength).ToArray());
             var numbers = new List<object>();
-            var shape = Flatten(value, numbers);
+            var shape = Flatten(value, numbers, 0);
             if (dtype == "") dtype = Natural(numbers.Count == 0 ? typeof(float) : numbers[0].GetType());
             if (!Types.TryGetValue(dtype, out var type))
                 throw new MessageException("bad-dtype", $"dtype {dtype} is none of {string.Join(", ", Types.Keys)}");
@@ -73,12 +81,14 @@ namespace NetMQExample
             return new MessageArray(dtype, data, shape);
         }
 
-        private static int[] Flatten(object value, List<object> numbers)
+        private static int[] Flatten(object value, List<object> numbers, int depth)
         {
             value = Observed.Engine(value);
+            // Without a limit, a list that holds itself would end the program.
+            if (depth > 8) throw new MessageException("bad-shape", "an array has at most 8 dimensions");
             if (value is Array array && array.Rank > 1)
             {
-                foreach (var item in array) Flatten(item, numbers);
+                foreach (var item in array) Flatten(item, numbers, depth + 1);
                 return Enumerable.Range(0, array.Rank).Select(array.GetLength).ToArray();
             }
             if (!(value is IEnumerable items) || value is string)
@@ -89,20 +99,25 @@ namespace NetMQExample
                 numbers.Add(value is char unit ? (ushort)unit : value);
                 return new int[0];
             }
-            var shapes = items.Cast<object>().Select(item => Flatten(item, numbers)).ToList();
+            var shapes = items.Cast<object>().Select(item => Flatten(item, numbers, depth + 1)).ToList();
             if (shapes.Any(shape => !shape.SequenceEqual(shapes[0])))
                 throw new MessageException("bad-shape", "its rows are not equally long");
             return shapes.Take(1).SelectMany(shape => shape).Prepend(shapes.Count).ToArray();
         }
 
-        // A whole number stays what it is, or is refused: 300 is no uint8, and 1.5 neither.
+        // A whole number stays what it is, or is refused: 300 is no uint8, and 1.5 neither. Of numbers with a fraction
+        // it is only their precision that may change.
         private static object Exactly(object number, Type type)
         {
+            var (culture, code) = (CultureInfo.InvariantCulture, Convert.GetTypeCode(number));
             try
             {
-                var cast = Convert.ChangeType(number, type, CultureInfo.InvariantCulture);
-                var whole = type != typeof(float) && type != typeof(double);
-                if (!whole || Convert.ToDecimal(cast) == Convert.ToDecimal(number)) return cast;
+                var cast = Convert.ChangeType(number, type, culture);
+                var fractions = code >= TypeCode.Single && (type == typeof(float) || type == typeof(double));
+                if (fractions
+                    ? !double.IsInfinity(Convert.ToDouble(cast)) || double.IsInfinity(Convert.ToDouble(number))
+                    : Convert.ChangeType(cast, code, culture).Equals(Convert.ChangeType(number, code, culture)))
+                    return cast;
             }
             catch (Exception e) when (e is OverflowException || e is InvalidCastException || e is FormatException) { }
             throw new MessageException("bad-value", FormattableString.Invariant(

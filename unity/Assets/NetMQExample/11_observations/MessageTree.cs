@@ -86,7 +86,7 @@ namespace NetMQExample
             throw new MessageException("bad-tree", $"a {{ }} is no array of {arrays.Count}, no dict, no graph");
         }
 
-        private static object Checked(object value)
+        internal static object Checked(object value)
         {
             if (!(value is long || value is double)) return value;
             // NaN is not less than anything.

@@ -20,7 +20,7 @@ namespace NetMQExample
     public class ObsAttribute : Stripping.PreserveAttribute
     {
         /// <summary>Without a locator the member's name is the key.</summary>
-        public ObsAttribute(string locator = "") => Locator = locator;
+        public ObsAttribute(string locator = "") => Locator = locator ?? "";
 
         /// <summary>Where it goes; docs/guide/11_locators.md.</summary>
         public string Locator { get; }

@@ -17,10 +17,13 @@ namespace NetMQExample
     public sealed class Observed
     {
         private const BindingFlags Own =
-            BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
+            BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic
+            | BindingFlags.DeclaredOnly;
 
         private static readonly ConcurrentDictionary<Type, Observed[]> Known =
             new ConcurrentDictionary<Type, Observed[]>();
+
+        [ThreadStatic] private static int depth;
 
         private readonly MemberInfo member;
         private readonly ObsAttribute attribute;
@@ -28,7 +31,9 @@ namespace NetMQExample
         private Observed(Type type, MemberInfo member, ObsAttribute attribute)
         {
             (this.member, this.attribute) = (member, attribute);
-            FullName = $"{type.Name}.{member.Name}";
+            // [field: Box] stands at the field behind a property, whose name is <Speed>k__BackingField.
+            var parts = member.Name.Split('<', '>');
+            FullName = $"{type.Name}.{Name = parts[parts.Length > 1 ? 1 : 0]}";
         }
 
         /// <summary>Makes numbers or lists of what an engine has, such as a Vector3. Agent.cs sets it.</summary>
@@ -38,7 +43,7 @@ namespace NetMQExample
         public string FullName { get; }
 
         /// <summary>The member alone: the key where its locator says none.</summary>
-        public string Name => member.Name;
+        public string Name { get; }
 
         /// <summary>As it was declared.</summary>
         public string Locator => attribute.Locator;
@@ -61,7 +66,7 @@ namespace NetMQExample
             }
             catch (TargetInvocationException e)
             {
-                throw new MessageException("error-in-property", $"{FullName}: {e.InnerException}");
+                throw new InvalidOperationException($"{FullName}: {e.InnerException?.Message}", e.InnerException);
             }
         }
 
@@ -92,13 +97,22 @@ namespace NetMQExample
         {
             if (!(value is IDictionary parts) || parts.Keys.Cast<object>().Any(key => !(key is string)))
                 throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} is no dictionary of texts");
-            return parts.Keys.Cast<string>().ToDictionary(key => key, key => Of(parts[key]));
+            return Inside(() => parts.Keys.Cast<string>().ToDictionary(key => key, key => Of(parts[key])));
         }
 
         /// <summary>Whatever has items, as a list of values of any kind.</summary>
         public static object List(object value) => value is IEnumerable items && !(value is string)
-            ? items.Cast<object>().Select(Of).ToList()
+            ? Inside(() => items.Cast<object>().Select(Of).ToList())
             : throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} has no items");
+
+        private static object Inside(Func<object> read)
+        {
+            // Without a limit, a list that holds itself would end the program.
+            if (depth > 100) throw new MessageException("no-space", "it is nested more than 100 times, or has no end");
+            depth++;
+            try { return read(); }
+            finally { depth--; }
+        }
 
         private static object Finite(double value) => Math.Abs(value) < double.PositiveInfinity
             ? value
@@ -106,7 +120,7 @@ namespace NetMQExample
 
         private static object Whole(object value)
         {
-            try { return Convert.ToInt64(value); }
+            try { return MessageTree.Checked(Convert.ToInt64(value)); }
             catch (OverflowException) { throw new MessageException("bad-value", $"{value} is too large to be exact"); }
         }
 
@@ -116,13 +130,18 @@ namespace NetMQExample
             var found = type.BaseType == null ? new List<Observed>() : Members(type.BaseType).ToList();
             foreach (var member in type.GetFields(Own).Cast<MemberInfo>().Concat(type.GetProperties(Own)))
             {
-                var attribute = member.GetCustomAttribute<ObsAttribute>(false);
-                if (attribute == null) continue;
-                if (member is PropertyInfo property && !property.CanRead)
-                    throw new ArgumentException($"{type.Name}.{member.Name} cannot be read: give it a get");
+                var attributes = member.GetCustomAttributes<ObsAttribute>(false).ToArray();
+                if (attributes.Length == 0) continue;
+                var one = new Observed(type, member, attributes[0]);
+                ArgumentException Wrong(string what) => new ArgumentException($"{one.FullName} {what}");
+                if (attributes.Length > 1) throw Wrong("has two attributes: one is enough");
+                var (field, property) = (member as FieldInfo, member as PropertyInfo);
+                if (property != null && (!property.CanRead || property.GetIndexParameters().Length > 0))
+                    throw Wrong("cannot be read: give it a get");
+                if (field?.IsStatic ?? property.GetMethod.IsStatic) throw Wrong("is static: it belongs to no agent");
                 // What overrides another one, or hides it at the same place, stands for it.
-                found.RemoveAll(other => other.Name == member.Name && other.Locator == attribute.Locator);
-                found.Add(new Observed(type, member, attribute));
+                found.RemoveAll(other => other.Name == one.Name && other.Locator == one.Locator);
+                found.Add(one);
             }
             return found.ToArray();
         }

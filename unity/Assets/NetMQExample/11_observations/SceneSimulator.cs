@@ -85,7 +85,7 @@ namespace NetMQExample
 
         private List<IAgent> Reset(long seed, Dictionary<string, object> options, List<object> names)
         {
-            var asked = names.ConvertAll(name => Find(name as string));
+            var asked = names.Select(name => Find(name as string)).Distinct().ToList();
             var chance = new Chance(seed);
             infos.Clear();
             foreach (var agent in asked)
@@ -133,7 +133,8 @@ namespace NetMQExample
             var tree = new Dictionary<string, object>
             {
                 ["agents"] = asked.ToDictionary(agent => agent.State.Name, agent => (object)agent.State.Take()),
-                ["infos"] = new List<object>(infos), ["observations"] = observations,
+                ["infos"] = new List<object>(infos),
+                ["observations"] = observations,
             };
             infos.Clear();
             state.Values["state"] = MessageTree.Write(tree, state.Arrays);
