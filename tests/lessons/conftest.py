@@ -22,8 +22,8 @@ def context():
 
 @pytest.fixture(scope="session")
 def messages_program(engine):
-    """The command of tests/lessons/messages."""
-    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "messages"))]
+    """The command of tests/lessons/checks/MessageChecks.cs."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")), "messages"]
 
 
 def ask(context, endpoint, *frames, kind=zmq.REQ):

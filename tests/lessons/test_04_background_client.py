@@ -55,11 +55,11 @@ def frames(client):
 
 @pytest.fixture
 def check(request, start, engine):
-    """check("refusal", endpoint) runs one of the checks in tests/lessons/background_client."""
+    """check("refusal", endpoint) runs one of the checks in tests/lessons/checks/BackgroundClientChecks.cs."""
 
     def check(name, endpoint):
-        dll = dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "background_client")
-        return start("dotnet", dll, name, endpoint)
+        dll = dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
+        return start("dotnet", dll, "background", name, endpoint)
 
     return check
 

@@ -16,6 +16,7 @@ from kitlib.setup import dotnet
 from tests.conftest import PYTHON
 from tests.programs import ROOT
 from tests.tables import rows
+from tests.unity.test_unity_play import needs_mono
 
 KEY = "11_observations"
 FOLDER = ROOT / "python" / KEY
@@ -47,15 +48,15 @@ def python_says(text, name="", scope=None):
 @pytest.fixture(scope="session")
 def csharp_says(engine):
     """What Locator.cs says of each case, in one process, in a culture."""
-    program = dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "locators")
+    program = dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
 
     def digits(text):
         return "-" if text is None else "=" + text.encode("utf-16-be", "surrogatepass").hex()
 
-    def says(cases, culture=""):
+    def says(cases, culture="", runtime="dotnet"):
         lines = "".join(" ".join(map(digits, case)) + "\n" for case in cases)
         done = subprocess.run(
-            ["dotnet", str(program), culture], input=lines, capture_output=True, text=True, timeout=200
+            [runtime, str(program), "locators", culture], input=lines, capture_output=True, text=True, timeout=200
         )
         assert done.returncode == 0, done.stderr
         here, *answers = done.stdout.splitlines()
@@ -96,6 +97,13 @@ def test_csharp_agrees_with_the_golden_table(culture, here, csharp_says):
     for entry, case, answer in zip(GOLDEN, CASES, answers, strict=True):
         check(entry, answer)
         assert answer == python_says(*case), entry["name"]
+
+
+def test_mono_agrees_with_the_golden_table(engine, csharp_says):
+    """It is the runtime that is closest to Unity's."""
+    needs_mono(engine)
+    for entry, answer in zip(GOLDEN, csharp_says(CASES, "", "mono")[1], strict=True):
+        check(entry, answer)
 
 
 def test_a_canonical_text_means_itself():

@@ -191,13 +191,13 @@ def test_a_game_that_is_not_there_is_named(make, tmp_path):
         make(file_name=str(tmp_path / "NoGame"), **SPACES)
 
 
-# Several agents, and agents that do what they are told: tests/lessons/observations/World.cs
+# Several agents, and agents that do what they are told: tests/lessons/checks/World.cs
 
 
 @pytest.fixture
 def world(engine):
     """The words that launch a scene with the agents a, b and c, each of which does what its action says."""
-    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "observations")), "world"]
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")), "observations", "world"]
 
 
 TOLD = spaces.Text(40, min_length=0, charset="abcdefghijklmnopqrstuvwxyz0123456789. ")

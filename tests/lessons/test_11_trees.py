@@ -14,6 +14,7 @@ from kitlib.setup import dotnet
 from tests.conftest import PYTHON
 from tests.lessons.test_11_merge import same
 from tests.programs import ROOT
+from tests.unity.test_unity_play import needs_mono
 
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
@@ -27,8 +28,8 @@ MessageError, Array = messages.MessageError, messages.Array
 
 @pytest.fixture(scope="session")
 def program(engine):
-    """The words that start tests/lessons/observations."""
-    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "observations"))]
+    """The words that start tests/lessons/checks/ObservationChecks.cs."""
+    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")), "observations"]
 
 
 def hexadecimal(text, arrays=()):
@@ -99,15 +100,23 @@ def equal(one, other):
 
 
 @pytest.mark.filterwarnings("ignore:.*Box.*precision lowered:UserWarning", "ignore:.*overflow.*:RuntimeWarning")
-def test_10_000_random_values_go_through_csharp_and_come_back_equal(program):
+@pytest.mark.parametrize(
+    ("runtime", "count"),
+    [("dotnet", 1000), ("mono", 1000), pytest.param("dotnet", 10_000, marks=pytest.mark.long)],
+)
+def test_random_values_go_through_csharp_and_come_back_equal(runtime, count, program, engine):
+    if runtime == "mono":
+        needs_mono(engine)
     random, cases, lines = np.random.default_rng(11), [], []
-    while len(cases) < 10_000:
+    while len(cases) < count:
         space = a_space(random)
         for _ in range(10):
             value, arrays = space.sample(), []
             lines.append(hexadecimal(tree.write(value, arrays), arrays))
             cases.append((space, value))
-    done = subprocess.run([*program, "trees"], input="\n".join(lines), capture_output=True, text=True, timeout=200)
+    done = subprocess.run(
+        [runtime, *program[1:], "trees"], input="\n".join(lines), capture_output=True, text=True, timeout=200
+    )
     again = done.stdout.splitlines()
     assert len(again) == len(cases), done.stderr
     for line, (space, value), answer in zip(lines, cases, again, strict=True):

@@ -35,7 +35,7 @@ from side_channel_manager import SideChannelManager  # noqa: E402
 
 @pytest.fixture(scope="session")
 def program(engine):
-    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "side_channels")
+    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
 
 
 # The programs
@@ -185,7 +185,7 @@ def test_unity_does_what_the_settings_say(runtime, engine, program):
     channel = EngineConfigurationChannel()
     channel.set_configuration(EngineConfig(640, 480, 2, 0.25, 72, 30))
     exchange = SideChannelManager([channel]).generate_side_channel_messages().hex()
-    command = [RUNTIMES[runtime], program, "settings", exchange]
+    command = [RUNTIMES[runtime], program, "sidechannels", "settings", exchange]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.stdout.splitlines() == [
         "engine: screen resolution 640 x 480",
@@ -205,7 +205,9 @@ def test_unity_does_what_the_settings_say(runtime, engine, program):
 def test_how_many_messages_a_second(runtime, engine, program):
     if runtime == "mono":
         needs_mono(engine)
-    done = subprocess.run([RUNTIMES[runtime], program, "speed", "20000"], capture_output=True, text=True, timeout=250)
+    done = subprocess.run(
+        [RUNTIMES[runtime], program, "sidechannels", "speed", "20000"], capture_output=True, text=True, timeout=250
+    )
     assert done.stdout.count("last 19999") == 3, done.stderr
     print(f"\n{runtime}: {done.stdout.splitlines()[-1]}")
 
@@ -232,7 +234,7 @@ def test_how_many_pictures_a_second(program):
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
         carrier = Carrier(socket, lambda: SideChannelManager([pictures]), print)
         seen, begin, end = 0, 0.0, time.monotonic() + 100
-        with subprocess.Popen(["dotnet", program, "pictures", endpoint, str(count)]) as sender:
+        with subprocess.Popen(["dotnet", program, "sidechannels", "pictures", endpoint, str(count)]) as sender:
             try:
                 while sender.poll() is None:
                     carrier.exchange()

@@ -1,6 +1,6 @@
 """Lesson 13: the bytes of side channels in both languages, on .NET and Mono.
 
-What a channel makes of any bytes is asked of tests/lessons/side_channels and, in the same words, of Python here.
+What a channel makes of any bytes is asked of tests/lessons/checks and, in the same words, of Python here.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ def python_says(line):
 
 @pytest.fixture(scope="session")
 def program(engine):
-    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "side_channels")
+    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
 
 
 @pytest.fixture
@@ -141,7 +141,7 @@ def csharp_says(engine, program):
     def says(runtime, lines):
         if runtime == "mono":
             needs_mono(engine)
-        command = [RUNTIMES[runtime], str(program)]
+        command = [RUNTIMES[runtime], str(program), "sidechannels"]
         done = subprocess.run(command, input="\n".join(lines), capture_output=True, text=True, timeout=250)
         assert done.returncode == 0, done.stderr
         return done.stdout.splitlines()

@@ -17,7 +17,7 @@ KEY = "13_side_channels"
 
 @pytest.fixture(scope="session")
 def program(engine):
-    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "side_channels")
+    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
 
 
 MOON = f"""
@@ -93,7 +93,9 @@ def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes
 ):
     if kind == "mono":
         needs_mono(engine)
-    env, parameters, stats, said = moon(*([] if kind == "python" else [RUNTIMES[kind], program, "steps"]))
+    env, parameters, stats, said = moon(
+        *([] if kind == "python" else [RUNTIMES[kind], program, "sidechannels", "steps"])
+    )
     assert env.reset(seed=1)[0] == 9.75, "nothing was set"
     parameters.set_float_parameter("gravity", 1.5)
     assert env.reset(seed=1)[0] == 1.5

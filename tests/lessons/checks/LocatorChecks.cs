@@ -9,9 +9,9 @@ using System.Linq;
 
 namespace NetMQExample.Tests
 {
-    internal static class Program
+    internal static class LocatorChecks
     {
-        private static void Main(string[] words)
+        public static void Run(string[] words)
         {
             var culture = (CultureInfo)CultureInfo.GetCultureInfo(words[0] == "minus" ? "" : words[0]).Clone();
             if (words[0] == "minus") culture.NumberFormat.NegativeSign = "~";

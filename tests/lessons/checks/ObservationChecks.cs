@@ -11,9 +11,9 @@ using System.Text;
 
 namespace NetMQExample.Tests
 {
-    internal static class Program
+    internal static class ObservationChecks
     {
-        private static void Main(string[] words)
+        public static void Run(string[] words)
         {
             // A machine where 0.5 is written 0,5 must read and write the same bytes.
             var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
@@ -29,7 +29,7 @@ namespace NetMQExample.Tests
         {
             try
             {
-                var frames = line.Split(' ').Select(frame => frame == "-" ? Array.Empty<byte>() : Convert.FromHexString(frame));
+                var frames = line.Split(' ').Select(Hex.Bytes);
                 var message = Message.Read(frames.Select(frame => new ReadOnlyMemory<byte>(frame)).ToArray());
                 return Shown(MessageTree.Read((string)message.Values["tree"], message.Arrays));
             }
@@ -44,7 +44,7 @@ namespace NetMQExample.Tests
             var message = new Message("tree", 1);
             message.Values["tree"] = MessageTree.Write(value, message.Arrays);
             var frames = message.Arrays.Select(array => array.Data.ToArray()).Prepend(Encoding.UTF8.GetBytes(message.Header()));
-            return string.Join(" ", frames.Select(frame => frame.Length == 0 ? "-" : Convert.ToHexString(frame).ToLowerInvariant()));
+            return string.Join(" ", frames.Select(Hex.Digits));
         }
     }
 }

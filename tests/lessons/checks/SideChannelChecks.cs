@@ -20,16 +20,16 @@ using UnityEngine;
 
 namespace NetMQExample.Tests
 {
-    internal static class Program
+    internal static class SideChannelChecks
     {
-        private static void Main(string[] words)
+        public static void Run(string[] words)
         {
             // A machine where 0.5 is written 0,5 must read, write and print the same.
             var german = (CultureInfo)CultureInfo.InvariantCulture.Clone();
             (german.NumberFormat.NumberDecimalSeparator, german.NumberFormat.NumberGroupSeparator) = (",", ".");
             CultureInfo.CurrentCulture = german;
             if (words.Length > 0 && words[0] == "steps") Steps(words[2]);
-            else if (words.Length == 2 && words[0] == "settings") Settings(Bytes(words[1]));
+            else if (words.Length == 2 && words[0] == "settings") Settings(Hex.Bytes(words[1]));
             else if (words.Length == 2) Speed(int.Parse(words[1]));
             else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));
             else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
@@ -41,10 +41,10 @@ namespace NetMQExample.Tests
             {
                 switch (words[0])
                 {
-                    case "read": return Read(Bytes(words[1]), words.Skip(2));
-                    case "write": return Digits(Write(words.Skip(1)));
-                    case "process": return Process(Bytes(words[1]));
-                    default: return Moved(Bytes(words[1]));
+                    case "read": return Read(Hex.Bytes(words[1]), words.Skip(2));
+                    case "write": return Hex.Digits(Write(words.Skip(1)));
+                    case "process": return Process(Hex.Bytes(words[1]));
+                    default: return Moved(Hex.Bytes(words[1]));
                 }
             }
             catch (UnityAgentsException e)
@@ -61,9 +61,9 @@ namespace NetMQExample.Tests
                 "b" => message.ReadBoolean() ? "1" : "0",
                 "i" => message.ReadInt32().ToString(CultureInfo.InvariantCulture),
                 "f" => Bits(message.ReadFloat32()),
-                "s" => Digits(Encoding.UTF8.GetBytes(message.ReadString(""))),
+                "s" => Hex.Digits(Encoding.UTF8.GetBytes(message.ReadString(""))),
                 "l" => string.Join(",", message.ReadFloatList(new float[0]).Select(Bits)),
-                _ => Digits(message.GetRawBytes()),
+                _ => Hex.Digits(message.GetRawBytes()),
             };
             return string.Join(" ", kinds.Select(Value));
         }
@@ -77,10 +77,10 @@ namespace NetMQExample.Tests
                 if (value[0] == 'b') message.WriteBoolean(text == "1");
                 else if (value[0] == 'i') message.WriteInt32(int.Parse(text, CultureInfo.InvariantCulture));
                 else if (value[0] == 'f') message.WriteFloat32(Single(text));
-                else if (value[0] == 's') message.WriteString(Encoding.UTF8.GetString(Bytes(text)));
-                else if (value[0] == 'u') message.WriteString(Encoding.UTF8.GetString(Bytes(text)), utf8: true);
+                else if (value[0] == 's') message.WriteString(Encoding.UTF8.GetString(Hex.Bytes(text)));
+                else if (value[0] == 'u') message.WriteString(Encoding.UTF8.GetString(Hex.Bytes(text)), utf8: true);
                 else if (value[0] == 'l') message.WriteFloatList(text == "" ? new float[0] : text.Split(',').Select(Single).ToArray());
-                else message.SetRawBytes(Bytes(text));
+                else message.SetRawBytes(Hex.Bytes(text));
             }
             var channel = new RawBytesChannel(Guid.Empty);
             SideChannelManager.RegisterSideChannel(channel);
@@ -103,16 +103,16 @@ namespace NetMQExample.Tests
             SideChannelManager.Receive(new[] { exchange });
             var late = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
             SideChannelManager.RegisterSideChannel(late);
-            foreach (var message in late.GetAndClearReceivedMessages()) Say($"late {Digits(message)}");
+            foreach (var message in late.GetAndClearReceivedMessages()) Say($"late {Hex.Digits(message)}");
             SideChannelManager.UnregisterSideChannel(late);
             var properties = (FloatPropertiesChannel)channels[1];
             foreach (var key in properties.Keys()) Say($"{key}={Bits(properties.GetWithDefault(key, 0))}");
             foreach (var key in academy.EnvironmentParameters.Keys())
                 Say($"{key}:{string.Join(",", Enumerable.Range(0, 3).Select(_ => Bits(academy.EnvironmentParameters.GetWithDefault(key, 0))))}");
-            foreach (var message in ((RawBytesChannel)channels[2]).GetAndClearReceivedMessages()) Say(Digits(message));
+            foreach (var message in ((RawBytesChannel)channels[2]).GetAndClearReceivedMessages()) Say(Hex.Digits(message));
             Array.ForEach(channels, SideChannelManager.UnregisterSideChannel);
             academy.Dispose();
-            return Digits(Encoding.UTF8.GetBytes(string.Join("\n", lines)));
+            return Hex.Digits(Encoding.UTF8.GetBytes(string.Join("\n", lines)));
         }
 
         private static string Moved(byte[] exchange)
@@ -135,7 +135,7 @@ namespace NetMQExample.Tests
             old.Send("as in 2020");
             var sentRaw = SideChannelManager.GetSideChannelMessage();
             Academy.Instance.UnregisterSideChannel(old);
-            return $"{Digits(sent)} {Digits(sentRaw)} {Digits(Encoding.ASCII.GetBytes(said))} {Digits(Encoding.ASCII.GetBytes(old.Lines[0]))}";
+            return $"{Hex.Digits(sent)} {Hex.Digits(sentRaw)} {Hex.Digits(Encoding.ASCII.GetBytes(said))} {Hex.Digits(Encoding.ASCII.GetBytes(old.Lines[0]))}";
         }
 
         private static void Settings(byte[] exchange)
@@ -191,11 +191,6 @@ namespace NetMQExample.Tests
         private static string Bits(float value) => float.IsNaN(value) ? "nan" : BitConverter.ToInt32(BitConverter.GetBytes(value), 0).ToString("x8", CultureInfo.InvariantCulture);
 
         private static float Single(string bits) => BitConverter.ToSingle(BitConverter.GetBytes(Convert.ToInt32(bits, 16)), 0);
-
-        private static byte[] Bytes(string digits) => digits == "-" ? new byte[0]
-            : Enumerable.Range(0, digits.Length / 2).Select(i => Convert.ToByte(digits.Substring(2 * i, 2), 16)).ToArray();
-
-        private static string Digits(byte[] bytes) => bytes.Length == 0 ? "-" : string.Concat(bytes.Select(one => one.ToString("x2", CultureInfo.InvariantCulture)));
     }
 
     // What it sees is the gravity that its reset knew of; what it records is each action.

@@ -14,11 +14,11 @@ using NetMQ.Sockets;
 
 namespace NetMQExample.Tests
 {
-    internal static class Program
+    internal static class BackgroundClientChecks
     {
         private static readonly TimeSpan Limit = TimeSpan.FromSeconds(30);
 
-        private static int Main(string[] words)
+        public static int Run(string[] words)
         {
             try
             {

@@ -181,12 +181,12 @@ namespace NetMQExample.Tests
         {
             Observed.Engine = UnityValues.Numbers;
             var car = new AgentState("it's", new Car());
-            foreach (var source in car.Sources) Console.WriteLine($"{source.Locator} : {Program.Shown(source.Read())}");
+            foreach (var source in car.Sources) Console.WriteLine($"{source.Locator} : {ObservationChecks.Shown(source.Read())}");
             foreach (var wrong in new object[] { new WrongLocator(), new Unreadable(), new OnePlace(), new NaN(), new Strange(), new Ragged(), new TooBig(), new Half(), new NoDtype(), new OddKeys(), new Broken(), new NoObjects(), new TwoAttributes(), new Indexed(), new Endless(), new EndlessBox(), new NoLong(), new NoFloat(), new Lossy() })
             {
                 try
                 {
-                    Program.Shown(new AgentState("car", wrong).Sources.Single().Read());
+                    ObservationChecks.Shown(new AgentState("car", wrong).Sources.Single().Read());
                     Console.WriteLine("nothing is wrong");
                 }
                 catch (Exception e) when (e is ArgumentException || e is MessageException || e is InvalidOperationException)

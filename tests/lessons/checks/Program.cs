@@ -1,0 +1,27 @@
+// What the C# of some lessons makes of bytes, texts and calls that no option of a terminal client shows, in one process:
+//
+//     dotnet checks.dll locators …          mono checks.dll sidechannels …
+//
+// Which words come after the first, each file says.
+using System;
+using System.Linq;
+
+namespace NetMQExample.Tests
+{
+    internal static class Program
+    {
+        private static int Main(string[] words)
+        {
+            var rest = words.Skip(1).ToArray();
+            switch (words[0])
+            {
+                case "background": return BackgroundClientChecks.Run(rest);
+                case "locators": LocatorChecks.Run(rest); return 0;
+                case "messages": MessageChecks.Run(rest); return 0;
+                case "observations": ObservationChecks.Run(rest); return 0;
+                case "sidechannels": SideChannelChecks.Run(rest); return 0;
+                default: throw new ArgumentException($"no checks of {words[0]}");
+            }
+        }
+    }
+}
