@@ -97,7 +97,8 @@ def serve(start: Callable[..., Program], tmp_path: Path) -> Callable[..., tuple[
         for name, other in Lesson(key).behind:
             if name not in options:
                 options = (*options, name, serve(other.key)[1])
-        words = [ROOT / "python" / key / "server.py", "--endpoint", endpoint or Lesson(key).anywhere, *options]
+        place = endpoint.replace("tcp", Lesson(key).scheme) or Lesson(key).anywhere
+        words = [ROOT / "python" / key / "server.py", "--endpoint", place, *options]
         program = start(PYTHON, *words, folder=tmp_path, **environment)
         return program, program.wait_for(r"^listening on (\S+)")[1]
 

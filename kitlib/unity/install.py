@@ -154,7 +154,7 @@ def take_home(folder: Path) -> list[Path]:
     others += sorted(PACKAGE.glob("Shared/*.cs"))
     for path in chosen:  # It grows meanwhile: what is used may use others.
         code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
-        chosen += [other for other in others if other not in chosen and uses(code, other.stem)]
+        chosen += [other for other in others if other not in chosen and any(uses(code, name) for name in types(other))]
     chosen += sorted(path for path in (PACKAGE / STUB).iterdir() if path.suffix in (".cs", ".asmdef"))
     # The browser's half of a script, and the assembly of scripts that know nothing of NetMQ.
     chosen += [path for script in chosen if (path := script.with_suffix(".jslib")).exists()]
@@ -190,6 +190,12 @@ def notices() -> dict[str, bytes]:
         found[f"{TARGET}/{name}"] = (ROOT / source).read_bytes()
         found[f"{TARGET}/{name}.meta"] = f"fileFormatVersion: 2\nguid: {guid(name)}\n{IMPORTERS['.md']}{END}".encode()
     return found
+
+
+def types(script: Path) -> list[str]:
+    """What a script has for others: Simulation.cs has Chance as well."""
+    declared = r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)"
+    return re.findall(declared, script.read_text(encoding="utf-8-sig"), re.MULTILINE)
 
 
 def uses(code: str, name: str) -> bool:

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import pytest
 
 from kitlib.docs import guide
 from kitlib.lessons import ROOT, KitError, lessons
-from kitlib.programs import Result
+from kitlib.programs import Result, quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
 from kitlib.unity.meta import PACKAGE
@@ -149,12 +150,25 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
             "NetworkBehaviour.cs",
             "ServerAddress.cs",
         }
-    # Whatever class of the kit a copied file uses has come along.
-    stems = {path.stem for path in PACKAGE.glob("[0-9]*/*.cs") if path.parent.name <= key}
-    stems |= {path.stem for path in PACKAGE.glob("Shared/*.cs")}
+    # Whatever type of the kit a copied file uses has come along, also where its file has another name.
+    here = [path for path in PACKAGE.glob("[0-9]*/*.cs") if path.parent.name <= key] + [*PACKAGE.glob("Shared/*.cs")]
+    declared = re.compile(r"^    (?:public|internal) .*?\b(?:class|struct|interface|enum) (\w+)", re.MULTILINE)
+    homes = {name: path.name for path in here for name in declared.findall(path.read_text(encoding="utf-8"))}
     for path in (project / TARGET).rglob("*.cs"):
         words = set(re.findall(r"(?<![\w.])\w+", re.sub(r"//.*", "", path.read_text(encoding="utf-8"))))
-        assert {f"{stem}.cs" for stem in stems & words} <= copied
+        assert {homes[name] for name in homes.keys() & words} <= copied, path.name
+
+
+@pytest.mark.long
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("key", [lesson.key for lesson in lessons() if lesson.unity.is_dir()])
+def test_the_scripts_of_one_lesson_compile_alone(key: str, project: Path, nuget: Path, engine: dotnet.Engine) -> None:
+    unity_install.install(project, key[:2], False)
+    own = [f"-p:PackageScripts={project / TARGET}/", f"-p:ArtifactsPath={project.parent / 'artifacts'}"]
+    library = f"-p:Libzmq={dotnet.libzmq(Path(sys.executable))}"
+    words = ["dotnet", "build", ROOT / "csharp-support" / "lessons", *engine.properties, *own, library, "-v:quiet"]
+    result = quietly(words, 300, dotnet.ENVIRONMENT)
+    assert result.ok, result.output
 
 
 def test_the_lesson_that_reads_json_brings_unitys_package_for_it(project: Path, nuget: Path) -> None:
