@@ -55,12 +55,7 @@ namespace NetMQExample
         public bool TryReceive(out string text) => received.TryDequeue(out text);
 
         /// <summary>Leaves at once. What is under way is dropped.</summary>
-        public void Dispose()
-        {
-            stop.Cancel();
-            socket.Abort();
-            socket.Dispose();
-        }
+        public void Dispose() => stop.Cancel();
 
         private async Task Run(Uri address)
         {
@@ -75,6 +70,8 @@ namespace NetMQExample
             }
             // Whatever it is: the caller reads it.
             catch (Exception e) { closed ??= e.Message; }
+            // Not from another thread: a WebSocket that is disposed while it connects leaves its connection open.
+            finally { socket.Dispose(); }
         }
 
         private async Task<string> Receive()
