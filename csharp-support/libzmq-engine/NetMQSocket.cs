@@ -41,6 +41,8 @@ namespace NetMQ
         private int frameSize;
         private int receiveLimit = -1;
         private int sendLimit = -1;
+        // Whether the first frames of a message were sent, and not yet its last.
+        private bool amid;
         private volatile int closed;
         // The calls that are in libzmq now, and one for the socket that is not disposed.
         private int users = 1;
@@ -221,7 +223,10 @@ namespace NetMQ
             var socket = Enter();
             try
             {
-                var limit = Milliseconds(timeout);
+                // After its first frame a message never has to wait. And where the connection ends in the middle of it,
+                // libzmq calls what it drops sent if it was told to wait, after which REQ refuses to receive.
+                var limit = amid ? 0 : Milliseconds(timeout);
+                amid = false;
                 var start = limit > 0 ? Stopwatch.GetTimestamp() : 0;
                 var wait = OneWait(limit);
                 while (true)
@@ -234,7 +239,11 @@ namespace NetMQ
                         sent = native.Send(socket, bytes, (IntPtr)data.Length,
                             (more ? Native.SendMore : 0) | (wait == 0 ? Native.DontWait : 0));
                     }
-                    if (sent >= 0) return true;
+                    if (sent >= 0)
+                    {
+                        amid = more;
+                        return true;
+                    }
                     if (IsOver(native.Error, sending: true, limit, start, ref wait)) return false;
                 }
             }
