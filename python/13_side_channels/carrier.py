@@ -19,8 +19,6 @@ from side_channel_manager import SideChannelManager
 MOST_PEERS, ALIVE = 64, 3.0
 # What may wait for one that does not read.
 MOST_UNSENT = 4 * LARGEST_EXCHANGE
-# How many exchanges of each may wait in the socket; they may be large.
-MOST_WAITING = 10
 
 
 class Carrier:
@@ -38,8 +36,6 @@ class Carrier:
 
     def exchange(self) -> None:
         """Waits for an exchange, as long as the socket's timeout is; then sends what is queued."""
-        # Of a socket that is bound this is for those that are there.
-        self.socket.rcvhwm = MOST_WAITING
         size, wait = 0, zmq.NOBLOCK if any(peer.unread for peer in self.peers.values()) else 0
         with contextlib.suppress(zmq.Again):
             # Not until there are no more: what is queued has its turn, too.

@@ -23,9 +23,8 @@ from jobs import WATCH, Jobs
 from messages import Message, MessageError, read, take
 from work import KINDS
 
-# So many messages are read before the workers have their turn, so many may wait for a client, and so long may a goal's
-# text be.
-MOST, MOST_UNSENT, LONGEST = 100, 10, 1000
+# So many messages are read before the workers have their turn, and so long may a goal's text be.
+MOST, LONGEST = 100, 1000
 NOT_WRITTEN = MessageError("journal", "the server cannot write its journal now; try again later")
 
 
@@ -36,8 +35,6 @@ def exchange(jobs: Jobs, socket: zmq.Socket[bytes]) -> Iterator[tuple[bytes, Mes
         for _ in range(MOST):
             client, *frames = socket.recv_multipart(zmq.NOBLOCK)
             answer(jobs, client, frames)
-    # So few may wait for a client that does not read. Of a socket that is bound, this is for those that are there.
-    socket.sndhwm = MOST_UNSENT
     jobs.turn()
     yield from jobs.outbox
     jobs.outbox.clear()

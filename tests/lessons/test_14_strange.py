@@ -11,13 +11,12 @@ import sqlite3
 import sys
 import threading
 from contextlib import closing
-from pathlib import Path
 
 import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, memory, peer, read, units
+from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT, Mark, finds_processes
 
 sys.path.append(str(ROOT / "python" / "05_messages"))
@@ -150,22 +149,6 @@ def test_numbers_have_limits(words, start, tmp_path):
     server = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:0", *words)
     assert server.wait() == 2
     assert f"argument {words[0]}: '{words[1]}' is no " in server.lines[-1]
-
-
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads the server's memory in /proc")
-def test_one_that_only_asks_and_never_reads_leaves_the_server_small(serve, peer):
-    server, endpoint = serve(KEY)
-    job = peer(endpoint).goal("picture", 100)
-    job.result("succeeded")
-    before = memory(server)
-    stuck = peer(endpoint, job.job)
-    stuck.socket.rcvhwm = 1
-    for _ in range(5000):
-        stuck.ask("status")
-    # Whoever asks after it is answered after it: all of that was read.
-    stuck.ask("forget")
-    job.ask("status").hear("forgotten", until=lambda news: True)
-    assert memory(server) - before < 15e6, "of 30,000 bytes each"
 
 
 # Journals

@@ -43,8 +43,8 @@ namespace NetMQExample.SideChannels
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
         }
 
-        /// <summary>Sends an exchange, unless it is empty, and gives those that have come, a large one in parts, and the
-        /// others of them in the next calls.</summary>
+        /// <summary>Sends an exchange, unless it is empty, and gives those that have come: a large one in parts, of
+        /// which the next calls give the others.</summary>
         /// <param name="data">What the channels have to say.</param>
         /// <param name="wait">How long to wait for the first that comes.</param>
         /// <param name="stop">Ends the wait early.</param>
