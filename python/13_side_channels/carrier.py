@@ -2,29 +2,23 @@
 
 An exchange is one frame, and either side sends one whenever it has something to say. An empty one says "I am here",
 and is answered. Each simulator has its own channels, which `welcome` makes.
-Take home: this file, side_channel_manager.py, side_channel.py and side_channel_messages.py.
+Take home: this file, peer.py, side_channel_manager.py, side_channel.py and side_channel_messages.py.
 """
 
 import contextlib
-from collections import deque
+import time
 from collections.abc import Callable
 
 import zmq
-from side_channel import LARGEST_EXCHANGE, UnitySideChannelException
+from peer import Peer
+from side_channel import LARGEST_EXCHANGE
 from side_channel_manager import SideChannelManager
 
-# So many are known; of more, the one that was silent for longest is forgotten, and welcomed again when it speaks.
-MOST_PEERS = 64
+# So many are known. One that was silent for so many seconds is forgotten for another, and is welcomed again when it
+# speaks.
+MOST_PEERS, ALIVE = 64, 3.0
 # What may wait for one that does not read.
 MOST_UNSENT = 4 * LARGEST_EXCHANGE
-
-
-class Peer:
-    def __init__(self, manager: SideChannelManager) -> None:
-        self.manager = manager
-        self.unsent: deque[bytes] = deque()
-        # It has said "I am here", and has to be told something.
-        self.greeted = False
 
 
 class Carrier:
@@ -42,28 +36,36 @@ class Carrier:
 
     def exchange(self) -> None:
         """Waits for an exchange, as long as the socket's timeout is; then sends what is queued."""
+        size, wait = 0, zmq.NOBLOCK if any(peer.unread for peer in self.peers.values()) else 0
         with contextlib.suppress(zmq.Again):
-            self.take_in(*self.socket.recv_multipart())
             # Not until there are no more: what is queued has its turn, too.
             for _ in range(100):
-                self.take_in(*self.socket.recv_multipart(zmq.NOBLOCK))
+                client, *frames = self.socket.recv_multipart(wait)
+                self.take_in(client, frames)
+                size, wait = size + sum(map(len, frames)), zmq.NOBLOCK
+                if size > LARGEST_EXCHANGE:
+                    break
+        for peer in self.peers.values():
+            peer.deliver(self.report)
         self.send()
 
-    def take_in(self, client: bytes, *frames: bytes) -> None:
+    def take_in(self, client: bytes, frames: list[bytes]) -> None:
+        first = next(iter(self.peers), b"")
+        if client not in self.peers and len(self.peers) == MOST_PEERS:
+            if time.monotonic() < self.peers[first].heard + ALIVE:
+                self.report(f"{MOST_PEERS} simulators are here: one more is not answered")
+                return
+            del self.peers[first]
         peer = self.peers.pop(client, None) or Peer(self.welcome())
         # Taken out and put in again it is the last one: the first one is who was silent for longest.
-        self.peers[client] = peer
-        if len(self.peers) > MOST_PEERS:
-            del self.peers[next(iter(self.peers))]
+        self.peers[client], peer.heard = peer, time.monotonic()
         if len(frames) != 1:
             self.report(f"an exchange is one frame, not {len(frames)}")
         elif not frames[0]:
             peer.greeted = True
-        else:
-            try:
-                peer.manager.process_side_channel_message(frames[0])
-            except UnitySideChannelException as error:
-                self.report(str(error))
+        elif not peer.take_in(frames[0]):
+            self.report("a simulator sends faster than this side reads, and was forgotten")
+            del self.peers[client]
 
     def send(self) -> None:
         """What is queued for each; call it whenever you have queued something."""

@@ -12,14 +12,6 @@ from typing import NamedTuple
 from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException
 
 
-class ConfigurationType(IntEnum):
-    SCREEN_RESOLUTION = 0
-    QUALITY_LEVEL = 1
-    TIME_SCALE = 2
-    TARGET_FRAME_RATE = 3
-    CAPTURE_FRAME_RATE = 4
-
-
 class EngineConfig(NamedTuple):
     width: int | None
     height: int | None
@@ -35,6 +27,13 @@ class EngineConfig(NamedTuple):
 
 
 class EngineConfigurationChannel(SideChannel):
+    class ConfigurationType(IntEnum):
+        SCREEN_RESOLUTION = 0
+        QUALITY_LEVEL = 1
+        TIME_SCALE = 2
+        TARGET_FRAME_RATE = 3
+        CAPTURE_FRAME_RATE = 4
+
     def __init__(self) -> None:
         super().__init__(uuid.UUID("e951342c-4f7e-11ea-b238-784f4387d1f7"))
 
@@ -52,11 +51,11 @@ class EngineConfigurationChannel(SideChannel):
     ) -> None:
         if (width is None) != (height is None):
             raise UnitySideChannelException("width and height are one setting: give both, or neither")
-        self._queue(ConfigurationType.SCREEN_RESOLUTION, width, height)
-        self._queue(ConfigurationType.QUALITY_LEVEL, quality_level)
-        self._queue(ConfigurationType.TIME_SCALE, time_scale)
-        self._queue(ConfigurationType.TARGET_FRAME_RATE, target_frame_rate)
-        self._queue(ConfigurationType.CAPTURE_FRAME_RATE, capture_frame_rate)
+        self._queue(self.ConfigurationType.SCREEN_RESOLUTION, width, height)
+        self._queue(self.ConfigurationType.QUALITY_LEVEL, quality_level)
+        self._queue(self.ConfigurationType.TIME_SCALE, time_scale)
+        self._queue(self.ConfigurationType.TARGET_FRAME_RATE, target_frame_rate)
+        self._queue(self.ConfigurationType.CAPTURE_FRAME_RATE, capture_frame_rate)
 
     def set_configuration(self, config: EngineConfig) -> None:
         self.set_configuration_parameters(**config._asdict())
@@ -67,7 +66,7 @@ class EngineConfigurationChannel(SideChannel):
         for value in values:
             if value is None:
                 return
-            if kind == ConfigurationType.TIME_SCALE:
+            if kind == self.ConfigurationType.TIME_SCALE:
                 msg.write_float32(value)
             else:
                 msg.write_int32(value)  # type: ignore[arg-type]

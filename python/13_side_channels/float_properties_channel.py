@@ -6,7 +6,10 @@ Take home: this file, with side_channel.py and side_channel_messages.py.
 
 import uuid
 
-from side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException
+
+# What the other side may make this one keep: so many, with names of so many characters.
+MOST, LONGEST = 10_000, 1_000
 
 
 class FloatPropertiesChannel(SideChannel):
@@ -16,6 +19,8 @@ class FloatPropertiesChannel(SideChannel):
 
     def on_message_received(self, msg: IncomingMessage) -> None:
         key = msg.read_string()
+        if len(key) > LONGEST or (len(self.properties) >= MOST and key not in self.properties):
+            raise UnitySideChannelException(f"at most {MOST} properties, with names of at most {LONGEST} characters")
         self.properties[key] = msg.read_float32()
 
     def set_property(self, key: str, value: float) -> None:

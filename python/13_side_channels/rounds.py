@@ -14,6 +14,7 @@ from raw_bytes_channel import RawBytesChannel
 from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException
 from side_channel_manager import SideChannelManager
 from stats_side_channel import StatsAggregationMethod
+from trouble import Trouble
 from unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
 
 # What goes wrong on command.
@@ -58,7 +59,7 @@ class Rounds:
             self.parameters,
             self.stats,
         ]
-        self.manager = SideChannelManager(channels, lambda line: log(f"trouble: {line}"))
+        self.manager = SideChannelManager(channels, Trouble(log))
 
     @property
     def done(self) -> bool:
@@ -75,7 +76,7 @@ class Rounds:
             try:
                 self.manager.process_side_channel_message(data)
             except UnitySideChannelException as error:
-                self.log(f"trouble: {error}")
+                self.manager.report(str(error))
         if self.seen and self.round < self.count:
             self.round, self.began = self.round + 1, time.monotonic()
             self.begin_round()

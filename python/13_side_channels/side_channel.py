@@ -7,7 +7,6 @@ Take home: this file and side_channel_messages.py.
 
 import uuid
 from abc import ABC, abstractmethod
-from collections import deque
 
 from side_channel_messages import IncomingMessage, OutgoingMessage, UnitySideChannelException
 
@@ -22,7 +21,7 @@ class Channel(ABC):
 
     def __init__(self, channel_id: uuid.UUID) -> None:
         self._channel_id = channel_id
-        self.message_queue: deque[bytes] = deque()
+        self.message_queue: list[bytes] = []
 
     @property
     def channel_id(self) -> uuid.UUID:

@@ -29,13 +29,13 @@ class SideChannelManager:
     """The channels of one exchange. `report` gets a line about what could not be delivered, or not yet."""
 
     def __init__(
-        self, side_channels: Sequence[Channel] = (), report: Callable[[str], None] = to_standard_error
+        self, side_channels: Sequence[Channel] | None = None, report: Callable[[str], None] = to_standard_error
     ) -> None:
         # By the bytes on the wire: to make a UUID of each message's would take longer than the rest.
         self.channels: dict[bytes, Channel] = {}
         self.unknown: list[tuple[bytes, bytes]] = []
         self.report = report
-        for channel in side_channels:
+        for channel in side_channels or ():
             self.register_side_channel(channel)
 
     def register_side_channel(self, channel: Channel) -> None:
@@ -55,10 +55,13 @@ class SideChannelManager:
         """
         data = bytearray()
         for channel_id, channel in self.channels.items():
-            queue = channel.message_queue
-            while queue and len(data) + 20 + len(queue[0]) <= LARGEST_EXCHANGE:
-                message = queue.popleft()
+            count = 0
+            for message in channel.message_queue:
+                if len(data) + 20 + len(message) > LARGEST_EXCHANGE:
+                    break
                 data += channel_id + struct.pack("<i", len(message)) + message
+                count += 1
+            del channel.message_queue[:count]
         return data
 
     def process_side_channel_message(self, data: bytes) -> None:

@@ -1,14 +1,13 @@
 """Lesson 13, what the server does with what it hears: prints it, and says that it has seen a round.
 
-Take home: this file, stats_side_channel.py and float_properties_channel.py, with side_channel.py and
+Take home: this file, trouble.py, stats_side_channel.py and float_properties_channel.py, with side_channel.py and
 side_channel_messages.py.
 """
-
-import time
 
 from float_properties_channel import FloatPropertiesChannel
 from side_channel import IncomingMessage
 from stats_side_channel import StatsSideChannel
+from trouble import Trouble
 
 
 class PrintedStats(StatsSideChannel):
@@ -31,14 +30,4 @@ class SeenRounds(FloatPropertiesChannel):
         self.set_property("seen", self.get_property("round") or 0.0)
 
 
-def report(line: str) -> None:
-    """One such line a second: many that are wrong must not fill a disk."""
-    global silent_until, unsaid
-    if time.monotonic() < silent_until:
-        unsaid += 1
-        return
-    print(f"trouble: {line}" + f" (and {unsaid} more)" * (unsaid > 0), flush=True)
-    silent_until, unsaid = time.monotonic() + 1, 0
-
-
-silent_until, unsaid = 0.0, 0
+report = Trouble(lambda line: print(line, flush=True))

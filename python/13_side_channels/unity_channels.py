@@ -8,8 +8,8 @@ stats_side_channel.py, side_channel.py and side_channel_messages.py.
 import math
 from collections.abc import Callable
 
-from engine_configuration_channel import ConfigurationType, EngineConfigurationChannel
-from environment_parameters_channel import EnvironmentDataTypes, EnvironmentParametersChannel, SamplerTypes
+from engine_configuration_channel import EngineConfigurationChannel
+from environment_parameters_channel import EnvironmentParametersChannel
 from samplers import Sampler, gaussian, multi_range_uniform, uniform
 from side_channel import IncomingMessage, OutgoingMessage, UnitySideChannelException
 from stats_side_channel import StatsAggregationMethod, StatsSideChannel
@@ -31,14 +31,14 @@ class EngineSettings(EngineConfigurationChannel):
 
     def on_message_received(self, msg: IncomingMessage) -> None:
         kind = msg.read_int32()
-        if kind not in list(ConfigurationType):
+        if kind not in list(self.ConfigurationType):
             raise UnitySideChannelException(f"engine settings are 0 to 4, not {kind}: are both sides of one release?")
         values: tuple[float, ...]
-        if kind == ConfigurationType.SCREEN_RESOLUTION:
+        if kind == self.ConfigurationType.SCREEN_RESOLUTION:
             values = (msg.read_int32(), msg.read_int32())
             if min(values) <= 0:
                 raise UnitySideChannelException(f"a screen of {values[0]} x {values[1]}")
-        elif kind == ConfigurationType.TIME_SCALE:
+        elif kind == self.ConfigurationType.TIME_SCALE:
             scale = msg.read_float32()
             if not math.isfinite(scale):
                 raise UnitySideChannelException("a time scale that is no number")
@@ -46,7 +46,7 @@ class EngineSettings(EngineConfigurationChannel):
             values = (max(scale, 1.0),)
         else:
             values = (msg.read_int32(),)
-        self.apply(ConfigurationType(kind).name.lower().replace("_", " "), values)
+        self.apply(self.ConfigurationType(kind).name.lower().replace("_", " "), values)
 
 
 class EnvironmentParameters(EnvironmentParametersChannel):
@@ -70,9 +70,9 @@ class EnvironmentParameters(EnvironmentParametersChannel):
 
     def on_message_received(self, msg: IncomingMessage) -> None:
         key, kind = msg.read_string(), msg.read_int32()
-        if kind == EnvironmentDataTypes.SAMPLER:
+        if kind == self.EnvironmentDataTypes.SAMPLER:
             self.parameters[key] = self.sampler(msg)
-        elif kind == EnvironmentDataTypes.FLOAT:
+        elif kind == self.EnvironmentDataTypes.FLOAT:
             value = msg.read_float32()
             self.parameters[key] = lambda: value
             if key in self.callbacks:
@@ -82,15 +82,14 @@ class EnvironmentParameters(EnvironmentParametersChannel):
                 f"parameters are of type 0 or 1, not {kind}: are both sides of one release?"
             )
 
-    @staticmethod
-    def sampler(msg: IncomingMessage) -> Sampler:
+    def sampler(self, msg: IncomingMessage) -> Sampler:
         seed, kind = msg.read_int32(), msg.read_int32()
-        if kind == SamplerTypes.MULTIRANGEUNIFORM:
+        if kind == self.SamplerTypes.MULTIRANGEUNIFORM:
             return multi_range_uniform(msg.read_float32_list(), seed)
-        if kind not in list(SamplerTypes):
+        if kind not in list(self.SamplerTypes):
             raise UnitySideChannelException(f"samplers are 0 to 2, not {kind}: are both sides of one release?")
         first, second = msg.read_float32(), msg.read_float32()
-        return uniform(first, second, seed) if kind == SamplerTypes.UNIFORM else gaussian(first, second, seed)
+        return uniform(first, second, seed) if kind == self.SamplerTypes.UNIFORM else gaussian(first, second, seed)
 
 
 class StatsRecorder(StatsSideChannel):

@@ -6,7 +6,7 @@
     python python/14_long_jobs/client.py --leave-at 30            then: --resume ID, here or in C#, or in both
 
 A deaf job is killed: --kind deaf --count 1000 --cancel-at 1. The bytes are said in server.py.
-Take home: this file, job_client.py and progress.py, with messages.py of lesson 05.
+Take home: this file, job_client.py, job_news.py and progress.py, with messages.py of lesson 05.
 """
 
 import argparse
@@ -73,7 +73,8 @@ def main() -> None:
     parser.add_argument("--tries", type=int, default=10, help="how often to connect anew before giving up")
     options = parser.parse_args()
     at_least = min(options.cancel_at, options.leave_at) >= 0 and min(options.count, options.tries) >= 1
-    if not (at_least and 0 < options.patience < 86400):
+    at_most = max(options.cancel_at, options.leave_at, options.count, options.tries) < 2**31
+    if not (at_least and at_most and 0 < options.patience < 86400):
         numbers = "--cancel-at, --leave-at take a whole number from 0, --count and --tries from 1"
         parser.error(f"{numbers}, --patience seconds, more than 0")
     if not re.fullmatch("([0-9A-Za-z][0-9A-Za-z-]{0,63})?", options.resume):

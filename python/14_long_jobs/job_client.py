@@ -6,24 +6,21 @@
 
 Again and again it asks the same: a goal that is there is only watched. So it makes no difference what was lost,
 and who was started again. What comes is the newest state; the last message is the result.
-Take home: this file, with messages.py of lesson 05.
+Take home: this file and job_news.py, with messages.py of lesson 05.
 """
 
-import sys
 import time
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from pathlib import Path
 
 import zmq
-
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from job_news import check
 from messages import LIMIT, Message, MessageError, read, take
 
 # Seconds. The server tells what is new for five after it was asked.
 AGAIN = 1.0
+ENDS = ("result", "forgotten")
 
 
 def new_id() -> str:
@@ -44,7 +41,7 @@ class JobClient:
         report: Callable[[str], object] = print,
     ) -> None:
         self.context, self.endpoint, self.job, self.patience, self.tries = context, endpoint, job, patience, tries
-        self.report, self.request, self.socket = report, self.ask("status"), self.connect()
+        self.report, self.request, self.socket, self.dropped = report, self.ask("status"), self.connect(), False
 
     def goal(self, kind: str, count: int, text: str = "") -> Message:
         return self.ask("goal", kind=kind, count=count, text=text)
@@ -53,7 +50,8 @@ class JobClient:
         return Message(verb, values={"job": self.job, **values})
 
     def watch(self, request: Message) -> Iterator[Message]:
-        """What is new about the job, up to its result. MessageError if it is rejected, TimeoutError without a word."""
+        """What is new about the job, up to its result. MessageError if it is rejected or was forgotten, TimeoutError
+        without a word."""
         self.request, silent, seq, since = request, 0, -1, time.monotonic()
         while True:
             self.send(self.request)
@@ -62,11 +60,12 @@ class JobClient:
             while time.monotonic() < again:
                 for news in self.arrived():
                     since, silent = time.monotonic(), 0
-                    # What is not newer was told already: the answer to the same question.
-                    if news.kind == "forgotten" or take(news.values, "seq", int) > seq:
+                    # The same number was told already: the answer to the same question. A lower one is new, too: the
+                    # server has begun the job once more, with another journal.
+                    if news.kind in ENDS or news.values["seq"] != seq:
                         seq = news.values.get("seq", seq)
                         yield news
-                    if news.kind in ("result", "forgotten"):
+                    if news.kind in ENDS:
                         return
             if time.monotonic() < since + self.patience:
                 continue
@@ -91,14 +90,21 @@ class JobClient:
         except zmq.Again:
             return
         except MessageError as error:
-            self.report(f"dropped: {error}")
+            # One line for each time that it asks: many that are wrong must not fill a disk.
+            if not self.dropped:
+                self.report(f"dropped: {error}")
+            self.dropped = True
             return
         if news.kind == "rejected":
             raise MessageError(take(news.values, "code", str), take(news.values, "text", str))
         if news.values.get("job") == self.job:
+            check(news)
+            if news.kind == "forgotten" and self.request.kind != "forget":
+                raise MessageError("forgotten", "its result was deleted; begin a job with a new id")
             yield news
 
     def send(self, request: Message) -> None:
+        self.dropped = False
         # Without waiting: after a peer that broke the protocol there may be no connection to send on.
         with suppress(zmq.Again):
             self.socket.send_multipart(request.frames(), zmq.NOBLOCK)

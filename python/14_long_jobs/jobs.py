@@ -3,7 +3,8 @@
 The client makes the id. The same goal again is the same job, and is answered with where it stands: so a lost answer, a
 new connection, a second client that watches and a restart of either side are all one case. What is told is in the
 journal before, and of a job with a result nothing else is ever told.
-Take home: this file, job.py, job_journal.py, workers.py, worker.py and work.py, with messages.py of lesson 05.
+Take home: this file, job.py, job_journal.py, workers.py, worker_process.py, worker.py and work.py, with
+messages.py of lesson 05.
 """
 
 import time
@@ -31,8 +32,8 @@ class Jobs:
         # What happened and is not in the journal yet.
         self.pending: dict[str, Message] = {}
         self.outbox: list[tuple[bytes, Message]] = []
-        for id in reversed(journal.take_over()):
-            self.live[id] = Job(*(journal.find(id) or ()))
+        for goal, news in reversed(journal.open()):
+            self.live[id := goal.values["job"]] = Job(goal, news)
             self.interrupted(id, "the server was restarted")
 
     def add(self, goal: Message) -> bool:
@@ -47,7 +48,7 @@ class Jobs:
 
     def start(self) -> None:
         """What waits, as far as there are workers."""
-        while self.waiting and self.workers.idle:
+        while self.waiting and self.workers.ready():
             job = self.live[id := self.waiting[0]]
             # It may do something from now on: that is in the journal before.
             if job.news.kind == "accepted" and not self.tell({id: Message("accepted", values={"position": 0})}):
@@ -76,6 +77,7 @@ class Jobs:
         """What the workers said, and who waited for it."""
         for id, message in self.workers.news().items():
             if not message:
+                self.live[id].deaths += 1
                 self.interrupted(id, "its worker died")
             elif message.kind == "result" or self.live[id].news.kind != "canceling":
                 self.pending[id] = message
@@ -89,10 +91,12 @@ class Jobs:
     def interrupted(self, id: str, why: str) -> None:
         """Neither a result nor more feedback will come. With a checkpoint it goes on from there."""
         job = self.live[id]
-        job.deaths += 1
+        kind = KINDS.get(job.goal.values["kind"])
         if job.news.kind == "canceling":
             self.pending[id] = job.result("canceled", "it did not listen, and was killed" if job.kill_at else why)
-        elif not job.begun or (KINDS[job.goal.values["kind"]].has_checkpoint and job.deaths < DEATHS):
+        elif not kind:
+            self.pending[id] = job.result("aborted", "the server does not know this kind of work any more")
+        elif not job.begun or (kind.has_checkpoint and job.deaths < DEATHS):
             self.waiting.appendleft(id)
         else:
             self.pending[id] = job.result("aborted", why)

@@ -12,8 +12,8 @@ What is finished so far comes along as an array. `seq` grows with each message a
 what is new for 5 seconds; it asks again in time. What was told is in the journal, also after kill -9.
 Trouble on command: --crash-on N ends the server when a job is at N: start it again yourself. Or end a worker, whose
 number is printed; let the queue be full with --queue 1; have a job that is deaf to cancel: client.py --kind deaf.
-Take home: this file, verbs.py, jobs.py, job.py, job_journal.py, workers.py, worker.py and work.py, with messages.py of
-lesson 05.
+Take home: this file, verbs.py, jobs.py, job.py, job_journal.py, workers.py, worker_process.py, worker.py and
+work.py, with messages.py of lesson 05.
 """
 
 import argparse
@@ -22,6 +22,7 @@ import os
 import re
 import signal
 import sys
+from collections.abc import Callable
 
 import zmq
 from job_journal import Journal
@@ -32,27 +33,38 @@ ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5564", zmq.ROUTER, 65_536
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
-    jobs = Jobs(options.journal, options.workers, options.queue, options.grace)
-    while True:
-        for client, news in exchange(jobs, socket):
-            if news.kind == "feedback" and news.values["done"] >= (options.crash_on or float("inf")):
-                os._exit(1)
-            # This never waits: ROUTER drops what is for a client that has gone, or does not read. It will ask again.
-            socket.send_multipart([client, *news.frames()])
+    jobs, limit = Jobs(options.journal, options.workers, options.queue, options.grace), options.crash_on or float("inf")
+    with contextlib.closing(jobs.workers):
+        # After a crash, and started in the same way, it goes on.
+        beyond = [id for id, job in jobs.live.items() if job.news.values.get("done", 0) >= limit]
+        while True:
+            for client, news in exchange(jobs, socket):
+                if news.kind == "feedback" and news.values["done"] >= limit and news.values["job"] not in beyond:
+                    os._exit(1)
+                # This never waits: ROUTER drops what is for a client that has gone, or does not read: it asks again.
+                socket.send_multipart([client, *news.frames()])
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--journal", type=Journal, default="long_jobs.sqlite3", help="a file, made if there is none")
-    parser.add_argument("--workers", type=above_0, default=2, help="how many jobs are done at the same time")
-    parser.add_argument("--queue", type=above_0, default=100, help="how many may wait; one more is rejected")
-    parser.add_argument("--grace", type=float, default=2, help="seconds until a job that is deaf to cancel is killed")
-    parser.add_argument("--crash-on", type=int, default=0, metavar="N", help="end the server when a job is at N")
+    parser.add_argument("--workers", type=number(1, 100), default=2, help="how many jobs are done at the same time")
+    parser.add_argument("--queue", type=number(1, 10**6), default=100, help="how many may wait; one more is rejected")
+    parser.add_argument(
+        "--grace", type=number(0, 86400, float), default=2, help="seconds until a job deaf to cancel is killed"
+    )
+    parser.add_argument("--crash-on", type=number(0, 10**9), default=0, metavar="N", help="end when a job is at N")
 
 
-def above_0(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is no whole number, 1 or more")
-    return int(text)
+def number(least: int, most: int, kind: type[int | float] = int) -> Callable[[str], float]:
+    """The type of an option."""
+
+    def read(text: str) -> float:
+        digits, name = (r"\d{1,9}", "whole number") if kind is int else (r"\d{1,9}(\.\d{1,6})?", "number")
+        if not re.fullmatch(digits, text, re.ASCII) or not least <= float(text) <= most:
+            raise argparse.ArgumentTypeError(f"'{text}' is no {name} from {least} to {most}")
+        return kind(text)
+
+    return read
 
 
 # From here on all servers of this kit are the same, as far as they need it.

@@ -1,16 +1,16 @@
 """Lesson 14, the workers: processes that do one job at a time, and can be killed.
 
     workers = Workers(4)
-    workers.start(goal)             a message with the values job, kind, count, text and done; its array is a checkpoint
+    if workers.ready():
+        workers.start(goal)         a message with the values job, kind, count, text and done; its array is a checkpoint
     for job, news in workers.news().items(): ...            feedback, a result, or None if the process died
 
 Python computes on one thread at a time, so threads would share one core, and no thread can be killed. What a process
 says is read by a thread, because a pipe cannot be polled together with a socket on every system; it then rings a bell
 that can.
-Take home: this file, worker.py and work.py, with messages.py of lesson 05.
+Take home: this file, worker_process.py, worker.py and work.py, with messages.py of lesson 05.
 """
 
-import multiprocessing
 import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
@@ -21,24 +21,9 @@ from threading import Thread
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from messages import Message
-from work import KINDS
-from worker import labour, receive, send
-
-# A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
-SPAWN = multiprocessing.get_context("spawn")
-
-
-class Worker:
-    """A process, and the pipe to it."""
-
-    def __init__(self) -> None:
-        self.pipe, theirs = SPAWN.Pipe()
-        self.process = SPAWN.Process(target=labour, args=(theirs, KINDS), daemon=True)
-        self.process.start()
-        self.doomed = False
-        # Only the process itself has that end now, so that its death ends every wait at this one.
-        theirs.close()
+from messages import Message, MessageError
+from worker import receive, send
+from worker_process import Worker
 
 
 class Workers:
@@ -51,13 +36,29 @@ class Workers:
         self.said: SimpleQueue[tuple[Connection, Message | None]] = SimpleQueue()
         self.bell, self.rope = socketpair()
         self.bell.setblocking(False)
+        self.refused = False
+
+    def ready(self) -> bool:
+        """Is a worker idle? If need be its process is started; while the system has no room for it, jobs wait."""
+        if not self.idle:
+            return False
+        try:
+            if not self.idle[-1]:
+                worker = Worker()
+                Thread(target=self.listen, args=(worker,), daemon=True).start()
+                self.idle[-1] = worker
+        except (OSError, RuntimeError) as error:
+            if not self.refused:
+                print(f"cannot start a worker: {error}; jobs wait until that is over", flush=True)
+            self.refused = True
+            return False
+        self.refused = False
+        return True
 
     def start(self, goal: Message) -> int:
         """Have an idle worker do it; the number of its process."""
         worker = self.idle.pop()
-        if not worker:
-            worker = Worker()
-            Thread(target=self.listen, args=(worker.pipe,), daemon=True).start()
+        assert worker, "ready() has said so"
         self.busy[goal.values["job"]] = worker
         self.say(worker, goal)
         return worker.process.pid or 0
@@ -87,14 +88,22 @@ class Workers:
                     self.idle.append(worker if message and not worker.doomed else None)
         return found
 
-    def listen(self, pipe: Connection) -> None:
+    def close(self) -> None:
+        """At once, also those that were stopped: nobody waits for them."""
+        for worker in [*self.idle, *self.busy.values()]:
+            if worker:
+                worker.process.kill()
+
+    def listen(self, worker: Worker) -> None:
         message: Message | None = Message("")
         while message:
             try:
-                message = receive(pipe)
-            except (EOFError, OSError):
+                message = receive(worker.pipe)
+            except (EOFError, OSError, MessageError):
+                # It has ended, or nobody could understand it any more.
+                worker.process.kill()
                 message = None
-            self.said.put((pipe, message))
+            self.said.put((worker.pipe, message))
             self.rope.send(b"!")
 
     def say(self, worker: Worker, message: Message) -> None:

@@ -5,7 +5,7 @@
     python python/21_talking_character/client.py --leave-after 5            walks away when 5 words were said
 
 The bytes are said in server.py.
-Take home: this file and speech.py, with job_client.py of lesson 14 and messages.py of lesson 05.
+Take home: this file and speech.py, with job_client.py and job_news.py of lesson 14 and messages.py of lesson 05.
 """
 
 import argparse

@@ -9,7 +9,7 @@ Bytes: those of lesson 14. A prompt is a goal: its kind is talk, its count the m
 of each feedback is all that was said so far, and that of a result that succeeded is the whole.
 Trouble on command: walk away with client.py --leave-after 5; end this server while it talks, and start it again.
 Take home: this file, small_talk.py and ollama_talk.py, with verbs.py, jobs.py, job.py, job_journal.py, workers.py,
-worker.py and work.py of lesson 14 and messages.py of lesson 05.
+worker_process.py, worker.py and work.py of lesson 14 and messages.py of lesson 05.
 """
 
 import argparse
@@ -42,10 +42,11 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     KINDS.clear()
     KINDS["talk"] = Kind(speak, 1000)
     jobs = Jobs(options.journal, options.workers, queue=100, grace=2)
-    while True:
-        for client, news in exchange(jobs, socket):
-            # This never waits: ROUTER drops what is for a client that has gone, or does not read. It will ask again.
-            socket.send_multipart([client, *news.frames()])
+    with contextlib.closing(jobs.workers):
+        while True:
+            for client, news in exchange(jobs, socket):
+                # This never waits: ROUTER drops what is for a client that has gone, or does not read: it asks again.
+                socket.send_multipart([client, *news.frames()])
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -353,7 +353,11 @@ def test_what_a_server_sends_is_printed_without_harm(key, kind, serve, start, cl
         if Lesson(key).behind:
             endpoint = serve(key, *[word for name, _ in Lesson(key).behind for word in (name, endpoint)])[1]
         # It gives up, but not before it has subscribed, which on a busy machine takes its time.
-        client = start(*client_command(kind, key, endpoint, *second, "--count", "1", *impatient(key, kind, "20" if Lesson(key).behind else "2")))
+        client = start(
+            *client_command(
+                kind, key, endpoint, *second, "--count", "1", *impatient(key, kind, "20" if Lesson(key).behind else "2")
+            )
+        )
         asked = False
         while client.process.poll() is None:
             if router.poll(50):

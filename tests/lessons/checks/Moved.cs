@@ -55,17 +55,20 @@ namespace SomeGame
     {
         public float Gravity = 9.81f;
 
+        private EnvironmentParameters parameters;
+        private StatsRecorder statistics;
+
         public GameWorld()
         {
-            var parameters = Academy.Instance.EnvironmentParameters;
+            parameters = Academy.Instance.EnvironmentParameters;
+            statistics = Academy.Instance.StatsRecorder;
             parameters.RegisterCallback("gravity", value => Gravity = value);
         }
 
-        public float Mass => Academy.Instance.EnvironmentParameters.GetWithDefault("mass", 1f);
+        public float Mass => parameters.GetWithDefault("mass", 1f);
 
         public void Score(float score)
         {
-            var statistics = Academy.Instance.StatsRecorder;
             statistics.Add("score", score);
             statistics.Add("scores", score, StatAggregationMethod.Histogram);
         }

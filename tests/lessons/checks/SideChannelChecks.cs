@@ -3,6 +3,7 @@
 //     read PAYLOAD b i f s l r    what is read of a message, value by value: numbers as bits, texts as UTF-8, in digits
 //     write b:1 i:-5 s:68 u:c3a9  the message with these values
 //     process EXCHANGE            what all channels make of it: lines, what is drawn of parameters, what they send
+//     half -                      what is made of half a character
 //     moved EXCHANGE              what the classes of Moved.cs and MovedRaw.cs make of it
 //
 // And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, `speed COUNT` and
@@ -44,6 +45,7 @@ namespace NetMQExample.Tests
                     case "read": return Read(Hex.Bytes(words[1]), words.Skip(2));
                     case "write": return Hex.Digits(Write(words.Skip(1)));
                     case "process": return Process(Hex.Bytes(words[1]));
+                    case "half": return Half();
                     default: return Moved(Hex.Bytes(words[1]));
                 }
             }
@@ -88,6 +90,13 @@ namespace NetMQExample.Tests
             var data = SideChannelManager.GetSideChannelMessage();
             SideChannelManager.UnregisterSideChannel(channel);
             return data.Skip(20).ToArray();
+        }
+
+        private static string Half()
+        {
+            using var message = new OutgoingMessage();
+            message.WriteString("a\ud800b");
+            return "written";
         }
 
         private static string Process(byte[] exchange)

@@ -1,7 +1,7 @@
 // Lesson 13, where a scene finds its parameters and statistics: under the names that ML-Agents has for them.
 //
-// Take home: this file, EngineConfigurationChannel.cs, EnvironmentParametersChannel.cs, Samplers.cs,
-// StatsSideChannel.cs, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
+// Take home: this file, EngineConfigurationChannel.cs, EnvironmentParameters.cs, Samplers.cs,
+// StatsRecorder.cs, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 
 namespace NetMQExample.SideChannels
@@ -20,10 +20,10 @@ namespace NetMQExample.SideChannels
         public static bool IsInitialized => true;
 
         /// <summary>What Python has set for the scene.</summary>
-        public EnvironmentParametersChannel EnvironmentParameters { get; } = new EnvironmentParametersChannel();
+        public EnvironmentParameters EnvironmentParameters { get; } = new EnvironmentParameters();
 
         /// <summary>What the scene wants to see in Python's statistics.</summary>
-        public StatsSideChannel StatsRecorder { get; } = new StatsSideChannel();
+        public StatsRecorder StatsRecorder { get; } = new StatsRecorder();
 
         /// <summary>Registers its channels, unless they are.</summary>
         /// <param name="apply">Sets what Python wants of the engine.</param>

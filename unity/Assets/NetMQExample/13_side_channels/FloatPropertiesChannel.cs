@@ -11,6 +11,9 @@ namespace NetMQExample.SideChannels
     /// <summary>Numbers by name.</summary>
     public class FloatPropertiesChannel : SideChannel
     {
+        // What the other side may make this one keep: so many, with names of so many characters.
+        private const int Most = 10000, Longest = 1000;
+
         private readonly Dictionary<string, float> properties = new Dictionary<string, float>();
         private readonly Dictionary<string, Action<float>> callbacks = new Dictionary<string, Action<float>>();
 
@@ -39,7 +42,14 @@ namespace NetMQExample.SideChannels
         public IList<string> Keys() => properties.Keys.ToList();
 
         /// <inheritdoc/>
-        protected override void OnMessageReceived(IncomingMessage msg) => Keep(msg.ReadString(""), msg.ReadFloat32());
+        protected override void OnMessageReceived(IncomingMessage msg)
+        {
+            var key = msg.ReadString("");
+            if (key.Length > Longest || (properties.Count >= Most && !properties.ContainsKey(key)))
+                throw new UnityAgentsException(
+                    $"at most {Most} properties, with names of at most {Longest} characters");
+            Keep(key, msg.ReadFloat32());
+        }
 
         private void Keep(string key, float value)
         {

@@ -31,7 +31,7 @@ namespace NetMQExample.SideChannels
         /// <inheritdoc/>
         protected override void Begin()
         {
-            SideChannelManager.Report = line => Debug.LogWarning($"trouble: {NetMQLifetime.Printable(line)}");
+            SideChannelManager.Report = new Trouble(Debug.LogWarning).Report;
             Academy.Instance.Begin(EngineSettings.Apply);
             base.Begin();
         }

@@ -21,7 +21,11 @@ namespace NetMQExample.SideChannels
         // So long nothing is said before an empty exchange says "I am here".
         private static readonly TimeSpan Silence = TimeSpan.FromSeconds(1);
 
-        private readonly Queue<byte[]> unsent = new Queue<byte[]>();
+        // A part of an exchange, in bytes: it ends with the message that makes it so large. So much is handed out at
+        // once, in Unity in one frame.
+        private const int PartSize = 65536;
+
+        private readonly Queue<byte[]> unsent = new Queue<byte[]>(), unread = new Queue<byte[]>();
         private readonly Stopwatch heard = Stopwatch.StartNew(), said = new Stopwatch();
         private readonly NetMQConnection connection;
         private readonly string endpoint;
@@ -39,7 +43,8 @@ namespace NetMQExample.SideChannels
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
         }
 
-        /// <summary>Sends an exchange, unless it is empty, and gives those that have come.</summary>
+        /// <summary>Sends an exchange, unless it is empty, and gives those that have come: a large one in parts, of
+        /// which the next calls give the others.</summary>
         /// <param name="data">What the channels have to say.</param>
         /// <param name="wait">How long to wait for the first that comes.</param>
         /// <param name="stop">Ends the wait early.</param>
@@ -82,19 +87,39 @@ namespace NetMQExample.SideChannels
 
         private List<byte[]> Receive(TimeSpan wait, CancellationToken stop)
         {
-            var received = new List<byte[]>();
-            foreach (var slice in NetMQConnection.Slices(wait, stop))
+            var (received, size) = (new List<byte[]>(), 0);
+            foreach (var slice in NetMQConnection.Slices(unread.Count > 0 ? TimeSpan.Zero : wait, stop))
             {
-                // Several frames are no exchange.
-                for (var (next, left) = (slice, 100); left > 0; (next, left) = (TimeSpan.Zero, left - 1))
+                for (var next = slice; size < PartSize && received.Count < 100; next = TimeSpan.Zero)
                 {
-                    if (!connection.Socket.TryReceiveMultipartBytes(next, ref frames)) break;
-                    connection.Show(false, frames);
-                    if (frames.Count == 1) received.Add(frames[0]);
+                    if (unread.Count == 0 && connection.Socket.TryReceiveMultipartBytes(next, ref frames))
+                        Split(frames);
+                    if (unread.Count == 0) break;
+                    received.Add(unread.Dequeue());
+                    size += received[received.Count - 1].Length;
                 }
                 if (received.Count > 0) break;
             }
             return received;
+        }
+
+        // Several smaller exchanges in place of a large one, which would take its time.
+        private void Split(List<byte[]> exchange)
+        {
+            // Several frames are none.
+            if (exchange.Count != 1) return;
+            connection.Show(false, exchange);
+            var (data, begin, end) = (exchange[0], 0, 0);
+            while (data.Length - end >= 20)
+            {
+                var length = BitConverter.ToInt32(data, end + 16);
+                if (length < 0 || length > data.Length - end - 20) break;
+                end += 20 + length;
+                if (end - begin < PartSize) continue;
+                unread.Enqueue(data.AsSpan(begin, end - begin).ToArray());
+                begin = end;
+            }
+            if (begin < data.Length || data.Length == 0) unread.Enqueue(data.AsSpan(begin).ToArray());
         }
     }
 }

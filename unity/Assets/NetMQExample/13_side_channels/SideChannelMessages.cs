@@ -7,6 +7,7 @@
 using System;
 using System.Collections.Generic;
 using System.IO;
+using System.Linq;
 using System.Text;
 
 namespace NetMQExample.SideChannels
@@ -115,9 +116,10 @@ namespace NetMQExample.SideChannels
         /// <summary>Its length, and its characters: ASCII, unless the other side is of this kit.</summary>
         public void WriteString(string str, bool utf8 = false)
         {
-            var data = IncomingMessage.Utf8.GetBytes(str);
-            if (!utf8 && Array.Exists(data, one => one > 127))
+            // Not the bytes: of half a character they are a question mark.
+            if (!utf8 && str.Any(one => one > 127))
                 throw new UnityAgentsException("text that is not ASCII: write it with utf8: true");
+            var data = IncomingMessage.Utf8.GetBytes(str);
             writer.Write(data.Length);
             writer.Write(data);
         }

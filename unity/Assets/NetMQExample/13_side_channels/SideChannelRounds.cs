@@ -37,9 +37,9 @@ namespace NetMQExample.SideChannels
             (this.count, this.trouble, this.limit) = (count, trouble, limit);
             this.log = line => log(NetMQLifetime.Printable(line));
             StringLog = new StringLogChannel(this.log, trouble == "throw");
-            SideChannelManager.Report = line => this.log($"trouble: {line}");
+            SideChannelManager.Report = new Trouble(this.log).Report;
             Academy.Instance.EnvironmentParameters.RegisterCallback("gravity", value => log(
-                FormattableString.Invariant($"gravity is now {value:F2}")));
+                $"gravity is now {Shown(value, "F2")}"));
             SideChannelManager.RegisterSideChannel(StringLog);
             SideChannelManager.RegisterSideChannel(properties);
         }
@@ -80,6 +80,12 @@ namespace NetMQExample.SideChannels
             SideChannelManager.UnregisterSideChannel(stranger);
         }
 
+        // What is no number has the names that Python has for it.
+        private static string Shown(float value, string format) =>
+            float.IsNaN(value) ? "nan"
+            : float.IsInfinity(value) ? (value > 0 ? "inf" : "-inf")
+            : value.ToString(format, System.Globalization.CultureInfo.InvariantCulture);
+
         private static float Draw(string key) => Academy.Instance.EnvironmentParameters.GetWithDefault(key, 0);
 
         private void BeginRound()
@@ -87,7 +93,7 @@ namespace NetMQExample.SideChannels
             round++;
             began.Restart();
             var (mass, wind, light) = (Draw("mass"), Draw("wind"), Draw("light"));
-            log(FormattableString.Invariant($"{round}: mass {mass:F4}, wind {wind:F4}, light {light:F4}"));
+            log($"{round}: mass {Shown(mass, "F4")}, wind {Shown(wind, "F4")}, light {Shown(light, "F4")}");
             Academy.Instance.StatsRecorder.Add("mass", mass);
             Academy.Instance.StatsRecorder.Add("rounds", 1, StatAggregationMethod.Sum);
             if (round == count) StringLog.SendDebugStatementToPython("Error: a fake error in the last round");

@@ -31,6 +31,7 @@ namespace NetMQExample
         private readonly int tries;
         private readonly Action<string> report;
         private int cancel;
+        private bool dropped;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5564</c>.</param>
@@ -56,9 +57,11 @@ namespace NetMQExample
         public static string NewId() => Guid.NewGuid().ToString("N");
 
         /// <summary>What to ask to have the job begun, or watched if it is there already.</summary>
+        /// <exception cref="ArgumentException">The count is below 1.</exception>
         public Message Goal(string kind, int count, string text = "")
         {
             var goal = Ask("goal");
+            if (count < 1) throw new ArgumentException("count takes a whole number from 1");
             (goal.Values["kind"], goal.Values["count"], goal.Values["text"]) = (kind, (long)count, text);
             return goal;
         }
@@ -74,7 +77,8 @@ namespace NetMQExample
         /// <summary>What is new about the job, up to its result.</summary>
         /// <param name="request">What to ask, now and then again.</param>
         /// <param name="stop">Ends the watching, within 50 ms of being cancelled. The job goes on.</param>
-        /// <exception cref="MessageException">The server rejects it, with its words.</exception>
+        /// <exception cref="MessageException">The server rejects it, with its words; or the job was
+        /// forgotten.</exception>
         /// <exception cref="TimeoutException">There was no word.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
@@ -91,10 +95,14 @@ namespace NetMQExample
                     if (!TryReceive(stop, out var news)) continue;
                     silent = 0;
                     since.Restart();
-                    // What is not newer was told already: the answer to the same question.
-                    if (news.Seq > seq || news.Kind == "forgotten") yield return news;
-                    seq = Math.Max(seq, news.Seq);
-                    if (news.Kind == "result" || news.Kind == "forgotten") yield break;
+                    var end = news.Kind == "result" || news.Kind == "forgotten";
+                    if (news.Kind == "forgotten" && request.Kind != "forget")
+                        throw new MessageException("forgotten", "its result was deleted; begin a job with a new id");
+                    // The same number was told already: the answer to the same question. A lower one is new, too: the
+                    // server has begun the job once more, with another journal.
+                    if (end || news.Seq != seq) yield return news;
+                    seq = news.Seq;
+                    if (end) yield break;
                 }
                 if (since.Elapsed < patience) continue;
                 var limit = FormattableString.Invariant($"{patience.TotalSeconds} s");
@@ -116,8 +124,11 @@ namespace NetMQExample
         public void Dispose() => connection.Dispose();
 
         // Without waiting: after a peer that broke the protocol there may be no connection to send on.
-        private void Send(Message request, CancellationToken stop) =>
+        private void Send(Message request, CancellationToken stop)
+        {
+            dropped = false;
             connection.TrySend(TimeSpan.Zero, stop, request.Header());
+        }
 
         // The next message about this job, if one comes soon.
         private bool TryReceive(CancellationToken stop, out JobNews news)
@@ -135,17 +146,17 @@ namespace NetMQExample
             }
             catch (MessageException e)
             {
-                report($"dropped: {NetMQLifetime.Printable(e.Message)}");
+                // One line for each time that it asks: many that are wrong must not fill a disk.
+                if (!dropped) report($"dropped: {NetMQLifetime.Printable(e.Message)}");
+                dropped = true;
                 return false;
             }
             if (message.Kind == "rejected")
-                throw new MessageException(Shown(message, "code"), Shown(message, "text"));
+                throw new MessageException(
+                    JobNews.Take<string>(message, "code"), JobNews.Take<string>(message, "text"));
             if (!Job.Equals(message.Values.GetValueOrDefault("job"))) return false;
             news = new JobNews(message);
             return true;
         }
-
-        private static string Shown(Message message, string name) =>
-            NetMQLifetime.Printable($"{message.Values.GetValueOrDefault(name) ?? "not said"}");
     }
 }

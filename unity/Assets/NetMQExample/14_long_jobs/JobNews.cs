@@ -11,21 +11,30 @@ namespace NetMQExample
     /// <summary>The newest about a job. It never changes, so every thread may have it.</summary>
     public sealed class JobNews
     {
+        private const int LargestSide = 4096;
+
+        private static readonly string[] Kinds = { "accepted", "feedback", "canceling", "result", "forgotten" };
+        private static readonly string[] Statuses = { "succeeded", "canceled", "aborted" };
+
         /// <summary>Reads a message.</summary>
         /// <exception cref="MessageException">Something is missing in it.</exception>
         public JobNews(Message message)
         {
             (Kind, Job, Status) = (message.Kind, Take<string>(message, "job"), "");
+            if (Array.IndexOf(Kinds, Kind) < 0) throw Wrong("unknown-kind", "kind", Kind, Kinds);
             if (Kind != "forgotten") Seq = Take<long>(message, "seq");
-            if (Kind == "feedback" || Kind == "result")
+            if (Kind == "accepted") Position = Take<long>(message, "position");
+            else if (Kind != "forgotten")
             {
                 (Done, Total) = (Take<long>(message, "done"), Take<long>(message, "total"));
                 Text = Take<string>(message, "text");
             }
-            if (Kind == "result") Status = Take<string>(message, "status");
-            if (Kind == "accepted") Position = Take<long>(message, "position");
-            Finished = message.Arrays.Select(array => array.Data).FirstOrDefault();
-            if (message.Arrays.Count > 0 && message.Arrays[0].Shape is { Length: 3 } shape && shape[2] == 3)
+            if (Kind == "result" && Array.IndexOf(Statuses, Status = Take<string>(message, "status")) < 0)
+                throw Wrong("bad-status", "status", Status, Statuses);
+            var finished = message.Arrays.FirstOrDefault();
+            Finished = finished?.Data ?? default;
+            if (finished?.Dtype == "uint8" && finished.Shape is { Length: 3 } shape && shape[2] == 3
+                && shape[0] <= shape[1] && shape[1] > 0 && shape[1] <= LargestSide)
                 (Side, Pixels) = (shape[1], Upwards(shape[0], shape[1]));
             var name = $"job {Job.Substring(0, Math.Min(Job.Length, 8))}";
             Line = NetMQLifetime.Printable($"{name}: {Words}");
@@ -102,15 +111,24 @@ namespace NetMQExample
         private byte[] Upwards(int rows, int side)
         {
             var pixels = new byte[side * side * 3];
-            for (var row = 0; row < Math.Min(rows, side); row++)
+            for (var row = 0; row < rows; row++)
                 Finished.Span.Slice(row * side * 3, side * 3)
                     .CopyTo(new Span<byte>(pixels, (side - 1 - row) * side * 3, side * 3));
             return pixels;
         }
 
-        private static T Take<T>(Message message, string name) =>
-            message.Values.GetValueOrDefault(name) is T value
-                ? value
-                : throw new MessageException("missing-field", $"there is no '{name}' as it should be");
+        // In the words of the Python side.
+        internal static T Take<T>(Message message, string name)
+        {
+            if (!message.Values.TryGetValue(name, out var found))
+                throw new MessageException("missing-field", $"there is no '{name}'");
+            return found is T value ? value : throw new MessageException(
+                "wrong-type", $"'{name}' must be {(typeof(T) == typeof(string) ? "str" : "int")}");
+        }
+
+        private static MessageException Wrong(string code, string what, string found, string[] known) =>
+            new MessageException(code, $"{what} '{Cut(found)}' is none of {string.Join(", ", known)}");
+
+        private static string Cut(string text) => NetMQLifetime.Printable(text.Substring(0, Math.Min(text.Length, 38)));
     }
 }

@@ -22,10 +22,10 @@ namespace NetMQExample.SideChannels
     }
 
     /// <summary>Sends what the trainer is to show.</summary>
-    public sealed class StatsSideChannel : SideChannel
+    public sealed class StatsRecorder : SideChannel
     {
         /// <summary>With ML-Agents' id.</summary>
-        public StatsSideChannel() => ChannelId = new Guid("a1d8f7b7-cec8-50f9-b78b-d3e165a78520");
+        public StatsRecorder() => ChannelId = new Guid("a1d8f7b7-cec8-50f9-b78b-d3e165a78520");
 
         /// <summary>Queues a value.</summary>
         public void Add(

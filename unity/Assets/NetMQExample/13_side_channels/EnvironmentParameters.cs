@@ -12,13 +12,13 @@ using System.Linq;
 namespace NetMQExample.SideChannels
 {
     /// <summary>The parameters that came, each a number or a sampler.</summary>
-    public sealed class EnvironmentParametersChannel : SideChannel
+    public sealed class EnvironmentParameters : SideChannel
     {
         private readonly Dictionary<string, Func<float>> parameters = new Dictionary<string, Func<float>>();
         private readonly Dictionary<string, Action<float>> callbacks = new Dictionary<string, Action<float>>();
 
         /// <summary>With ML-Agents' id.</summary>
-        public EnvironmentParametersChannel() => ChannelId = new Guid("534c891e-810f-11ea-a9d0-822485860400");
+        public EnvironmentParameters() => ChannelId = new Guid("534c891e-810f-11ea-a9d0-822485860400");
 
         /// <summary>Of a sampler each call draws another number.</summary>
         public float GetWithDefault(string key, float defaultValue) =>

@@ -1,0 +1,38 @@
+"""Lesson 14, a worker's process: how it is started, so that it can be told to stop, be killed, and end with the server.
+
+Take home: this file, worker.py and work.py, with messages.py of lesson 05.
+"""
+
+import multiprocessing
+import signal
+from multiprocessing import resource_tracker
+
+from work import KINDS
+from worker import labour
+
+# A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
+SPAWN = multiprocessing.get_context("spawn")
+
+
+class Worker:
+    """A process, and the pipe to it."""
+
+    def __init__(self) -> None:
+        self.pipe, theirs = SPAWN.Pipe()
+        self.process = SPAWN.Process(target=labour, args=(theirs, KINDS), daemon=True)
+        self.begin()
+        self.doomed = False
+        # Only the process itself has that end now, so that its death ends every wait at this one.
+        theirs.close()
+
+    def begin(self) -> None:
+        """Ctrl-C in a terminal reaches it too, and before it can say that it ignores it. So it inherits that."""
+        if not hasattr(signal, "pthread_sigmask"):
+            return self.process.start()
+        # What is started with the first process, and ends the holding back.
+        resource_tracker.ensure_running()
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            self.process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,142 @@
+"""Lesson 13 among strangers: one that says too much, on either side, is a line and not the others' business."""
+
+# ruff: noqa: F401, F811
+
+from __future__ import annotations
+
+import re
+import struct
+import sys
+import uuid
+
+import pytest
+import zmq
+
+from tests.conftest import CLIENTS
+from tests.lessons.test_13_side_channels_bytes import LOG, GameLog, csharp_says, digits, frame, process, program
+from tests.programs import ROOT
+
+KEY = "13_side_channels"
+sys.path.insert(0, str(ROOT / "python" / KEY))
+
+import peer as one_peer  # noqa: E402
+from carrier import Carrier  # noqa: E402
+from engine_configuration_channel import EngineConfigurationChannel  # noqa: E402
+from environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
+from float_properties_channel import MOST, FloatPropertiesChannel  # noqa: E402
+from side_channel import UnitySideChannelException  # noqa: E402
+from side_channel_manager import SideChannelManager  # noqa: E402
+
+each_client = pytest.mark.parametrize("kind", CLIENTS)
+PROPERTIES = FloatPropertiesChannel().channel_id
+
+
+def test_one_that_says_too_much_does_not_keep_the_others_waiting(serve):
+    _, endpoint = serve(KEY)
+    with zmq.Context() as context, context.socket(zmq.DEALER) as talker, context.socket(zmq.DEALER) as other:
+        talker.linger = other.linger = 0
+        talker.connect(endpoint)
+        other.connect(endpoint)
+        talker.send(b"")
+        assert talker.poll(60_000)
+        talker.recv()
+        # Each is answered with the property `seen`, 32 bytes.
+        talker.send(frame(PROPERTIES, b"") * 100_000)
+        other.send(b"")
+        assert other.poll(60_000)
+        assert b"Hello" in other.recv()
+        answered = 0
+        while talker.poll(0):
+            answered += talker.recv().count(b"seen")
+        assert answered < 100_000, "the other was answered in between"
+        while answered < 100_000:
+            assert talker.poll(60_000), answered
+            answered += talker.recv().count(b"seen")
+        assert answered == 100_000, "and nothing was lost"
+
+
+def test_the_parts_of_an_exchange_are_the_exchange():
+    for exchange in (
+        b"",
+        frame(LOG, b"x") * 9_999,
+        frame(LOG, b"x" * 200_000) * 3,
+        frame(LOG, b"x") * 9_999 + frame(LOG, b"Hello")[:-1],
+        frame(LOG, b"x") + LOG.bytes_le + struct.pack("<i", -5) * 40_000,
+    ):
+        parts = list(one_peer.parts(exchange))
+        assert b"".join(parts) == exchange
+        for part in parts[:-1]:
+            SideChannelManager().process_side_channel_message(part)
+    assert len(list(one_peer.parts(frame(LOG, b"x") * 9_999))) == 4
+
+
+def test_of_one_that_sends_faster_than_it_is_read_not_everything_is_kept(monkeypatch):
+    monkeypatch.setattr(one_peer, "MOST_UNREAD", 1000)
+    peer = one_peer.Peer(SideChannelManager())
+    assert peer.take_in(frame(LOG, b"x" * 600))
+    assert not peer.take_in(frame(LOG, b"x" * 600))
+
+
+@each_client
+def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_command):
+    """Messages that nobody can read, to a channel that is there and to one that is not."""
+    wrong = frame(PROPERTIES, b"\xff" * 4) * 5_000 + frame(uuid.UUID(int=7), b"") * 5_000
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as server:
+        server.linger = 0
+        endpoint = f"tcp://127.0.0.1:{server.bind_to_random_port('tcp://127.0.0.1')}"
+        client = start(*client_command(kind, KEY, endpoint, "--patience", "1"))
+        while client.process.poll() is None:
+            if server.poll(50):
+                server.send_multipart([server.recv_multipart()[0], wrong])
+        assert client.wait() == 1
+    lines = [line for line in client.lines if line.startswith("trouble: ")]
+    assert 0 < len(lines) < 20
+    assert re.search(r"\(and \d{3,} more\)$", "\n".join(lines), re.MULTILINE)
+
+
+@each_client
+def test_what_is_no_number_is_printed_in_the_same_way(kind, start, client_command):
+    parameters = EnvironmentParametersChannel()
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
+        socket.linger, socket.rcvtimeo = 0, 20
+        endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
+        carrier = Carrier(socket, lambda: SideChannelManager([parameters]), print)
+        client = start(*client_command(kind, KEY, endpoint, "--patience", "20"))
+        while not carrier.peers:
+            carrier.exchange()
+        for value in ("inf", "-inf", "nan"):
+            parameters.set_float_parameter("gravity", float(value))
+            carrier.send()
+            client.wait_for(f"gravity is now {value}$")
+
+
+def test_what_a_peer_may_make_the_other_keep_has_a_limit(csharp_says):
+    long = frame(PROPERTIES, struct.pack("<i", 1001) + b"k" * 1001 + struct.pack("<f", 1))
+    said = process(long)
+    assert b"at most 10000 properties" in bytes.fromhex(said)
+    assert csharp_says(".net", [f"process {digits(long)}"]) == [said]
+    lines, properties = [], FloatPropertiesChannel()
+    manager = SideChannelManager([properties], lines.append)
+    for number in [*range(MOST + 3), 0]:
+        key = f"{number}".encode()
+        manager.process_side_channel_message(frame(PROPERTIES, struct.pack("<i", len(key)) + key))
+    assert (len(properties.list_properties()), len(lines)) == (MOST, 3)
+
+
+def test_half_a_character_is_not_ascii_in_either_language(csharp_says):
+    with pytest.raises(UnitySideChannelException, match="not ASCII"):
+        GameLog().send_string("a\ud800b")
+    assert csharp_says(".net", ["half -"]) == ["error text that is not ASCII: write it with utf8: true"]
+
+
+def test_the_names_are_those_of_ml_agents():
+    assert EngineConfigurationChannel.ConfigurationType.TIME_SCALE == 2
+    assert EnvironmentParametersChannel.EnvironmentDataTypes.SAMPLER == 1
+    assert EnvironmentParametersChannel.SamplerTypes.MULTIRANGEUNIFORM == 2
+    assert SideChannelManager(None).generate_side_channel_messages() == b""
+    log = GameLog()
+    log.send_string("not sent")
+    log.message_queue = []
+    log.send_string("sent")
+    data = SideChannelManager([log]).generate_side_channel_messages()
+    assert bytes(data) == frame(LOG, b"\4\0\0\0sent")

@@ -1,0 +1,34 @@
+// Lesson 13, trouble: what went wrong, in a line a second at the most.
+//
+//     SideChannelManager.Report = new Trouble(Debug.LogWarning).Report;
+//
+// The Python side is trouble.py. Take home: this file and NetMQLifetime.cs.
+using System;
+using Stopwatch = System.Diagnostics.Stopwatch;
+
+namespace NetMQExample.SideChannels
+{
+    /// <summary>Many messages that are wrong must not fill a disk. For one thread, in Unity the main thread.</summary>
+    public sealed class Trouble
+    {
+        private readonly Action<string> say;
+        private readonly Stopwatch said = new Stopwatch();
+        private int unsaid;
+
+        /// <summary>Says it with <paramref name="say"/>.</summary>
+        public Trouble(Action<string> say) => this.say = say;
+
+        /// <summary>Says it, or counts it for the next line.</summary>
+        public void Report(string line)
+        {
+            if (said.IsRunning && said.ElapsedMilliseconds < 1000)
+            {
+                unsaid++;
+                return;
+            }
+            say($"trouble: {NetMQLifetime.Printable(line)}" + (unsaid > 0 ? $" (and {unsaid} more)" : ""));
+            said.Restart();
+            unsaid = 0;
+        }
+    }
+}
