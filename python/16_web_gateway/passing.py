@@ -2,7 +2,7 @@
 
 One thread for each direction of each connection: it receives, shows, sends, and waits where the receiver does not
 read, so that backpressure reaches the sender. A message that is late makes those behind it late, as on a real line.
-Take home: this file, trouble.py, arrows.py and zmtp.py.
+Take home: this file, fates.py, arrows.py and zmtp.py.
 """
 
 import contextlib
@@ -12,7 +12,7 @@ import time
 from dataclasses import dataclass, field
 
 from arrows import Arrows
-from trouble import Trouble
+from fates import Trouble
 from zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take
 
 # A longer message than any lesson has, which would fill the memory.

@@ -13,7 +13,7 @@ connection loses.)
 Trouble on command, for message N, or in the page for the next one:
     --drop N     is not passed on            --double N   is passed on twice
     --delay N    a second later              --cut N      is not passed on, and its connection is closed
-Take home: this file, passing.py, trouble.py, arrows.py, zmtp.py, tap_page.py, tap_recording.py and tap.html. It needs
+Take home: this file, passing.py, fates.py, arrows.py, zmtp.py, tap_page.py, tap_recording.py and tap.html. It needs
 aiohttp.
 """
 
@@ -28,10 +28,10 @@ import sys
 import threading
 
 from arrows import Arrows
+from fates import FATES, Trouble
 from passing import Link
 from tap_page import Page
 from tap_recording import file, write
-from trouble import FATES, Trouble
 
 ENDPOINT = "tcp://127.0.0.1:5666"
 NUMBERS = itertools.count(1)

@@ -3,7 +3,7 @@
 The browser gets the newest arrows and the numbers of all messages, so it costs the same however many there are; the
 whole of a message it fetches when somebody opens it. What it sends is the trouble that it asks for.
 Other web pages may ask a browser to connect here too. They cannot hide who they are: `Origin` and `Host` tell.
-Take home: this file, tap_recording.py, arrows.py, zmtp.py, trouble.py and tap.html. It needs aiohttp.
+Take home: this file, tap_recording.py, arrows.py, zmtp.py, fates.py and tap.html. It needs aiohttp.
 """
 
 import asyncio
@@ -14,8 +14,8 @@ import sys
 from collections.abc import Awaitable, Callable
 
 from arrows import WHOLE, Arrows
+from fates import FATES, Trouble
 from tap_recording import HTML, recording
-from trouble import FATES, Trouble
 
 try:
     from aiohttp import WSMsgType, web

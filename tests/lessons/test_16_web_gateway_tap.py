@@ -21,8 +21,8 @@ LESSON = ROOT / "python" / "16_web_gateway"
 sys.path.append(str(LESSON))
 pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
 from arrows import MOST, MOST_BYTES, Arrows  # noqa: E402
+from fates import Trouble  # noqa: E402
 from tap_page import Page  # noqa: E402
-from trouble import Trouble  # noqa: E402
 from zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
 
 
