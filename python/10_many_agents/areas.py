@@ -46,7 +46,8 @@ class AreaSimulator(Simulator):
         # All of them are looked at before the first area moves: half a step would be none.
         actions = [self.action(row) for row in self.rows(arrays.pop(0))] if step and arrays else []
         if len(arrays) not in ((0, 2) if actions else (2, 3)):
-            raise MessageError("no-mask", f"this simulator has {count} areas: make_vec(…, num_envs={count})")
+            cure = f"make_vec(…, num_envs={count}), and a name that is registered with vector_entry_point"
+            raise MessageError("no-mask", f"this simulator has {count} areas: {cure}")
         lots = [self.lots(array, kind) for array, kind in zip(arrays, ("uint8", "int64"), strict=False)]
         mask, seeds = lots or 2 * [np.zeros(count)]
         state = [float(item) for array in arrays[2:] for item in array.numpy().flat]

@@ -397,9 +397,11 @@ def test_wrong_usage_is_one_line_and_2(key, side, start, client_command, tmp_pat
         # One inspector for all: what is no field, and what is no number.
         wrong = [["--conut", "3"], ["--count", "1,5"]]
     programs = []
-    for words in wrong:
+    for number, words in enumerate(wrong):
         if side == "server":
-            command = [PYTHON, server_of(key), *kept_there(key, tmp_path), "--endpoint", Lesson(key).anywhere, *words]
+            # Each has its own: of two servers of one journal the second says only that.
+            (own := tmp_path / str(number)).mkdir()
+            command = [PYTHON, server_of(key), *kept_there(key, own), "--endpoint", Lesson(key).anywhere, *words]
         else:
             command = client_command(side, key, at(key, "tcp://127.0.0.1:1"), *words)
         programs.append(start(*command))

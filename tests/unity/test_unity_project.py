@@ -149,7 +149,7 @@ def test_what_netmq_names_is_there_and_no_more(tmp_path: Path) -> None:
     code = (PACKAGE / "ServiceModel" / "BufferManager.cs").read_text(encoding="utf-8")
     members = set(re.findall(r"public (?:static|abstract) [\w\[\]]+ (\w+)\(", code))
     disassembler = shutil.which("ikdasm") or shutil.which("monodis")
-    dlls = list(unity_install.nuget_folder().glob("netmq/*/lib/netstandard2.1/NetMQ.dll"))
+    dlls = list(unity_install.nuget_folder().glob(f"netmq/{unity_install.NETMQ}/lib/netstandard2.1/NetMQ.dll"))
     if not disassembler or not dlls:
         pytest.skip("it needs ikdasm or monodis (of Mono), and NetMQ from NuGet")
     for dll in dlls:

@@ -103,7 +103,9 @@ namespace NetMQExample
             Observed.Engine = UnityValues.Numbers;
             try
             {
-                if (All.Any(other => other.State.Name == State.Name))
+                // Made also for the only agent: what is wrong with its members is said now.
+                var name = State.Name;
+                if (All.Any(other => other.State.Name == name))
                     throw new ArgumentException($"two agents are named '{Name}': each needs a name of its own");
                 All.Add(this);
             }

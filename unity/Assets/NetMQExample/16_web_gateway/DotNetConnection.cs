@@ -63,7 +63,10 @@ namespace NetMQExample
             {
                 // The way to this machine needs no proxy, whatever the system has set.
                 socket.Options.Proxy = null;
-                await socket.ConnectAsync(address, stop.Token).ConfigureAwait(false);
+                // .NET leaves a connection open that comes about just when nobody waits for it any more: it may do so first.
+                using var patience = new CancellationTokenSource();
+                using var stopped = stop.Token.Register(() => patience.CancelAfter(1000));
+                await socket.ConnectAsync(address, patience.Token).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
                 closed ??= socket.CloseStatusDescription ?? "the other side has left";
