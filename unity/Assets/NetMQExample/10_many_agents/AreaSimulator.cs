@@ -55,8 +55,8 @@ namespace NetMQExample
                 : null;
             if (actions == null ? arrays.Count != 2 && arrays.Count != 3 : arrays.Count != 0 && arrays.Count != 2)
                 throw new MessageException("no-mask",
-                    $"this simulator has {areas.Length} areas: make_vec(…, num_envs={areas.Length}), and a name that is "
-                    + "registered with vector_entry_point");
+                    $"this simulator has {areas.Length} areas: make_vec(…, num_envs={areas.Length}), and a name "
+                    + "that is registered with vector_entry_point");
             var mask = arrays.Count > 0 ? Numbers<byte>(arrays.Dequeue()) : new byte[areas.Length];
             var seeds = arrays.Count > 0 ? Numbers<long>(arrays.Dequeue()) : new long[areas.Length];
             var state = arrays.SelectMany(GymSpace.Numbers).ToArray();

@@ -16,6 +16,9 @@ namespace NetMQExample
     {
         // The gateway answers what it is asked: who sends more than this at once is no gateway.
         private const int Room = 64, MaxBytes = 4 * 1024 * 1024;
+        // .NET leaves a connection open that comes about just when nobody waits for it any more: it may do so first.
+        // Mono, and so Unity's editor, does not, and recompiled scripts must not be waited for there.
+        private static readonly bool WaitsForIt = Type.GetType("Mono.Runtime") == null;
         private readonly ConcurrentQueue<string> received = new ConcurrentQueue<string>();
         private readonly CancellationTokenSource stop = new CancellationTokenSource();
         private readonly ClientWebSocket socket = new ClientWebSocket();
@@ -63,10 +66,9 @@ namespace NetMQExample
             {
                 // The way to this machine needs no proxy, whatever the system has set.
                 socket.Options.Proxy = null;
-                // .NET leaves a connection open that comes about just when nobody waits for it any more: it may do so first.
                 using var patience = new CancellationTokenSource();
                 using var stopped = stop.Token.Register(() => patience.CancelAfter(1000));
-                await socket.ConnectAsync(address, patience.Token).ConfigureAwait(false);
+                await socket.ConnectAsync(address, WaitsForIt ? patience.Token : stop.Token).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
                 closed ??= socket.CloseStatusDescription ?? "the other side has left";
