@@ -201,8 +201,11 @@ def test_a_server_names_what_is_wrong_with_an_endpoint(key, start, tmp_path):
     wrong = {at(key, endpoint.format(port(key))): 2 for endpoint in BAD}
     # Well written, but not of this machine.
     wrong |= {at(key, "tcp://no-such-host.invalid:0"): 1, at(key, "tcp://192.0.2.1:0"): 1}
-    command = [PYTHON, server_of(key), *kept_there(key, tmp_path), *told(key)]
-    servers = {endpoint: start(*command, "--endpoint", endpoint) for endpoint in wrong}
+    servers = {}
+    for number, endpoint in enumerate(wrong):
+        # Each has its own: of two servers of one journal the second says only that.
+        (own := tmp_path / str(number)).mkdir()
+        servers[endpoint] = start(PYTHON, server_of(key), *kept_there(key, own), *told(key), "--endpoint", endpoint)
     for endpoint, server in servers.items():
         line = ended(server, wrong[endpoint])
         assert endpoint in line
