@@ -5,12 +5,12 @@ from pathlib import Path
 
 from kitlib.unity.install import install
 
-ABOUT = "Copies the Unity scripts and NetMQ's three DLLs into a Unity project. What you have changed there stays."
+ABOUT = "Copies the Unity scripts and NetMQ's DLLs into a Unity project. What you have changed there stays."
 EXAMPLES = [
     "unity ../MyGame                   the whole package",
     "unity ../MyGame --lesson 4        only what lesson 04 takes home",
     "unity ../MyGame --scripts-only    NetMQ comes from elsewhere",
-    "unity ../MyGame --dlls ../NetMQ   its three DLLs are in this folder; NuGet is not asked",
+    "unity ../MyGame --dlls ../NetMQ   its DLLs are in this folder; NuGet is not asked",
 ]
 CURE = 'a path with a space in it goes between quotation marks: unity "../My Game"'
 

@@ -34,12 +34,14 @@ from kitlib.unity.project import (
 )
 
 # Said once, for the C# projects and for this.
-NETMQ = re.findall(r'"NetMQ" Version="(.+?)"', (ROOT / "Directory.Build.targets").read_text(encoding="utf-8"))[0]
-# The three DLLs of NetMQ inside Unity: package, version, and the file in it.
+NETMQ = re.findall(r'"NetMQ" Version="\[(.+?)\]"', (ROOT / "Directory.Build.targets").read_text(encoding="utf-8"))[0]
+# NetMQ inside Unity, with what it needs and Unity does not have: package, version, and the file in it.
 LIBRARIES = (
     ("NetMQ", NETMQ, "lib/netstandard2.1/NetMQ.dll"),
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
+    ("System.Collections.Immutable", "10.0.7", "lib/netstandard2.0/System.Collections.Immutable.dll"),
+    ("System.Runtime.CompilerServices.Unsafe", "6.1.2", "lib/netstandard2.0/System.Runtime.CompilerServices.Unsafe.dll"),
 )
 # Unity's own package of Newtonsoft.Json, which lesson 05 reads its headers with.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
@@ -112,7 +114,7 @@ def install(
     check_moved(root, files)
     there = has_netmq(root, all_packages(root, manifest))
     if scripts_only:
-        say("the scripts alone: they need NetMQ.dll, AsyncIO.dll and NaCl.dll")
+        say("the scripts alone: they need NetMQ.dll and the DLLs that it needs")
     elif there:
         say("NetMQ is in this project already: its DLLs are left as they are")
     else:
@@ -127,7 +129,7 @@ def install(
     for line in advice(root):
         say(line)
     if scripts_only and not there:
-        say("first bring the three DLLs: route (b) or (d) of docs/guide/unity_project.md")
+        say("first bring the DLLs: route (b) or (d) of docs/guide/unity_project.md")
     for line in next_steps(root, lesson):
         say(line)
 

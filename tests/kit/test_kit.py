@@ -27,6 +27,7 @@ from kitlib.docs import guide
 from kitlib.lessons import KitError
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
+from kitlib.unity import install as unity_install
 from tests.conftest import PYTHON
 from tests.programs import ROOT, Mark, finds_processes
 
@@ -474,9 +475,7 @@ def test_a_venv_without_pip_is_filled_by_the_pip_outside(monkeypatch, tmp_path):
             "error NU1100: Unable to resolve 'NetMQ'",
             "no source of NuGet's holds NetMQ (with internet: dotnet nuget add source ",
         ),
-        ("error NU1102: Unable to find package NetMQ with version (>= 4.0.4.3)", "NuGet does not hold NetMQ"),
-        # A newer one may be better, but nobody has tried it: Directory.Build.targets says which was.
-        ("error NU1603: Warning As Error: NetMQ 4.0.4.3 was not found. Another", "NuGet does not hold NetMQ"),
+        ("error NU1102: Unable to find package NetMQ with version (= 4.0.4.5)", "NuGet does not hold NetMQ"),
         ("error NU1301: Unable to load the service index", "NuGet cannot be reached"),
     ],
 )
@@ -804,8 +803,8 @@ def test_the_scripts_alone_need_no_nuget(project, start):
     program = start(PYTHON, KIT, "unity", project, "--scripts-only", NUGET_PACKAGES=str(project / "nothing"))
     assert program.wait() == 0, program.output
     assert "NuGet" not in program.output
-    assert "kit    | the scripts alone: they need NetMQ.dll, AsyncIO.dll and NaCl.dll" in program.lines
-    assert program.lines[-3].endswith("first bring the three DLLs: route (b) or (d) of docs/guide/unity_project.md")
+    assert "kit    | the scripts alone: they need NetMQ.dll and the DLLs that it needs" in program.lines
+    assert program.lines[-3].endswith("first bring the DLLs: route (b) or (d) of docs/guide/unity_project.md")
     assert list(project.rglob("HelloClient.cs"))
     assert not list(project.rglob("*.dll"))
 
@@ -813,8 +812,9 @@ def test_the_scripts_alone_need_no_nuget(project, start):
 def test_the_dlls_can_come_from_a_folder(project, tmp_path, start):
     dlls = tmp_path / "dlls"
     dlls.mkdir()
-    for name in ("NetMQ", "NaCl"):
-        (dlls / f"{name}.dll").write_bytes(name.encode())
+    for _, _, inside in unity_install.LIBRARIES:
+        (dlls / Path(inside).name).write_bytes(inside.encode())
+    (dlls / "AsyncIO.dll").unlink()
     lacking = start(PYTHON, KIT, "unity", project, "--dlls", dlls)
     assert lacking.wait() == 1
     assert f"kit    | there is no AsyncIO.dll in {dlls}: nothing was copied" in lacking.lines

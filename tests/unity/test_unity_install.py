@@ -41,7 +41,7 @@ def python(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def nuget(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A NuGet folder with stand-ins of the three DLLs: what is copied does not depend on what is in them."""
+    """A NuGet folder with stand-ins of the DLLs: what is copied does not depend on what is in them."""
     folder = tmp_path / "packages"
     for package, version, inside in unity_install.LIBRARIES:
         path = folder / package.lower() / version / inside
@@ -195,7 +195,7 @@ def test_a_newtonsoft_json_that_is_there_is_the_one(project: Path, nuget: Path) 
 
 
 def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
-    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-3"}}')
+    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-5"}}')
     unity_install.install(project, None, False)
     assert not (project / TARGET / "Plugins").exists()
 
@@ -313,7 +313,8 @@ def test_a_library_that_is_there_alone_is_not_copied_again(project: Path, nuget:
     mine.write_bytes(b"MZ mine")
     unity_install.install(project, "4", False)
     copied = {path.name for path in (project / TARGET / "Plugins").iterdir()}
-    assert copied == {"NetMQ.dll", "NetMQ.dll.meta", "NaCl.dll", "NaCl.dll.meta"}
+    names = {inside.rsplit("/", 1)[1] for _, _, inside in unity_install.LIBRARIES} - {"AsyncIO.dll"}
+    assert copied == names | {f"{name}.meta" for name in names}
 
 
 def test_a_script_that_was_moved_would_be_there_twice(project: Path, nuget: Path) -> None:
@@ -428,5 +429,5 @@ def test_the_real_dlls(project: Path, engine: dotnet.Engine) -> None:
     if engine.name != "netmq":
         pytest.skip(f"the engine of this run is {engine.name}, and NetMQ's DLLs come from NuGet")
     unity_install.install(project, "1", False)
-    for name in ("NetMQ.dll", "AsyncIO.dll", "NaCl.dll"):
-        assert (project / TARGET / "Plugins" / name).read_bytes()[:2] == b"MZ"
+    for _, _, inside in unity_install.LIBRARIES:
+        assert (project / TARGET / "Plugins" / Path(inside).name).read_bytes()[:2] == b"MZ"

@@ -53,7 +53,7 @@ namespace NetMQExample
                 if (!Cleaned())
                     throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and "
                         + "cannot start again: dispose every socket; "
-                        + "on macOS take NetMQ 4.0.4.3, those before 4.0.4.1 never end");
+                        + "on macOS take NetMQ 4.0.4.5, those before 4.0.4.1 never end");
                 // On Windows NetMQ would use I/O completion ports, which outlive a domain reload in the Unity editor.
                 // Elsewhere this call does nothing. It only counts before the first socket.
                 if (users++ == 0) ForceDotNet.Force();
