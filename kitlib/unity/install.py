@@ -36,12 +36,13 @@ from kitlib.unity.project import (
 # Said once, for the C# projects and for this.
 NETMQ = re.findall(r'"NetMQ" Version="\[(.+?)\]"', (ROOT / "Directory.Build.targets").read_text(encoding="utf-8"))[0]
 # NetMQ inside Unity, with what it needs and Unity does not have: package, version, and the file in it.
+DOTNET = "lib/netstandard2.0/System."
 LIBRARIES = (
     ("NetMQ", NETMQ, "lib/netstandard2.1/NetMQ.dll"),
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
-    ("System.Collections.Immutable", "10.0.7", "lib/netstandard2.0/System.Collections.Immutable.dll"),
-    ("System.Runtime.CompilerServices.Unsafe", "6.1.2", "lib/netstandard2.0/System.Runtime.CompilerServices.Unsafe.dll"),
+    ("System.Collections.Immutable", "10.0.7", f"{DOTNET}Collections.Immutable.dll"),
+    ("System.Runtime.CompilerServices.Unsafe", "6.1.2", f"{DOTNET}Runtime.CompilerServices.Unsafe.dll"),
 )
 # Unity's own package of Newtonsoft.Json, which lesson 05 reads its headers with.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
