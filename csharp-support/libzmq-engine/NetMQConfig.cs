@@ -52,14 +52,9 @@ namespace NetMQ
         public static void Cleanup(bool block = true)
         {
             Context? old;
-            lock (sync) old = context;
-            // Without the lock, which a new socket takes. It gets the old context until that has ended, and with it its
-            // exception.
+            lock (sync) (old, context) = (context, null);
+            // Without the lock, which a new socket takes: it starts afresh, also while this waits.
             old?.Terminate(block);
-            lock (sync)
-            {
-                if (context == old) context = null;
-            }
         }
     }
 

@@ -99,7 +99,7 @@ def build(engine: dotnet.Engine, project: str, into: Path, *properties: str) -> 
     command = ["dotnet", "build", ROOT / project, *engine.properties, "-v", "quiet", "--nologo"]
     words = [str(word) for word in [*command, f"-p:ArtifactsPath={into}", *properties]]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(words, capture_output=True, text=True, timeout=110, env=environment)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=280, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     return into
 

@@ -1,7 +1,7 @@
 // Exercises what the kit uses of NetMQ and prints what came of it: the same lines on every engine.
 //
 // Run: dotnet run --project tests/engine/conformance -p:NetMQEngine=libzmq [-- section …]
-// Prints: transcript.txt, which was recorded from NetMQ 4.0.2.1. Nothing in it depends on ports, times or chance.
+// Prints: transcript.txt, which was recorded from NetMQ 4.0.4.5. Nothing in it depends on ports, times or chance.
 //
 // Known differences between the engines, which are therefore not in the transcript:
 //   ipc://            NetMQ maps the path to a loopback TCP port, libzmq has real ones (and none on some systems).

@@ -49,7 +49,7 @@ namespace NetMQExample
         {
             lock (Gate)
             {
-                // Meanwhile a socket would be refused.
+                // Meanwhile older versions of NetMQ refuse a socket.
                 if (!Cleaned())
                     throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and "
                         + "cannot start again: dispose every socket; "
