@@ -1,6 +1,8 @@
 // Lesson 01's client in Java with JeroMQ: says Hello ten times, and waits 2.5 s at most for each World.
 //
 //     java -cp jeromq.jar Client.java [ENDPOINT]
+//
+// JeroMQ 0.5 and later says that ZMQ.REQ is deprecated: write SocketType.REQ there.
 import org.zeromq.ZContext;
 import org.zeromq.ZMQ;
 import org.zeromq.ZMsg;
@@ -22,9 +24,10 @@ public class Client {
                     System.err.printf("gave up: no reply from %s within 2.5 s; is the server running?%n", endpoint);
                     System.exit(1);
                 }
+                String text = new String(reply.pop().getData(), ZMQ.CHARSET);
                 // What a peer sent may hold anything: letters, marks, numbers, punctuation, symbols, spaces are shown.
-                String text = reply.popString().replaceAll("[^\\p{L}\\p{M}\\p{N}\\p{P}\\p{S} ]", "?");
-                System.out.printf("%d: sent Hello, received %.200s%n", i, text);
+                String shown = text.replaceAll("[^\\p{L}\\p{M}\\p{N}\\p{P}\\p{S} ]", "?");
+                System.out.printf("%d: sent Hello, received %.200s%n", i, shown);
             }
             System.out.println("done: 10 replies");
         } catch (RuntimeException e) {

@@ -2,6 +2,8 @@
 // with error:.
 //
 //     java -cp jeromq.jar Server.java [ENDPOINT]             port 0 takes a free one; Ctrl-C ends it
+//
+// JeroMQ 0.5 and later says that ZMQ.REP is deprecated: write SocketType.REP there.
 import org.zeromq.ZContext;
 import org.zeromq.ZMQ;
 import org.zeromq.ZMsg;
@@ -25,7 +27,8 @@ public class Server {
             }
             System.out.println("listening on " + place);
             while (true) {
-                socket.send(answer(ZMsg.recvMsg(socket).popString()));
+                // REP may not send before it has read every frame.
+                socket.send(answer(new String(ZMsg.recvMsg(socket).pop().getData(), ZMQ.CHARSET)));
             }
         } catch (RuntimeException e) {
             System.err.printf("cannot listen on %s: %s, taken or not of this machine; "
