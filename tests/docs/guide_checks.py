@@ -29,6 +29,7 @@ REFERENCE = {
     "from_udp_receive.md",
     "glossary.md",
     "in_the_editor.md",
+    "other_languages.md",
     "questions.md",
     "where_to_go_next.md",
 }

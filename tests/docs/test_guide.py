@@ -38,6 +38,7 @@ EXPECTED_PAGES = {
     "16_watching.md",
     "from_gymize.md",
     "in_the_editor.md",
+    "other_languages.md",
     "from_udp_receive.md",
     "start_here.md",
     "unity_project.md",
