@@ -51,16 +51,6 @@ namespace UnityEditor
         internal static void SayQuitting() => quitting?.Invoke();
     }
 
-    /// <summary>What outlives a reload of the scripts, and ends with the editor.</summary>
-    public class SessionState
-    {
-        internal static Dictionary<string, string> Kept { get; } = new Dictionary<string, string>();
-
-        public static void SetString(string key, string value) => Kept[key] = value;
-
-        public static string GetString(string key, string defaultValue) => Kept.TryGetValue(key, out var value) ? value : defaultValue;
-    }
-
     /// <summary>What outlives the editor.</summary>
     public sealed class EditorPrefs
     {
@@ -75,6 +65,11 @@ namespace UnityEditor
     {
         /// <summary>What the user chooses.</summary>
         internal static string Chosen { get; set; } = "";
+
+        /// <summary>What lies in Assets, and not in the scene.</summary>
+        internal static HashSet<UnityEngine.Object> Assets { get; } = new HashSet<UnityEngine.Object>();
+
+        public static bool IsPersistent(UnityEngine.Object target) => Assets.Contains(target);
 
         public static string OpenFolderPanel(string title, string folder, string defaultName) => Chosen;
     }

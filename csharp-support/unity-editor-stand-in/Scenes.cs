@@ -20,7 +20,9 @@ namespace UnityEditor
 
     public class Editor : ScriptableObject
     {
-        public Object target { get; internal set; }
+        public Object target => targets[0];
+
+        public Object[] targets { get; internal set; }
 
         public bool DrawDefaultInspector() => true;
 
@@ -48,6 +50,8 @@ namespace UnityEditor
     {
         /// <summary>Where the package lies: Assets/NetMQExample or Packages/com.netmqexample.lessons.</summary>
         internal static string Package { get; set; } = "Assets/NetMQExample";
+
+        public static bool IsAssetImportWorkerProcess() => false;
 
         public static string GetAssetPath(Object assetObject) =>
             assetObject is MonoScript script ? $"{Package}/Editor/{script.Class.Name}.cs" : "";

@@ -67,12 +67,12 @@ class BodyListener:
             # However much of something else comes.
             if time.monotonic() >= end:
                 raise TimeoutError(f"no pose from {self.listener.endpoint} within {patience:g} s; is that this server?")
-        # Numbers and seconds begin anew with each start of the server.
-        self.restarted = pose.number <= self.number
+        # Numbers begin anew with each start of the server, and seconds where it is another computer's.
+        self.restarted = pose.number < self.number
         if self.restarted:
             self.ahead = math.inf
         elif self.number:
-            self.skipped += pose.number - self.number - 1
+            self.skipped += max(0, pose.number - self.number - 1)
         self.number = pose.number
         # The two clocks need not agree: a pose is late if it took longer than the quickest one.
         travelled = time.monotonic() - pose.seconds

@@ -37,9 +37,10 @@ def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
 
 
 def read(path: Path) -> Pictures:
-    """Each picture's time and persons. In a picture each person has a line, in order; it is empty for nobody."""
+    """Each picture's time and persons. Each person has a line, in order; for nobody it is empty, or left out."""
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        # Excel puts a mark in front of what it saves.
+        with path.open(encoding="utf-8-sig", newline="") as file:
             rows = list(csv.reader(file))
     except (OSError, ValueError, csv.Error) as error:
         raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}") from None
@@ -51,14 +52,17 @@ def read(path: Path) -> Pictures:
     for seconds, lines in itertools.groupby(enumerate(rows[1:], start=2), key=lambda line: line[1][:1]):
         people = [read_body(number, row, person) for person, (number, row) in enumerate(lines)]
         pictures.append((float(seconds[0]), people))
-    return pictures
+    # Who has no line in a picture is not there: said, and not silent.
+    most = max(len(people) for _, people in pictures)
+    return [(seconds, people + [[]] * (most - len(people))) for seconds, people in pictures]
 
 
 def read_body(number: int, row: list[str], person: int) -> list[Landmark]:
     try:
-        float(row[0])
         values = [] if not any(row[2:]) else [float(word) for word in row[2:]]
-        if len(row) == len(HEADER) and int(row[1]) == person and all(map(math.isfinite, values)):
+        known = len(row) == len(HEADER) and int(row[1]) == person and math.isfinite(float(row[0]))
+        # No body is a kilometre long: listeners would take none of its poses.
+        if known and all(abs(value) < 1000 for value in values):
             return [(x, y, z, v) for x, y, z, v in zip(*(values[i::4] for i in range(4)), strict=True)]
     except (ValueError, IndexError):
         pass

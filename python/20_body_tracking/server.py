@@ -6,8 +6,8 @@
 
 Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
 that MediaPipe numbers: in metres from the middle of the hips, x to the right of the picture, y down, z away from the
-camera, with a decimal point. PERSON counts from 0, NUMBER from 1, SECONDS from the start of the server. Where no
-landmarks follow, nobody is there.
+camera, with a decimal point. PERSON counts from 0, NUMBER from 1 at each start of the server, SECONDS with the
+computer's clock that nobody sets. Where no landmarks follow, nobody is there.
 Trouble on command: a client with `--work 0.1` is too slow; stop this server while a client listens, and start it
 again. Take home: this file, people.py, walk.csv and camera.py.
 """
@@ -42,10 +42,9 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
             source = watch(options.camera, options.model, options.persons)
         else:
             source = play(options.recording or read(Path(__file__).with_name("walk.csv")))
-        start = time.monotonic()
         for number, people in enumerate(source, 1):
             for person, body in enumerate(people):
-                socket.send_string(pose(person, number, time.monotonic() - start, body))
+                socket.send_string(pose(person, number, time.monotonic(), body))
     except SourceError as error:
         sys.exit(f"no poses: {error}")
 

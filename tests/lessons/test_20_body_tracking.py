@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import shutil
 import sys
+import time
 
 import pytest
 import zmq
@@ -134,8 +135,10 @@ HEADER = ",".join(people.HEADER) + "\n"
         ((HEADER + "0.0,1" + ",1" * 132 + "\n").encode(), "line 2 of the recording must be seconds, person 0"),
         ((HEADER + "x,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
         ((HEADER + "0.0,0" + ",nan" * 132 + "\n").encode(), "line 2 of the recording"),
+        ((HEADER + "inf,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
+        ((HEADER + "0.0,0" + ",1e300" * 132 + "\n").encode(), "line 2 of the recording"),
     ],
-    ids=["missing", "no text", "empty", "another table", "short", "order", "time", "nan"],
+    ids=["missing", "no text", "empty", "another table", "short", "order", "time", "nan", "inf", "huge"],
 )
 def test_what_is_no_recording_is_said_in_one_line(content, says, start, tmp_path):
     if content is not None:
@@ -146,6 +149,19 @@ def test_what_is_no_recording_is_said_in_one_line(content, says, start, tmp_path
     assert server.wait() == 2
     assert re.search(f"argument --recording: {says}", server.lines[-1]), server.output
     assert "Traceback" not in server.output
+
+
+def test_who_has_no_line_in_a_picture_is_not_there(tmp_path):
+    one, two = ("".join(f"0.0,{person}" + ",0.5" * 132 + "\n" for person in persons) for persons in ([0], [0, 1]))
+    (tmp_path / "mine.csv").write_text(HEADER + two + one.replace("0.0,", "0.5,", 1))
+    assert [[len(body) for body in there] for _, there in people.read(tmp_path / "mine.csv")] == [[33, 33], [33, 0]]
+
+
+def test_a_recording_that_excel_has_saved_is_read(tmp_path):
+    """It puts a byte order mark in front, and writes CR LF."""
+    row = "0.0,0" + ",0.5" * 132 + "\n"
+    (tmp_path / "mine.csv").write_bytes((HEADER + row).replace("\n", "\r\n").encode("utf-8-sig"))
+    assert people.read(tmp_path / "mine.csv") == [(0.0, [[(0.5,) * 4] * 33])]
 
 
 # A server that goes, and one that the test decides for
@@ -164,6 +180,19 @@ def test_a_server_that_is_started_again(kind, serve, listen):
     client.wait_for("^person 0: the server was started again$")
     assert client.wait() == 0, client.output
     assert client.lines.count("person 0: the server was started again") == 1
+
+
+def test_seconds_go_on_where_numbers_begin_anew(serve):
+    """They are the computer's: else each pose of a server that was started again would seem to be late."""
+    begin = time.monotonic()
+    server, endpoint = serve(KEY)
+    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
+        stream.linger = 0
+        stream.subscribe("pose/0/")
+        stream.connect(endpoint)
+        assert stream.poll(20_000), server.output
+        seconds = body_listener.parse(stream.recv().decode()).seconds
+    assert begin - 0.001 < seconds < time.monotonic() + 0.001
 
 
 @pytest.fixture
@@ -207,6 +236,19 @@ def test_an_old_pose_is_seen(kind, stage, listen):
     stream.send_string(message(2, body, seconds=98.0))
     assert int(client.wait_for(r"^person 0: pose 2, .*, (\d+) ms late$")[1]) >= 2000
     assert client.wait() == 0, client.output
+
+
+@TERMINAL
+def test_a_pose_that_comes_twice_is_no_restart(kind, stage, listen):
+    stream, endpoint = stage
+    client = listen(kind, endpoint, "--count", "3", "--every", "1")
+    subscribed(stream, b"pose/0/")
+    for number in (1, 1, 3):
+        begin = len(client.lines)
+        stream.send_string(message(number, []))
+        client.wait_for(f"^person 0: pose {number}, nobody is there$", start=begin)
+    assert client.wait() == 0, client.output
+    assert client.lines[-1] == "done: 3 poses, 1 skipped" and len(client.lines) == 5
 
 
 @each_client

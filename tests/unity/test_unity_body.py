@@ -85,6 +85,13 @@ def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
     corner[24], corner[26], corner[28] = (0, 0, 0, 1), (0, 0.4, 0, 1), (0, 0.4, -0.3, 1)
     odd = ["pose/0/ 1 0.0 1", "pose/0/ x 0.0", message(5, corner).replace(" 0.750", " nan", 1), "news/ 1 0.0"]
     odd += [message(5, corner).replace(" 0.750", " 0,750", 1), message(5, corner) + " 1"]
+    # What one language's numbers may look like and the other's not.
+    words = ("+5", ".5", "5.", "0.0123456789", "1e5", "1234567890", "Infinity", "\u0665", "0\0", "")
+    odd += [message(5, corner).replace(" 0.750", f" {word}", 1) for word in words]
+    odd += [
+        f"pose/0/ {words}" for words in ("1 1", "1 -1.0", "-1 1.0", "1234567890123456789 1.0", "1\0 1.0", "1 1.0\0")
+    ]
+    odd += ["pose/x/ 1 1.0", "pose/0/x 1 1.0", "pose/0 1 1.0", "pose/\u0660/ 1 1.0"]
     # The last body is half a metre away, which the limit of speed makes a way of several frames.
     bodies = [corner, *walk()[:4], [(x + 0.5, y, z, v) for x, y, z, v in walk()[4]]]
     file = tmp_path / "messages.txt"
@@ -172,6 +179,14 @@ def test_an_avatar_does_what_the_person_does(
     assert said["Head looks"] == pytest.approx(ahead, abs=0.05), "eyes and nose are not quite as high as the ears"
     shin = said["LeftLowerLeg looks"]
     assert shin[0] * math.sin(0.9) - shin[2] * math.cos(0.9) > 0.5, "the knee bends ahead"
+
+
+def test_a_character_whose_bones_are_hidden_is_named_with_its_cure(play: Callable[..., Program]) -> None:
+    """Unity hides them where Optimize Game Objects is ticked: it is human, and has no Transform for any bone."""
+    program = play(".net", "endpoint=tcp://127.0.0.1:9", "bones=hidden", "patience=0.3", "tries=1")
+    program.wait_for("character has no bones in the scene: in its import settings untick Rig, Optimize Game Objects$")
+    assert program.wait() == 1
+    assert "NullReference" not in program.output
 
 
 def test_a_restart_of_the_server_makes_no_jump(

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
+import signal
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -67,6 +70,92 @@ def test_a_server_outlives_a_reload_and_ends_with_the_editor(
     assert servers() == []
 
 
+@finds_processes
+@pytest.mark.parametrize("runtime", ["dotnet", "mono"])
+def test_the_next_editor_finds_the_server_of_one_that_crashed(
+    runtime: str, editor: Callable[..., Editor], project: Path
+) -> None:
+    mark = Mark()
+
+    def servers() -> list[int]:
+        return [number for number, command in mark.processes().items() if "server.py" in command]
+
+    try:
+        crashed = editor(project, runtime, **mark.environment)
+        crashed.do(WINDOW)
+        crashed.do(f"folder {ROOT}")
+        crashed.do("press Choose the kit's folder")
+        crashed.do(f"type Options of its server=--endpoint tcp://127.0.0.1:{steady_port()}")
+        # A double click.
+        crashed.do("twice Start the server")
+        crashed.draw_until("^listening on tcp://127.0.0.1:")
+        assert len(servers()) == 1
+        crashed.program.kill()
+        unity = editor(project, runtime)
+        unity.do(WINDOW)
+        unity.do(f"folder {ROOT}")
+        drawn = unity.do("press Choose the kit's folder") + unity.do("draw")
+        assert "[Stop the server]" in drawn and any(line.startswith("listening on") for line in drawn)
+        unity.do("quit")
+        assert servers() == []
+    finally:
+        for number in servers():
+            os.kill(number, signal.SIGKILL)
+
+
+def test_another_program_with_the_servers_number_is_left_alone(editor: Callable[..., Editor], project: Path) -> None:
+    """Numbers are given again; and a note may be cut short."""
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
+        folder = project / "Library" / "NetMQExample"
+        folder.mkdir(parents=True)
+        for note in (f"{other.pid} 639000000000000000", f"{other.pid} 0", f"{other.pid}", "", "x y"):
+            (folder / "server.log").touch()
+            (folder / "server.log.pid").write_text(note)
+            unity = editor(project)
+            unity.do(WINDOW)
+            unity.do(f"folder {ROOT}")
+            unity.do("press Choose the kit's folder")
+            assert "[Start the server]" in unity.do("draw")
+            unity.do("quit")
+        assert other.poll() is None
+        other.communicate(b"\n")
+        assert other.returncode == 0
+
+
+@pytest.mark.parametrize("runtime", ["dotnet", "mono"])
+def test_a_server_speaks_also_where_a_program_is_given_no_output(
+    runtime: str, editor: Callable[..., Editor], project: Path, tmp_path: Path
+) -> None:
+    """As on Windows, where a program with windows has none that it could hand on; and in folders of any name."""
+    kit, bare, game = (tmp_path / f"über all ({name})" for name in ("kit", "bare", "game"))
+    game.mkdir()
+    (project / "Assets").rename(game / "Assets")
+    shutil.copytree(ROOT / "python" / "01_request_reply", kit / "python" / "01_request_reply")
+    shutil.copy(ROOT / "kit.py", kit)
+    bare.mkdir()
+    python = bare / "python3"
+    python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@" >&- 2>&-\n', encoding="utf-8")
+    python.chmod(0o755)
+    unity = editor(game, str(shutil.which(runtime)), PATH=f"{bare}:{os.environ['PATH']}")
+    unity.do(WINDOW)
+    unity.do(f"folder {kit}")
+    unity.do("press Choose the kit's folder")
+    unity.do("type Options of its server=--endpoint tcp://127.0.0.1:0")
+    unity.do("press Start the server")
+    unity.draw_until("^listening on tcp://127.0.0.1:")
+    unity.do("press Stop the server")
+    unity.do("type Options of its server=--endpoint x")
+    unity.do("press Start the server")
+    unity.draw_until("argument --endpoint: bad endpoint 'x'")
+    if runtime == "mono":
+        # As Unity is. .NET closes a quotation mark by itself.
+        unity.do('type Options of its server=--endpoint "x')
+        unity.do("press Start the server")
+        said = "Error: could not start with the options --endpoint \"x: is each \" and ' closed?"
+        assert said in unity.do("draw")
+    unity.do("quit")
+
+
 def test_doctor_is_a_button(editor: Callable[..., Editor], project: Path) -> None:
     unity = editor(project)
     unity.do(WINDOW)
@@ -85,6 +174,13 @@ def test_without_the_kit_the_window_says_where_the_servers_are(editor: Callable[
     assert drawn[1:] == ["[Choose the kit's folder]"]
     unity.do(f"folder {project}")
     assert unity.do("press Choose the kit's folder") == drawn, "there is no kit.py either"
+    # A kit.py alone is no kit.
+    (project / "kit.py").touch()
+    unity.do("press Choose the kit's folder")
+    assert unity.do("draw") == drawn
+    (project / "python").mkdir()
+    unity.do("press Choose the kit's folder")
+    assert unity.do("draw") == drawn
 
 
 def test_a_python_without_pyzmq_is_named_with_its_cure(
@@ -108,7 +204,7 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(
     (error,) = [line for line in unity.do("draw") if line.startswith("Error:")]
     assert error.startswith("Error: python3 has no pyzmq: run the pip line in a terminal; or kit.py run 1")
     unity.do("press Copy the pip line")
-    assert unity.do("clipboard") == ['"python3" -m pip install "pyzmq>=24" "numpy>=1.24"']
+    assert unity.do("clipboard") == ['python3 -m pip install "pyzmq>=24" "numpy>=1.24"']
     python.unlink()
     unity.do("press Start the server")
     (error,) = [line for line in unity.do("draw") if line.startswith("Error:")]

@@ -49,6 +49,23 @@ def test_the_inspector_shows_why_a_client_gave_up(editor: Open, project: Path) -
     unity.do("stop")
 
 
+def test_the_buttons_are_for_all_that_are_selected_and_play(editor: Open, project: Path) -> None:
+    unity = editor(project)
+    unity.do("play 1 tcp://127.0.0.1:9 3")
+    unity.do("another tcp://127.0.0.1:9")
+    assert unity.do("draw").count("[Drop the connection]") == 2
+    unity.do("press Drop the connection")
+    assert unity.do("draw").count("Warning: disconnected") == 2
+    unity.do("press Connect")
+    assert unity.do("draw").count("Info: connected") == 2
+    # Of a prefab in Assets a button would change the file.
+    unity.do("prefab")
+    assert unity.do("draw").count("[Drop the connection]") == 1
+    unity.do("destroy")
+    assert "hud: no client" in unity.draw_until("^hud: no client$")
+    unity.do("stop")
+
+
 def exchanged(drawn: str) -> list[str]:
     """The messages of the window, without time and endpoint."""
     return [line.split(" ", 2)[2] for line in drawn.splitlines() if re.match(r"\d\d:\d\d:\d\d\.\d{3} tcp://", line)]
@@ -102,6 +119,17 @@ def test_the_traffic_window_filters_pauses_and_copies(editor: Open, project: Pat
     assert exchanged("\n".join(unity.do("clipboard"))) == copied, "nothing is kept in a pause"
 
 
+def test_long_messages_are_no_more_than_unity_can_draw(editor: Open, project: Path) -> None:
+    """A text has 65,535 vertices at the most, four for each character."""
+    unity = editor(project)
+    unity.do("menu Tools/NetMQ Example/Traffic")
+    unity.do("flood")
+    drawn = "\n".join(unity.do("draw"))
+    assert 10_000 < len(drawn) < 65_535 / 4
+    unity.do("press Copy")
+    assert len(exchanged("\n".join(unity.do("clipboard")))) == 100
+
+
 def test_a_program_that_is_not_the_editor_holds_no_call(editor: Open, project: Path) -> None:
     """Not even what it would be given is made. The lessons' own calls, compiled for the editor, are seen."""
     assert editor(project).do("counted") == ["seen 0, made 0", "seen 1"]
@@ -138,10 +166,26 @@ def test_one_asset_says_where_the_servers_are(editor: Open, project: Path, serve
     unity.do("stop")
 
 
-def test_a_build_takes_the_endpoint_from_its_command_line(editor: Open, project: Path) -> None:
-    unity = editor(project, words=["--endpoint", "tcp://127.0.0.1:9"])
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ("--endpoint tcp://127.0.0.1:9", "asking tcp://127.0.0.1:9"),
+        ("--endpoint=tcp://127.0.0.1:9", "asking tcp://127.0.0.1:9"),
+        ("--endpoint tcp://127.0.0.1:8 -x --endpoint tcp://127.0.0.1:9", "asking tcp://127.0.0.1:9"),
+    ],
+    ids=["two words", "one word", "twice: the last one, as in Python"],
+)
+def test_a_build_takes_the_endpoint_from_its_command_line(words: str, line: str, editor: Open, project: Path) -> None:
+    unity = editor(project, words=words.split())
     unity.do("play 1 tcp://127.0.0.1:5551 3")
-    unity.play_until("asking tcp://127.0.0.1:9")
+    unity.play_until(line)
+    unity.do("stop")
+
+
+def test_an_endpoint_option_without_an_endpoint_is_said(editor: Open, project: Path) -> None:
+    unity = editor(project, words=["--endpoint"])
+    unity.do("play 1 tcp://127.0.0.1:5551 3")
+    unity.draw_until("^Error: bad endpoint '': write it like ")
     unity.do("stop")
 
 
@@ -168,6 +212,9 @@ def test_a_device_is_warned_of_what_cannot_work_there(editor: Open, project: Pat
     unity.do("menu Tools/NetMQ Example/Server address")
     unity.do("host 192.168.1.20")
     assert loopback not in "\n".join(unity.do(f"build Android {tmp_path}"))
+    # Who has deleted the file can build all the same.
+    (project / "Assets" / "NetMQExample" / "link.xml.meta").unlink()
+    assert "link: " in unity.do(f"build Android {tmp_path}")
 
 
 def test_the_menu_adds_the_prefab(editor: Open, project: Path) -> None:

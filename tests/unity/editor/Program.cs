@@ -4,10 +4,12 @@
 //     package PATH            where the package lies; folder PATH: what is chosen when a folder is asked for
 //     load                    what Unity does after each reload of the scripts
 //     menu ITEM               such as Tools/NetMQ Example/Lessons
-//     type LABEL=TEXT         into a field; press BUTTON
+//     type LABEL=TEXT         into a field; press BUTTON; twice BUTTON, before the window looks again
 //     draw                    the windows, once; after a frame, if it plays
 //     play 4 ENDPOINT COUNT   a lesson's scripts, with the first one's inspector; stop
+//     another ENDPOINT        one more of it, and both are selected; prefab: it is one in Assets; destroy it
 //     host ADDRESS            into the asset with the servers' address
+//     flood                   a hundred messages of ten long frames
 //     build TARGET FOLDER     what Unity calls when it builds for a platform
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     calls DLL               how often a build of the lessons shows a message
@@ -60,11 +62,16 @@ namespace NetMQExample.EditorTest
                 case "menu": Call<MenuItem>(item => item.menuItem == with); break;
                 case "type": Drawing.Typed[with.Split('=')[0]] = with.Split(new[] { '=' }, 2)[1]; break;
                 case "press": Draw(with); break;
+                case "twice": Draw(with, 2); break;
                 case "draw": Draw(""); break;
                 case "clipboard": Console.WriteLine(EditorGUIUtility.systemCopyBuffer); break;
                 case "play": Play(with.Split(' ')); break;
                 case "stop": Stop(); break;
+                case "another": Another(with); break;
+                case "prefab": EditorUtility.Assets.Add(inspector.target); break;
+                case "destroy": Object.DestroyImmediate(((Component)inspector.target).gameObject); break;
                 case "host": SetHost(with); break;
+                case "flood": Flood(); break;
                 case "build": Build(with.Split(' ')); break;
                 case "counted": Count(); break;
                 case "calls": Console.WriteLine($"calls: {CallsOfShow(Assembly.LoadFile(with))}"); break;
@@ -73,7 +80,7 @@ namespace NetMQExample.EditorTest
             }
         }
 
-        private static void Draw(string pressed)
+        private static void Draw(string pressed, int times = 1)
         {
             Drawing.Lines.Clear();
             Drawing.Pressed = pressed;
@@ -84,7 +91,7 @@ namespace NetMQExample.EditorTest
             foreach (var window in EditorWindow.Open)
             {
                 window.GetType().GetMethod("OnInspectorUpdate", Any)?.Invoke(window, null);
-                window.GetType().GetMethod("OnGUI", Any)?.Invoke(window, null);
+                for (var i = 0; i < times; i++) window.GetType().GetMethod("OnGUI", Any)?.Invoke(window, null);
             }
             foreach (var line in Drawing.Lines) Console.WriteLine(line);
         }
@@ -112,13 +119,23 @@ namespace NetMQExample.EditorTest
                 Inspector.Set(scripts, "endpoint", words[1]);
                 Inspector.Set(scripts, "count", words[2]);
                 inspector = ScriptableObject.CreateInstance<ClientInspector>();
-                inspector.target = scripts.OfType<ConnectedBehaviour>().First();
+                inspector.targets = new Object[] { scripts.OfType<ConnectedBehaviour>().First() };
                 var hud = new GameObject("hud");
                 hud.AddComponent<TextMesh>();
                 typeof(ClientHud).GetField("client", Any).SetValue(hud.AddComponent<ClientHud>(), inspector.target);
                 shown = hud.GetComponent<TextMesh>();
                 thing.SetActive(true);
             });
+        }
+
+        private static void Another(string endpoint)
+        {
+            var thing = new GameObject("another");
+            thing.SetActive(false);
+            var script = (MonoBehaviour)thing.AddComponent(inspector.target.GetType());
+            Inspector.Set(new[] { script }, "endpoint", endpoint);
+            thing.SetActive(true);
+            inspector.targets = new[] { inspector.target, script };
         }
 
         private static void Stop()
@@ -152,6 +169,13 @@ namespace NetMQExample.EditorTest
                 .Select(method => method.GetMethodBody()?.GetILAsByteArray() ?? new byte[0])
                 .Sum(code => Enumerable.Range(0, Math.Max(0, code.Length - 4))
                     .Count(at => (code[at] == 0x28 || code[at] == 0x6F) && code.Skip(at + 1).Take(4).SequenceEqual(show)));
+        }
+
+        private static void Flood()
+        {
+            using var connection = new NetMQConnection("tcp://127.0.0.1:9", () => new DealerSocket());
+            var frames = Enumerable.Repeat(new string('x', 500), 10).ToArray();
+            for (var i = 0; i < 100; i++) connection.TrySend(TimeSpan.FromSeconds(1), default, frames);
         }
 
         // This project does not define UNITY_EDITOR, as a build does not.

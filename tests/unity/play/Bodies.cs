@@ -2,6 +2,7 @@
 //
 //     numbers=FILE          no Play: of each message of the file the landmarks, the right knee, and what the filter makes
 //     frames=1000           prints what so many frames cost
+//     bones=hidden          the character is human, and shows none of its bones
 //     endpoint=tcp://127.0.0.1:5570 …     and the serialized fields, for a Play to its end with a character in its T-pose
 //
 // At the end of a Play it prints how each limb of the character points and its trunk looks, and how fast a joint of the
@@ -51,12 +52,14 @@ namespace NetMQExample.PlayTest
             var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair[1]);
             if (told.Remove("numbers", out var file)) return Numbers(file);
             var frames = told.Remove("frames", out var many) ? int.Parse(many, CultureInfo.InvariantCulture) : 0;
+            var hidden = told.Remove("bones");
             var player = new Player(typeof(NetMQLifetime).Assembly);
             var bones = new Dictionary<HumanBodyBones, Transform>();
             GameObject thing = null;
             player.Begin(() =>
             {
                 var character = Character(bones);
+                foreach (var bone in bones.Keys.Where(_ => hidden)) Player.MakeHuman(character, bone, null);
                 thing = new GameObject("body");
                 thing.SetActive(false);
                 var scripts = new MonoBehaviour[]

@@ -51,10 +51,10 @@ namespace NetMQExample
                 if (clock.Elapsed >= end)
                     throw new TimeoutException(FormattableString.Invariant(
                         $"no pose from {endpoint} within {patience.TotalSeconds} s; is that this server?"));
-            // Numbers and seconds begin anew with each start of the server.
-            Restarted = pose.Number <= number;
+            // Numbers begin anew with each start of the server, and seconds where it is another computer's.
+            Restarted = pose.Number < number;
             if (Restarted) ahead = double.PositiveInfinity;
-            else if (number > 0) Skipped += pose.Number - number - 1;
+            else if (number > 0) Skipped += Math.Max(0, pose.Number - number - 1);
             number = pose.Number;
             // The two clocks need not agree: a pose is late if it took longer than the quickest one.
             var travelled = clock.Elapsed.TotalSeconds - pose.Seconds;

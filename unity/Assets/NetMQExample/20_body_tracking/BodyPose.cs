@@ -5,6 +5,7 @@
 // The Python side is python/20_body_tracking/server.py, whose header says more.
 using System;
 using System.Globalization;
+using System.Text.RegularExpressions;
 
 namespace NetMQExample
 {
@@ -14,8 +15,9 @@ namespace NetMQExample
         /// <summary>How many landmarks a body has.</summary>
         public const int Landmarks = 33;
 
-        // In front of the landmarks' words.
-        private const int Before = 3;
+        // Plain numbers, as Python reads them: TryParse also takes +5, .5 and Infinity.
+        private static readonly Regex Form = new Regex(@"^pose/[0-9]+/ ([0-9]{1,18}) ([0-9]{1,9}\.[0-9]{1,9})"
+            + @"((?: -?[0-9]{1,9}(?:\.[0-9]{1,9})?){132})?\z");
 
         private BodyPose(long number, double seconds, double[] places, double[] visibility) =>
             (Number, Seconds, Places, Visibility) = (number, seconds, places, visibility);
@@ -23,7 +25,7 @@ namespace NetMQExample
         /// <summary>Counts the server's poses from 1.</summary>
         public long Number { get; }
 
-        /// <summary>When it was taken, since the server's start.</summary>
+        /// <summary>When it was taken, by the server's clock.</summary>
         public double Seconds { get; }
 
         /// <summary>x, y and z of each landmark; null if nobody is there.</summary>
@@ -37,21 +39,20 @@ namespace NetMQExample
         /// <returns>Null for what is no pose, since anybody can publish on a port.</returns>
         public static BodyPose Parse(string message)
         {
-            var words = message.Split(' ');
-            var there = words.Length == Before + 4 * Landmarks;
-            if (!(there || words.Length == Before) || !words[0].StartsWith("pose/", StringComparison.Ordinal)
-                || !long.TryParse(words[1], NumberStyles.None, CultureInfo.InvariantCulture, out var number)
-                || !TryRead(words[2], out var seconds)) return null;
-            if (!there) return new BodyPose(number, seconds, null, null);
+            var parts = Form.Match(message);
+            if (!parts.Success) return null;
+            // In front of the first number is a space too: the first word is none.
+            var words = parts.Groups[3].Value.Split(' ');
+            var number = long.Parse(parts.Groups[1].Value, CultureInfo.InvariantCulture);
+            var seconds = Read(parts.Groups[2].Value);
+            if (words.Length == 1) return new BodyPose(number, seconds, null, null);
             var (places, visibility) = (new double[3 * Landmarks], new double[Landmarks]);
             for (var i = 0; i < Landmarks; i++)
             {
-                var word = Before + 4 * i;
-                if (!TryRead(words[word], out places[3 * i]) || !TryRead(words[word + 1], out var down)
-                    || !TryRead(words[word + 2], out places[3 * i + 2])
-                    || !TryRead(words[word + 3], out visibility[i])) return null;
+                var word = 1 + 4 * i;
                 // MediaPipe's y points down, Unity's up. That also makes its right-handed axes left-handed ones.
-                places[3 * i + 1] = -down;
+                (places[3 * i], places[3 * i + 1]) = (Read(words[word]), -Read(words[word + 1]));
+                (places[3 * i + 2], visibility[i]) = (Read(words[word + 2]), Read(words[word + 3]));
             }
             return new BodyPose(number, seconds, places, visibility);
         }
@@ -69,9 +70,7 @@ namespace NetMQExample
             return lengths > 0 ? Math.Acos(Math.Max(-1, Math.Min(1, dot / lengths))) * 180 / Math.PI : 0;
         }
 
-        // Without the culture, a German machine reads 0.5 as 5. And no body is a kilometre long.
-        private static bool TryRead(string word, out double value) =>
-            double.TryParse(word, NumberStyles.AllowLeadingSign | NumberStyles.AllowDecimalPoint,
-                CultureInfo.InvariantCulture, out value) && Math.Abs(value) < 1e9;
+        // Without the culture, a German machine reads 0.5 as 5.
+        private static double Read(string word) => double.Parse(word, CultureInfo.InvariantCulture);
     }
 }

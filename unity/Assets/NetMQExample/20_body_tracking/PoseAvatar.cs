@@ -21,11 +21,13 @@ namespace NetMQExample
         private void Start()
         {
             tracker = GetComponent<BodyTracker>();
-            enabled = character != null && character.isHuman;
-            if (character != null && !enabled)
-                Debug.LogError($"{character.name} is no humanoid: in its import settings choose Rig, Humanoid");
-            if (!enabled) return;
             Transform Find(HumanBodyBones bone) => character.GetBoneTransform(bone);
+            enabled = character != null && character.isHuman && Find(HumanBodyBones.Hips) != null;
+            if (character != null && !enabled)
+                Debug.LogError(character.name + (character.isHuman
+                    ? " has no bones in the scene: in its import settings untick Rig, Optimize Game Objects"
+                    : " is no humanoid: in its import settings choose Rig, Humanoid"));
+            if (!enabled) return;
             trunk = Trunk.Select(bone => new AvatarBone(character.transform, Find(bone), null)).ToArray();
             // Toes are optional: feet without them turn with the leg.
             limbs = AvatarLimbs.All.Select(limb => Find(limb.End) == null

@@ -52,9 +52,13 @@ namespace NetMQExample.Editor
         /// <summary>Unity reads no link.xml of a package by itself.</summary>
         /// <param name="report">The build.</param>
         /// <param name="data">What the linker works on.</param>
-        /// <returns>The file to read.</returns>
-        public string GenerateAdditionalLinkXmlFile(BuildReport report, UnityLinkerBuildPipelineData data) =>
-            Path.GetFullPath(AssetDatabase.GUIDToAssetPath(Link));
+        /// <returns>The file to read, or null.</returns>
+        public string GenerateAdditionalLinkXmlFile(BuildReport report, UnityLinkerBuildPipelineData data)
+        {
+            var path = AssetDatabase.GUIDToAssetPath(Link);
+            // Whoever has deleted it has one of their own.
+            return path.Length > 0 ? Path.GetFullPath(path) : null;
+        }
 
         // VisionOS by its name: Unity 2021 has none.
         private static bool IsDevice(BuildTarget target) =>

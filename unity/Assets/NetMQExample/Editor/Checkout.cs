@@ -4,6 +4,7 @@ using System.ComponentModel;
 using System.Diagnostics;
 using System.IO;
 using System.Linq;
+using System.Runtime.InteropServices;
 using System.Text.RegularExpressions;
 
 namespace NetMQExample.Editor
@@ -32,7 +33,9 @@ namespace NetMQExample.Editor
         {
             foreach (var start in folders.Where(folder => !string.IsNullOrEmpty(folder)))
                 for (var folder = new DirectoryInfo(start); folder != null; folder = folder.Parent)
-                    if (File.Exists(Path.Combine(folder.FullName, "kit.py"))) return new Checkout(folder.FullName);
+                    if (File.Exists(Path.Combine(folder.FullName, "kit.py"))
+                        && Directory.Exists(Path.Combine(folder.FullName, "python"))
+                        && new Checkout(folder.FullName).Lessons.Length > 0) return new Checkout(folder.FullName);
             return null;
         }
 
@@ -55,16 +58,23 @@ namespace NetMQExample.Editor
             // In this order kit.py makes them, macOS and Linux call theirs, and Windows has them.
             var known = new[] { ".venv/bin/python", ".venv/Scripts/python.exe" }
                 .Select(path => Path.Combine(Root, path)).Where(File.Exists);
-            var names = known.Concat(new[] { "python3", "python", "py" });
-            var all = names.Select(name => (name, code: Ask(name))).ToList();
-            var best = all.FirstOrDefault(each => each.code == 0).name;
+            // An editor that was started from macOS' Dock has not the PATH of a terminal: there python.org and Homebrew
+            // put theirs.
+            var beside = RuntimeInformation.IsOSPlatform(OSPlatform.OSX)
+                ? new[] { "/usr/local/bin/python3", "/opt/homebrew/bin/python3" }.Where(File.Exists) : new string[0];
+            var names = known.Concat(beside).Concat(new[] { "python3", "python", "py" });
+            var (bare, code) = (default(string), -1);
             trouble = "";
-            if (best != null) return best;
-            best = all.FirstOrDefault(each => each.code == 4).name;
-            trouble = best != null
-                ? $"{best} has no pyzmq: run the pip line in a terminal; or kit.py run 1, once, which makes a .venv"
+            // One after the other: a macOS without developer tools asks to install them when it is asked for python3.
+            foreach (var name in names)
+            {
+                if ((code = Ask(name)) == 0) return name;
+                if (code == 4) bare ??= name;
+            }
+            trouble = bare != null
+                ? $"{bare} has no pyzmq: run the pip line in a terminal; or kit.py run 1, once, which makes a .venv"
                 : "no Python 3.11 or later was found: install one from python.org, and restart Unity Hub";
-            return best;
+            return bare;
         }
 
         /// <summary>What installs a lesson's packages, to be run in a terminal.</summary>
@@ -75,7 +85,9 @@ namespace NetMQExample.Editor
         {
             var project = File.ReadAllText(Path.Combine(Root, "pyproject.toml"));
             var lists = Regex.Matches(project, $"^(?:dependencies|{key}) = \\[(.*)\\]", RegexOptions.Multiline);
-            return $"\"{python}\" -m pip install {string.Join(" ", lists.Select(list => Words(list.Groups[1].Value)))}";
+            // PowerShell takes what is in quotation marks for a text, and no command.
+            var command = python.Contains(" ") ? $"\"{python}\"" : python;
+            return $"{command} -m pip install {string.Join(" ", lists.Select(list => Words(list.Groups[1].Value)))}";
         }
 
         // As the file has them, in quotation marks: a shell would take >= for something else.

@@ -1,4 +1,6 @@
 // The inspector of every client: while it plays, what it is doing, why it has given up, and buttons.
+using System.Collections.Generic;
+using System.Linq;
 using UnityEditor;
 using UnityEngine;
 
@@ -15,8 +17,15 @@ namespace NetMQExample.Editor
         public override void OnInspectorGUI()
         {
             DrawDefaultInspector();
-            if (!EditorApplication.isPlaying) return;
-            var client = (ConnectedBehaviour)target;
+            foreach (var client in Playing) Draw(client);
+        }
+
+        // Of a prefab in Assets a button would change the file. And what is selected may just have been destroyed.
+        private IEnumerable<ConnectedBehaviour> Playing => targets.Cast<ConnectedBehaviour>().Where(client =>
+            EditorApplication.isPlaying && client != null && !EditorUtility.IsPersistent(client));
+
+        private static void Draw(ConnectedBehaviour client)
+        {
             var lamp = client.LastError.Length > 0 ? MessageType.Error
                 : client.isActiveAndEnabled ? MessageType.Info : MessageType.Warning;
             EditorGUILayout.HelpBox(client.State, lamp);
@@ -36,7 +45,8 @@ namespace NetMQExample.Editor
         // The component itself listens only until its own last reply is there.
         private void Poll()
         {
-            if (target is HelloBackground hello && hello.isActiveAndEnabled) hello.Client?.Poll();
+            foreach (var hello in Playing.OfType<HelloBackground>())
+                if (hello.isActiveAndEnabled) hello.Client?.Poll();
         }
     }
 }

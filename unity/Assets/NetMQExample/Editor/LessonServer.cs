@@ -15,10 +15,11 @@ namespace NetMQExample.Editor
         private const int Shown = 8000;
         private static readonly TimeSpan Patience = TimeSpan.FromSeconds(2);
 
-        // What a shell does with > on every system, in the same process: the one whose number is known.
+        // What a shell does with > on every system, in the same process: the one whose number is known. A program with
+        // windows has no output to hand on in Windows, and then Python none that it could print to.
         private const string Redirect = "import os, runpy, sys; "
-            + "out = os.open(sys.argv[1], os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644); "
-            + "os.dup2(out, 1); os.dup2(out, 2); "
+            + "out = open(sys.argv[1], 'ab'); os.dup2(out.fileno(), 1); os.dup2(out.fileno(), 2); "
+            + "sys.stdout, sys.stderr = (open(n, 'w', 1, 'utf-8', 'replace') for n in (1, 2)); "
             + "sys.argv[:] = sys.argv[2:]; sys.path.insert(0, os.path.dirname(sys.argv[0])); "
             + "runpy.run_path(sys.argv[0], run_name='__main__')";
 
@@ -26,9 +27,6 @@ namespace NetMQExample.Editor
         private readonly string log;
 
         private LessonServer(Process process, string log) => (this.process, this.log) = (process, log);
-
-        /// <summary>What <see cref="Find"/> needs to find it again.</summary>
-        public string Note { get; private set; } = "";
 
         /// <summary>False once it has ended.</summary>
         public bool Running => process != null && !process.HasExited;
@@ -46,7 +44,7 @@ namespace NetMQExample.Editor
                     using var reader = new StreamReader(file);
                     return reader.ReadToEnd();
                 }
-                catch (IOException) { return ""; }
+                catch (Exception e) when (e is IOException || e is UnauthorizedAccessException) { return ""; }
             }
         }
 
@@ -70,34 +68,45 @@ namespace NetMQExample.Editor
             // Not the code page of a Windows console.
             start.EnvironmentVariables["PYTHONUTF8"] = "1";
             var process = Process.Start(start);
-            var born = Born(process).ToString(CultureInfo.InvariantCulture);
-            return new LessonServer(process, log) { Note = $"{process.Id} {born} {log}" };
+            File.WriteAllText(Note(log), FormattableString.Invariant($"{process.Id} {Born(process)}"));
+            return new LessonServer(process, log);
         }
 
-        /// <summary>Finds it again, after a reload of the scripts.</summary>
-        /// <param name="note">Its <see cref="Note"/>.</param>
-        /// <returns>It, running or ended; null if there is no note.</returns>
-        public static LessonServer Find(string note)
+        /// <summary>Finds it again, after a reload of the scripts or an end of the editor that nobody wanted.</summary>
+        /// <param name="log">As it was started.</param>
+        /// <returns>It, running or ended; null if none was started.</returns>
+        public static LessonServer Find(string log)
         {
-            var parts = note.Split(new[] { ' ' }, 3);
-            if (parts.Length < 3) return null;
+            if (!File.Exists(log)) return null;
             try
             {
+                var parts = File.ReadAllText(Note(log)).Split(' ');
                 var process = Process.GetProcessById(int.Parse(parts[0], CultureInfo.InvariantCulture));
                 // Once it has ended, its number may be another one's. Systems know the time of birth to the second.
-                var apart = Born(process) - long.Parse(parts[1], CultureInfo.InvariantCulture);
-                if (Math.Abs(apart) < Patience.Ticks) return new LessonServer(process, parts[2]) { Note = note };
+                var apart = Born(process) - long.Parse(parts[parts.Length - 1], CultureInfo.InvariantCulture);
+                if (Born(process) > 0 && Math.Abs(apart) < Patience.Ticks) return new LessonServer(process, log);
             }
-            catch (Exception e) when (e is ArgumentException || e is InvalidOperationException || e is Win32Exception)
+            catch (Exception e) when (e is IOException || e is UnauthorizedAccessException || e is FormatException
+                || e is OverflowException || e is ArgumentException || e is InvalidOperationException
+                || e is Win32Exception)
             {
-                // No process has this number.
+                // There is no note, or no process has this number.
             }
-            return new LessonServer(null, parts[2]);
+            return new LessonServer(null, log);
         }
 
         /// <summary>Ends it: where the system can ask, it is asked, and closes what it writes; else at
         /// once.</summary>
         public void Stop()
+        {
+            try { End(); }
+            catch (Exception e) when (e is InvalidOperationException || e is Win32Exception)
+            {
+                // It has ended by itself meanwhile.
+            }
+        }
+
+        private void End()
         {
             if (!Running) return;
             // The shell's own kill, which says SIGTERM.
@@ -107,6 +116,8 @@ namespace NetMQExample.Editor
             process.Kill();
             process.WaitForExit((int)Patience.TotalMilliseconds);
         }
+
+        private static string Note(string log) => $"{log}.pid";
 
         private static long Born(Process process)
         {

@@ -12,7 +12,9 @@ namespace NetMQExample.Editor
     /// <summary>The window in which servers are started and stopped.</summary>
     public sealed class LessonsWindow : EditorWindow
     {
-        private const string Menu = "Tools/NetMQ Example/", Note = "NetMQExample.server", Kit = "NetMQExample.kit";
+        private const string Menu = "Tools/NetMQ Example/", Kit = "NetMQExample.kit";
+        // Of this project alone, and not emptied when the editor ends.
+        private static readonly string Log = Path.GetFullPath("Library/NetMQExample/server.log");
 
         private static LessonServer server;
 
@@ -34,8 +36,15 @@ namespace NetMQExample.Editor
         [InitializeOnLoadMethod]
         private static void Load()
         {
-            server = LessonServer.Find(SessionState.GetString(Note, ""));
-            EditorApplication.quitting += () => server?.Stop();
+            // Unity's processes that import assets load these scripts too, and end when they please.
+            if (AssetDatabase.IsAssetImportWorkerProcess()) return;
+            server = LessonServer.Find(Log);
+            EditorApplication.quitting += () =>
+            {
+                server?.Stop();
+                // The next editor begins with no lines, unless this one does not get here.
+                if (server != null) File.Delete(Log);
+            };
         }
 
         private void OnEnable()
@@ -101,20 +110,21 @@ namespace NetMQExample.Editor
 
         private void Launch(string script, string words)
         {
+            // The second half of a double click.
+            if (server?.Running == true) return;
             var python = kit.Python(out trouble);
             // Doctor runs without pyzmq, and says so itself.
             if (python == null || (trouble.Length > 0 && words != "doctor")) return;
             try
             {
-                // Unity empties this folder when it ends.
-                var log = Path.GetFullPath(Path.Combine("Temp", "NetMQExample", "server.log"));
-                server = LessonServer.Start(python, script, words, kit.Folder(lessons[chosen]), log);
-                SessionState.SetString(Note, server.Note);
+                server = LessonServer.Start(python, script, words, kit.Folder(lessons[chosen]), Log);
             }
-            catch (Exception e) when (e is IOException || e is Win32Exception || e is UnauthorizedAccessException)
+            catch (Exception e) when (e is IOException || e is UnauthorizedAccessException)
             {
                 trouble = $"could not start {python}: {e.Message}";
             }
+            // It has answered just now: hence it is the options.
+            catch (Win32Exception) { trouble = $"could not start with the options {words}: is each \" and ' closed?"; }
         }
     }
 }

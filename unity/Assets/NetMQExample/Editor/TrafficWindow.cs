@@ -9,7 +9,7 @@ namespace NetMQExample.Editor
     public sealed class TrafficWindow : EditorWindow
     {
         // A text field takes no more than some 16,000 characters; the clipboard gets all.
-        private const int Shown = 60;
+        private const int Shown = 60, Longest = 15_000;
 
         [SerializeField] private string filter = "";
         [SerializeField] private Vector2 scrolled;
@@ -30,6 +30,7 @@ namespace NetMQExample.Editor
         {
             var before = text;
             text = log.Text(filter, Shown);
+            text = text.Substring(Math.Max(0, text.Length - Longest));
             // To the end: the newest line is the one to read.
             if (text != before) scrolled.y = float.MaxValue;
             Repaint();

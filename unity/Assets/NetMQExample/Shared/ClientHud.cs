@@ -26,9 +26,9 @@ namespace NetMQExample
         {
             if (distance > 0 && Camera.main != null) Follow(Camera.main.transform);
             var now = Time.realtimeSinceStartup;
-            if (client == null || now < next) return;
+            if (now < next) return;
             next = now + Interval;
-            mesh.text = $"{client.GetType().Name}: {client.State}\n{client.LastError}";
+            mesh.text = client == null ? "no client" : $"{client.GetType().Name}: {client.State}\n{client.LastError}";
         }
 
         private void Follow(Transform eye) =>

@@ -5,6 +5,7 @@
 //
 // Take home: this file, with ConnectedBehaviour.cs. Without asset and option the fields of the components count.
 using System;
+using System.Linq;
 using System.Text.RegularExpressions;
 using UnityEngine;
 using Object = UnityEngine.Object;
@@ -43,8 +44,10 @@ namespace NetMQExample
         private static string Choose(string own, string host, string[] words)
         {
             if (string.IsNullOrEmpty(own)) return null;
-            var at = Array.IndexOf(words, "--endpoint") + 1;
-            if (at > 0 && at < words.Length) return words[at];
+            // The last one counts, and one word is as good as two: as in Python.
+            var at = Array.FindLastIndex(words, word => Regex.IsMatch(word, "^--endpoint(=|$)"));
+            if (at >= 0 && words[at].Contains("=")) return words[at].Split('=')[1];
+            if (at >= 0) return words.ElementAtOrDefault(at + 1) ?? "";
             // Whoever has written another machine into a field meant it.
             return host.Length == 0 ? own : Regex.Replace(own, @"(?<=^tcp://)(127\.0\.0\.1|localhost)(?=:)", host);
         }
