@@ -1,18 +1,19 @@
-// Application 20, one pose of one person: read from its message, turned into Unity's axes, and measured.
+// Application 20, one pose of one person or hand: read from its message, turned into Unity's axes, and measured.
 //
 // Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
-// that MediaPipe numbers; without them nobody is there. Take home: this file. It needs neither NetMQ nor UnityEngine.
-// The Python side is python/20_body_tracking/server.py, whose header says more.
+// that MediaPipe numbers; without them nobody is there. `hand/left/` and `hand/right/` have 21. Take home: this file.
+// It needs neither NetMQ nor UnityEngine. The Python side is python/20_body_tracking/server.py, whose header says more.
 using System;
 using System.Globalization;
 
 namespace NetMQExample
 {
-    /// <summary>33 landmarks in metres from the middle of the hips, in Unity's axes.</summary>
+    /// <summary>33 landmarks in metres from the middle of the hips, or a hand's 21 from its middle, in Unity's
+    /// axes.</summary>
     public sealed class BodyPose
     {
-        /// <summary>How many landmarks a body has.</summary>
-        public const int Landmarks = 33;
+        /// <summary>How many landmarks a body has, and a hand.</summary>
+        public const int Landmarks = 33, OfAHand = 21;
 
         // In front of the landmarks' words.
         private const int Before = 3;
@@ -38,13 +39,15 @@ namespace NetMQExample
         public static BodyPose Parse(string message)
         {
             var words = message.Split(' ');
-            var there = words.Length == Before + 4 * Landmarks;
-            if (!(there || words.Length == Before) || !words[0].StartsWith("pose/", StringComparison.Ordinal)
+            var hand = words[0].StartsWith("hand/", StringComparison.Ordinal);
+            var count = hand ? OfAHand : Landmarks;
+            var there = words.Length == Before + 4 * count;
+            if (!(there || words.Length == Before) || !(hand || words[0].StartsWith("pose/", StringComparison.Ordinal))
                 || !long.TryParse(words[1], NumberStyles.None, CultureInfo.InvariantCulture, out var number)
                 || !TryRead(words[2], out var seconds)) return null;
             if (!there) return new BodyPose(number, seconds, null, null);
-            var (places, visibility) = (new double[3 * Landmarks], new double[Landmarks]);
-            for (var i = 0; i < Landmarks; i++)
+            var (places, visibility) = (new double[3 * count], new double[count]);
+            for (var i = 0; i < count; i++)
             {
                 var word = Before + 4 * i;
                 if (!TryRead(words[word], out places[3 * i]) || !TryRead(words[word + 1], out var down)

@@ -21,9 +21,11 @@ namespace NetMQExample
         private void Start()
         {
             tracker = GetComponent<BodyTracker>();
-            enabled = character != null && character.isHuman;
-            if (character != null && !enabled)
+            enabled = character != null && character.isHuman && !tracker.IsHand;
+            if (character != null && !character.isHuman)
                 Debug.LogError($"{character.name} is no humanoid: in its import settings choose Rig, Humanoid");
+            if (character != null && tracker.IsHand)
+                Debug.LogWarning("an avatar needs a person: leave the field Hand of BodyTracker empty");
             if (!enabled) return;
             Transform Find(HumanBodyBones bone) => character.GetBoneTransform(bone);
             trunk = Trunk.Select(bone => new AvatarBone(character.transform, Find(bone), null)).ToArray();
