@@ -41,7 +41,11 @@ LIBRARIES = (
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
     ("System.Collections.Immutable", "10.0.7", "lib/netstandard2.0/System.Collections.Immutable.dll"),
-    ("System.Runtime.CompilerServices.Unsafe", "6.1.2", "lib/netstandard2.0/System.Runtime.CompilerServices.Unsafe.dll"),
+    (
+        "System.Runtime.CompilerServices.Unsafe",
+        "6.1.2",
+        "lib/netstandard2.0/System.Runtime.CompilerServices.Unsafe.dll",
+    ),
 )
 # Unity's own package of Newtonsoft.Json, which lesson 05 reads its headers with.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
