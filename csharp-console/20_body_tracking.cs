@@ -2,6 +2,7 @@
 //
 //     dotnet run --project csharp-console -- 20                 150 poses of person 0, one in 25 is printed
 //     dotnet run --project csharp-console -- 20 --person 1      the other one
+//     dotnet run --project csharp-console -- 20 --hand left     a hand, of a server with --camera and --hands
 //     dotnet run --project csharp-console -- 20 --work 0.1      too slow: what it skips is not waited for
 using System;
 using System.Threading;
@@ -14,18 +15,19 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5570");
             var person = arguments.Whole("person", 0);
+            var hand = arguments.Text("hand", "");
             var count = arguments.Whole("count", 150);
             var every = arguments.Whole("every", 25);
             var patience = arguments.Seconds("patience", 5);
             var work = arguments.Seconds("work", 0);
             arguments.RefuseTheRest();
 
-            using var listener = new BodyListener(endpoint, person);
-            Console.WriteLine($"listening to 'pose/{person}/' from {endpoint}");
+            using var listener = new BodyListener(endpoint, person, hand);
+            Console.WriteLine($"listening to '{listener.Topic}' from {endpoint}");
             for (var i = 0; i < count || count == 0; i++)
             {
                 var pose = listener.Receive(patience);
-                if (listener.Restarted) Console.WriteLine($"person {person}: the server was started again");
+                if (listener.Restarted) Console.WriteLine($"{listener.Name}: the server was started again");
                 if (every > 0 && i % every == 0) Console.WriteLine(listener.Line(pose));
                 Thread.Sleep(work);
             }

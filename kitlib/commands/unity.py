@@ -4,19 +4,28 @@ import argparse
 from pathlib import Path
 
 from kitlib.unity.install import install
+from kitlib.unity.package import write_package
 
-ABOUT = "Copies the Unity scripts and NetMQ's DLLs into a Unity project. What you have changed there stays."
+ABOUT = (
+    "Copies the Unity scripts and NetMQ's DLLs into a Unity project, where what you have changed stays;"
+    " or packs them into one file."
+)
 EXAMPLES = [
     "unity ../MyGame                   the whole package",
     "unity ../MyGame --lesson 4        only what lesson 04 takes home",
     "unity ../MyGame --scripts-only    NetMQ comes from elsewhere",
     "unity ../MyGame --dlls ../NetMQ   its DLLs are in this folder; NuGet is not asked",
+    "unity --package Kit.unitypackage  all in one file, for Assets > Import Package",
 ]
 CURE = 'a path with a space in it goes between quotation marks: unity "../My Game"'
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("project", type=Path, metavar="PATH", help="the folder that holds Assets and ProjectSettings")
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument(
+        "project", type=Path, nargs="?", metavar="PATH", help="the folder that holds Assets and ProjectSettings"
+    )
+    where.add_argument("--package", type=Path, metavar="FILE", help="write a .unitypackage instead")
     parser.add_argument("--lesson", help="copy only this lesson's take-home files")
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed")
     dlls = parser.add_mutually_exclusive_group()
@@ -25,5 +34,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def do(options: argparse.Namespace) -> int:
+    if options.package:
+        write_package(options.package, options.lesson, options.force, options.scripts_only, options.dlls)
+        return 0
     install(options.project, options.lesson, options.force, options.scripts_only, options.dlls)
     return 0

@@ -18,11 +18,12 @@ from topic_listener import TopicListener
 
 # Plain numbers, as C# reads them: float() also takes 1_0, nan and the digits of every script.
 NUMBER = r" (-?[0-9]{1,9}(?:\.[0-9]{1,9})?)"
-POSE = re.compile(rf"pose/[0-9]+/ ([0-9]{{1,18}}) ([0-9]{{1,9}}\.[0-9]{{1,9}})((?:{NUMBER}){{132}})?")
+POSE = re.compile(rf"(pose|hand)/[0-9a-z]+/ ([0-9]{{1,18}}) ([0-9]{{1,9}}\.[0-9]{{1,9}})((?:{NUMBER})*)")
+LANDMARKS = {"pose": 33, "hand": 21}
 
 
 class BodyPose(NamedTuple):
-    """33 landmarks, each x, y, z and visibility, in Unity's axes; none at all when nobody is there."""
+    """A body's 33 landmarks or a hand's 21: x, y, z and visibility, in Unity's axes. None when nobody is there."""
 
     number: int
     seconds: float
@@ -44,18 +45,20 @@ def parse(message: str) -> BodyPose | None:
     """None for what is no pose: anybody can publish on a port."""
     if not (words := POSE.fullmatch(message)):
         return None
-    n = [float(word) for word in (words[3] or "").split()]
+    n = [float(word) for word in words[4].split()]
+    if len(n) not in (0, 4 * LANDMARKS[words[1]]):
+        return None
     # MediaPipe's y points down, Unity's up. That also makes its right-handed axes left-handed ones.
     landmarks = [(n[i], -n[i + 1], n[i + 2], n[i + 3]) for i in range(0, len(n), 4)]
-    return BodyPose(int(words[1]), float(words[2]), landmarks)
+    return BodyPose(int(words[2]), float(words[3]), landmarks)
 
 
 class BodyListener:
-    """The newest pose of one person: how many were skipped for it, and how late it is."""
+    """The newest pose of one person or hand: how many were skipped for it, and how late it is."""
 
-    def __init__(self, socket: zmq.Socket[bytes], endpoint: str, person: int) -> None:
-        """The socket is a new SUB socket, which the caller closes."""
-        self.listener = TopicListener(socket, endpoint, f"pose/{person}/")
+    def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
+        """The socket is a new SUB socket, which the caller closes; the topic is pose/0/, say, or hand/left/."""
+        self.listener = TopicListener(socket, endpoint, topic)
         self.number = self.skipped = 0
         self.ahead = self.behind = math.inf
         self.restarted = False

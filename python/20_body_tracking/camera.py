@@ -1,11 +1,13 @@
-"""Application 20, persons in front of a webcam: MediaPipe finds them. Nothing else here needs MediaPipe or OpenCV.
+"""Application 20, persons and hands in front of a webcam: MediaPipe finds them, and nothing else here needs it.
 
     pip install mediapipe opencv-python     and a model: MODELS says where it is
     python python/20_body_tracking/server.py --camera --model pose_landmarker_lite.task
+    python python/20_body_tracking/server.py --camera --hands hand_landmarker.task          their hands as well
 
 Take home: this file and people.py.
 """
 
+import contextlib
 import math
 import sys
 import time
@@ -13,37 +15,28 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from people import LANDMARKS, Landmark, People, SourceError
+from people import LANDMARKS, Hands, Landmark, People, SourceError
 
-MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision/pose_landmarker"
+MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision"
 # Where a person is in the picture, from 0 to 1; None before that is known.
 Place = tuple[float, float] | None
 
 
-def watch(device: int, model: Path, persons: int) -> Iterator[People]:
-    """The persons of each of the webcam's pictures, each always in the same place of the list."""
+def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> Iterator[tuple[People, Hands]]:
+    """The persons of each of the webcam's pictures, each always in the same place of the list; and with a model for
+    them the hands."""
     try:
         import cv2
         import mediapipe
     except ImportError as error:
         cure = f"{sys.executable} -m pip install mediapipe opencv-python"
         raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
-    if not model.is_file():
-        raise SourceError(f"there is no model {model.name!r:.80}: take one from {MODELS}, and name it with --model")
     webcam = cv2.VideoCapture(device)
-    vision = mediapipe.tasks.vision
-    options = vision.PoseLandmarkerOptions(
-        base_options=mediapipe.tasks.BaseOptions(model_asset_path=str(model)),
-        running_mode=vision.RunningMode.VIDEO,
-        num_poses=persons,
-    )
-    try:
-        landmarker = vision.PoseLandmarker.create_from_options(options)
-    except (RuntimeError, ValueError) as error:
-        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {error!s:.80}") from None
     places: list[Place] = [None] * persons
     start = time.monotonic()
-    with landmarker:
+    with contextlib.ExitStack() as stack:
+        bodies = stack.enter_context(landmarker(mediapipe, "Pose", model, num_poses=persons))
+        fingers = stack.enter_context(landmarker(mediapipe, "Hand", hands, num_hands=2)) if hands else None
         while True:
             there, picture = webcam.read()
             if not there:
@@ -53,9 +46,24 @@ def watch(device: int, model: Path, persons: int) -> Iterator[People]:
             # OpenCV has blue first.
             colours = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
             image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=colours)
-            result = landmarker.detect_for_video(image, int(1000 * (time.monotonic() - start)))
-            people, places = in_order(result, places)
-            yield people
+            milliseconds = int(1000 * (time.monotonic() - start))
+            people, places = in_order(bodies.detect_for_video(image, milliseconds), places)
+            yield people, read_hands(fingers.detect_for_video(image, milliseconds)) if fingers else {}
+
+
+def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
+    """MediaPipe's PoseLandmarker or HandLandmarker."""
+    if not model.is_file():
+        raise SourceError(f"there is no model {model.name!r:.80}: take one from {MODELS}, and name it with its option")
+    vision = mediapipe.tasks.vision
+    base = mediapipe.tasks.BaseOptions(model_asset_path=str(model))
+    made = getattr(vision, f"{kind}LandmarkerOptions")(
+        base_options=base, running_mode=vision.RunningMode.VIDEO, **options
+    )
+    try:
+        return getattr(vision, f"{kind}Landmarker").create_from_options(made)
+    except (RuntimeError, ValueError) as error:
+        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {error!s:.80}") from None
 
 
 def in_order(result: Any, places: list[Place]) -> tuple[People, list[Place]]:
@@ -80,3 +88,13 @@ def distance(place: tuple[float, float], before: Place) -> float:
 
 def read_landmarks(body: Any) -> list[Landmark]:
     return [(mark.x, mark.y, mark.z, mark.visibility) for mark in body[:LANDMARKS]]
+
+
+def read_hands(result: Any) -> Hands:
+    """A left and a right one. In place of a visibility, which hands have not, is how sure it is which of both it is."""
+    hands: Hands = {"hand/left": [], "hand/right": []}
+    # Of two left hands the surest one: it comes last.
+    found = zip(result.handedness, result.hand_world_landmarks, strict=True)
+    for sides, hand in sorted(found, key=lambda one: one[0][0].score):
+        hands[f"hand/{sides[0].category_name.lower()}"] = [(mark.x, mark.y, mark.z, sides[0].score) for mark in hand]
+    return hands

@@ -2,6 +2,7 @@
 
     python python/20_body_tracking/client.py                  150 poses of person 0, one in 25 is printed
     python python/20_body_tracking/client.py --person 1       the other one
+    python python/20_body_tracking/client.py --hand left      a hand, of a server with --camera and --hands
     python python/20_body_tracking/client.py --work 0.1       too slow: what it skips is not waited for
 
 Bytes: as in server.py. To take home: body_listener.py.
@@ -14,29 +15,32 @@ import time
 from socket import getaddrinfo
 
 import zmq
-from body_listener import BodyListener, BodyPose
+from body_listener import LANDMARKS, BodyListener, BodyPose
 
 ENDPOINT = "tcp://127.0.0.1:5570"
 # MediaPipe's numbers.
-RIGHT_HIP, RIGHT_KNEE, RIGHT_ANKLE = 24, 26, 28
+RIGHT_KNEE, INDEX_FINGER = (24, 26, 28), (5, 6, 7)
 
 
 def seen(pose: BodyPose, behind: float) -> str:
     if not pose.landmarks:
         return f"pose {pose.number}, nobody is there"
-    knee = pose.angle(RIGHT_HIP, RIGHT_KNEE, RIGHT_ANKLE)
-    return f"pose {pose.number}, right knee {knee:.0f} degrees, {1000 * behind:.0f} ms late"
+    name, joint = ("right knee", RIGHT_KNEE) if len(pose.landmarks) == LANDMARKS["pose"] else ("finger", INDEX_FINGER)
+    return f"pose {pose.number}, {name} {pose.angle(*joint):.0f} degrees, {1000 * behind:.0f} ms late"
 
 
 def listen(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
-    listener = BodyListener(socket, options.endpoint, options.person)
+    topic = f"hand/{options.hand}/" if options.hand else f"pose/{options.person}/"
+    who = f"{options.hand} hand" if options.hand else f"person {options.person}"
+    print(f"listening to '{topic}' from {options.endpoint}", flush=True)
+    listener = BodyListener(socket, options.endpoint, topic)
     i = 0
     while i < options.count or not options.count:
         pose = listener.receive(options.patience)
         if listener.restarted:
-            print(f"person {options.person}: the server was started again", flush=True)
+            print(f"{who}: the server was started again", flush=True)
         if options.every and i % options.every == 0:
-            print(f"person {options.person}: {seen(pose, listener.behind)}", flush=True)
+            print(f"{who}: {seen(pose, listener.behind)}", flush=True)
         i += 1
         time.sleep(options.work)
     print(f"done: {options.count} poses, {listener.skipped} skipped")
@@ -63,6 +67,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Listens to the poses of a person.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--person", type=int, default=0, help="which one; they count from 0")
+    parser.add_argument("--hand", choices=["left", "right"], help="a hand, and no person")
     parser.add_argument("--count", type=int, default=150, help="end after so many poses; 0: never")
     parser.add_argument("--every", type=int, default=25, help="print one in so many; 0: none")
     parser.add_argument("--patience", type=float, default=5, help="seconds to wait for each pose")
@@ -71,7 +76,6 @@ def main() -> None:
     numbers = (options.person, options.count, options.every, options.patience, options.work)
     if not all(0 <= number < 2**31 for number in numbers):
         parser.error("--person, --count, --every, --patience and --work take numbers from 0 on")
-    print(f"listening to 'pose/{options.person}/' from {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(zmq.SUB) as socket:
         try:
             listen(socket, options)

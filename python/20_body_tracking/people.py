@@ -16,6 +16,8 @@ from pathlib import Path
 Landmark = tuple[float, float, float, float]
 # The persons of one picture: 33 landmarks each, and none for one who is not there.
 People = list[list[Landmark]]
+# "hand/left" and "hand/right": 21 landmarks each, and none for one that is not there. Nobody knows whose they are.
+Hands = dict[str, list[Landmark]]
 # With the time of each, in seconds.
 Pictures = list[tuple[float, People]]
 LANDMARKS = 33
@@ -69,12 +71,12 @@ def read_body(number: int, row: list[str], person: int) -> list[Landmark]:
     raise SourceError(f"line {number} of the recording must be seconds, person {person} and {4 * LANDMARKS} numbers")
 
 
-def play(pictures: Pictures) -> Iterator[People]:
-    """Each picture when it is due, over and over."""
+def play(pictures: Pictures) -> Iterator[tuple[People, Hands]]:
+    """Each picture when it is due, over and over. There are no hands in a recording."""
     due = time.monotonic()
     # The last picture is shown as long as the one before it; then comes the first.
     gaps = [later[0] - earlier[0] for earlier, later in itertools.pairwise(pictures)] or [1.0]
     for (_, people), gap in itertools.cycle(zip(pictures, [*gaps, gaps[-1]], strict=False)):
-        yield people
+        yield people, {}
         due += min(max(gap, 0.001), 1)
         time.sleep(max(0, due - time.monotonic()))

@@ -7,7 +7,8 @@
 Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
 that MediaPipe numbers: in metres from the middle of the hips, x to the right of the picture, y down, z away from the
 camera, with a decimal point. PERSON counts from 0, NUMBER from 1 at each start of the server, SECONDS with the
-computer's clock that nobody sets. Where no landmarks follow, nobody is there.
+computer's clock that nobody sets. Where no landmarks follow, nobody is there. `hand/left/` and `hand/right/` have 21,
+from the middle of the hand.
 Trouble on command: a client with `--work 0.1` is too slow; stop this server while a client listens, and start it
 again. Take home: this file, people.py, walk.csv and camera.py.
 """
@@ -28,23 +29,25 @@ from people import Landmark, Pictures, SourceError, play, read
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5570", zmq.PUB, 1000
 
 
-def pose(person: int, number: int, seconds: float, body: list[Landmark]) -> str:
+def pose(topic: str, number: int, seconds: float, landmarks: list[Landmark]) -> str:
     """One frame: so CONFLATE can keep the newest, and a person who left is told from a server that is gone."""
     # Millimetres: a webcam does not know more.
-    numbers = [f"{value:.3f}" for landmark in body for value in landmark]
-    return " ".join([f"pose/{person}/ {number} {seconds:.3f}", *numbers])
+    numbers = [f"{value:.3f}" for landmark in landmarks for value in landmark]
+    return " ".join([f"{topic}/ {number} {seconds:.3f}", *numbers])
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """Send never waits: whoever is not there yet, or listens too slowly, does not get it."""
     try:
         if options.camera is not None:
-            source = watch(options.camera, options.model, options.persons)
+            source = watch(options.camera, options.model, options.persons, options.hands)
+        elif options.hands:
+            raise SourceError("--hands needs --camera: in a recording there are only bodies")
         else:
             source = play(options.recording or read(Path(__file__).with_name("walk.csv")))
-        for number, people in enumerate(source, 1):
-            for person, body in enumerate(people):
-                socket.send_string(pose(person, number, time.monotonic(), body))
+        for number, (people, hands) in enumerate(source, 1):
+            for topic, landmarks in [*((f"pose/{i}", body) for i, body in enumerate(people)), *hands.items()]:
+                socket.send_string(pose(topic, number, time.monotonic(), landmarks))
     except SourceError as error:
         sys.exit(f"no poses: {error}")
 
@@ -61,6 +64,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--camera", type=int, nargs="?", const=0, help="a webcam instead; 0 is the first one")
     parser.add_argument("--model", type=Path, default=Path("pose_landmarker_lite.task"), help="for --camera")
     parser.add_argument("--persons", type=int, choices=range(1, 10), default=2, help="for --camera: how many at most")
+    parser.add_argument("--hands", type=Path, help="for --camera: a model, to look for hands too")
 
 
 # From here on all servers of this kit are the same, as far as they need it.

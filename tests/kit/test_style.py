@@ -49,6 +49,10 @@ LONGER = {
     # Four options more: which keys, and three ways to be refused. And its keys, before it listens.
     "python/15_security/client.py": 64,
     "python/15_security/server.py": 71,
+    # A person or a hand, with one client; and where the server finds them.
+    "python/20_body_tracking/client.py": 62,
+    "python/20_body_tracking/server.py": 67,
+    "unity/Assets/NetMQExample/20_body_tracking/BodyTracker.cs": 50,
     # The rules of a job are one thing.
     "python/14_long_jobs/jobs.py": 89,
     # What a designer wires, and what the inspector shows of it.

@@ -311,7 +311,25 @@ class PoseLandmarker:
         if len(self.times) % 5 == 0: there.pop()
         if len(self.times) % 2 == 0: there.reverse()
         return SimpleNamespace(pose_world_landmarks=[w for w, _ in there], pose_landmarks=[p for _, p in there])
+def hand(side, score, mark):
+    """A Category of its side, and its 21 world landmarks, which have neither visibility nor presence."""
+    category = SimpleNamespace(category_name=side, score=score, index=0, display_name=side)
+    return [category], [Landmark(x=mark, y=0.02, z=-0.01, visibility=None, presence=None) for i in range(21)]
+class HandLandmarker(PoseLandmarker):
+    """A left hand, and one that looks less like one; the right hand comes and goes."""
+    times = []
+    @classmethod
+    def create_from_options(cls, options):
+        assert options.num_hands == 2 and options.running_mode == "VIDEO", options
+        return cls()
+    def detect_for_video(self, image, milliseconds):
+        self.times.append(milliseconds)
+        there = [hand("Left", 0.98, 0.05), hand("Left", 0.6, 9.0)]
+        if len(self.times) % 2: there.append(hand("Right", 0.875, -0.05))
+        return SimpleNamespace(handedness=[s for s, _ in there], hand_world_landmarks=[h for _, h in there],
+                               hand_landmarks=None)
 vision = SimpleNamespace(PoseLandmarker=PoseLandmarker, PoseLandmarkerOptions=SimpleNamespace,
+                         HandLandmarker=HandLandmarker, HandLandmarkerOptions=SimpleNamespace,
                          RunningMode=SimpleNamespace(VIDEO="VIDEO"))
 tasks = SimpleNamespace(vision=vision, BaseOptions=SimpleNamespace)
 '''
@@ -365,6 +383,45 @@ def test_who_stands_where_in_the_picture_keeps_the_topic(webcam):
     for number, mark in seen["1"]:
         assert mark == ([] if number % 5 == 0 else ["2.000"]), "nobody, and then the same one again"
     assert server.stop() == 0
+
+
+def test_hands_have_topics_of_their_own(webcam, tmp_path):
+    """Byte by byte; and of two left hands it is the one that looks more like one."""
+    server = webcam("--hands", str(tmp_path / "model.task"))
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
+        stream.linger = 0
+        stream.subscribe("hand/")
+        stream.connect(endpoint)
+        seen = set()
+        while len(seen) < 3:
+            assert stream.poll(20_000), server.output
+            topic, number, seconds, *rest = stream.recv().decode().split(" ")
+            assert re.fullmatch(r"\d+\.\d{3}", seconds)
+            there = topic == "hand/left/" or int(number) % 2 == 1
+            sign, sure = ("", "0.980") if topic == "hand/left/" else ("-", "0.875")
+            assert rest == [f"{sign}0.050", "0.020", "-0.010", sure] * 21 * there
+            seen.add((topic, there))
+    assert server.stop() == 0
+
+
+@each_client
+def test_a_hand_is_heard(kind, stage, listen):
+    """An index finger that is bent by a right angle; then no hand; and what is no hand is passed over."""
+    stream, endpoint = stage
+    client = listen(kind, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--patience", "25")
+    subscribed(stream, b"hand/left/")
+    marks = [(0.001 * i, 0.02, 0.01, 0.98) for i in range(21)]
+    marks[5], marks[6], marks[7] = (0, 0.1, 0, 1), (0, 0, 0, 1), (0, 0, -0.1, 1)
+    text = message(7, marks).replace("pose/0/", "hand/left/")
+    stream.send_string(text + " 0.000")
+    stream.send_string(text)
+    assert client.wait_for("^left hand: pose 7, finger 90 degrees, 0 ms late$")
+    assert body_listener.parse(text).landmarks[1] == (0.001, -0.02, 0.01, 0.98)
+    stream.send_string("hand/left/ 8 1.5")
+    assert client.wait() == 0, client.output
+    assert client.lines[0] == f"listening to 'hand/left/' from {endpoint}"
+    assert client.lines[2:] == ["left hand: pose 8, nobody is there", "done: 2 poses, 0 skipped"]
 
 
 @pytest.mark.parametrize(

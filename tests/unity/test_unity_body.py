@@ -17,6 +17,7 @@ from tests.programs import ROOT, Program
 from tests.unity.test_unity_play import RUNTIMES, needs_mono
 
 LESSON = ROOT / "python" / "20_body_tracking"
+SCRIPTS = ROOT / "unity" / "Assets" / "NetMQExample" / "20_body_tracking"
 sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
 import body_listener  # noqa: E402
 import people  # noqa: E402
@@ -237,3 +238,18 @@ def test_what_a_frame_costs(
     with capsys.disabled():
         print(f"\nbody: {cost}")
     assert cost.endswith(", 0 bytes allocated"), cost
+
+
+def test_a_skeleton_shows_a_hand(play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]) -> None:
+    """21 spheres, and lines that reach each of them from the wrist; the avatar says that it wants a person."""
+    stream, endpoint = stage
+    program = play(".net", endpoint, "hand=right", "count=1", "every=1", "patience=60")
+    assert stream.poll(20_000) and stream.recv() == b"\x01hand/right/"
+    marks = [(0.01 * i, 0.0, 0.0, 0.9) for i in range(21)]
+    stream.send_string(message(1, marks).replace("pose/0/", "hand/right/"))
+    assert program.wait() == 0, program.output
+    assert "an avatar needs a person: leave the field Hand of BodyTracker empty" in program.lines
+    assert any(line.startswith("right hand: pose 1, finger 180 degrees") for line in program.lines), program.output
+    pairs = re.findall(r"\((\d+), (\d+)\)", (SCRIPTS / "HandLines.cs").read_text(encoding="utf-8"))
+    assert len(pairs) == 21 and {int(end) for pair in pairs for end in pair} == set(range(21))
+    assert f"skeleton: 21 joints, {len(pairs)} lines" in program.lines

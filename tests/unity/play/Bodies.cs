@@ -78,7 +78,7 @@ namespace NetMQExample.PlayTest
                 player.Frame();
                 cost.End();
                 joints = joints ?? (Transform[])Field(thing.GetComponent<PoseSkeleton>(), "joints").GetValue(thing.GetComponent<PoseSkeleton>());
-                for (var i = 0; i < before.Length && tracker.Present; i++)
+                for (var i = 0; i < joints.Length && tracker.Present; i++)
                 {
                     var now = joints[i].localPosition;
                     if (there > 0) fastest = Math.Max(fastest, (now - before[i]).magnitude / Time.deltaTime);
@@ -89,6 +89,8 @@ namespace NetMQExample.PlayTest
                 if (rest > TimeSpan.Zero) Thread.Sleep(rest);
             }
             if (frames > 0) Console.WriteLine($"cost: {cost}");
+            var lines = (Transform[])Field(thing.GetComponent<PoseSkeleton>(), "lines").GetValue(thing.GetComponent<PoseSkeleton>());
+            Console.WriteLine($"skeleton: {joints.Length} joints, {lines.Count(line => line.localScale.z > 0)} lines");
             foreach (var limb in AvatarLimbs.All.Where(limb => bones.ContainsKey(limb.End)))
                 Say($"{limb.Bone} points", bones[limb.End].position - bones[limb.Bone].position);
             foreach (var bone in new[] { HumanBodyBones.Hips, HumanBodyBones.Spine, HumanBodyBones.Head, HumanBodyBones.LeftLowerLeg })

@@ -85,7 +85,8 @@ namespace NetMQExample
             get
             {
                 long sum = 0;
-                foreach (var one in Finished.Span) sum += one;
+                // An array: the compiler turns a loop over a span into its indexer, which Mono does not have.
+                foreach (var one in Finished.ToArray()) sum += one;
                 return $"done: {NetMQLifetime.Printable(Status)}, {Finished.Length} bytes, sum {sum}";
             }
         }

@@ -1,4 +1,4 @@
-// Application 20, the newest pose of one person: how many were skipped for it, and how late it is.
+// Application 20, the newest pose of one person or hand: how many were skipped for it, and how late it is.
 //
 // Take home: this file and BodyPose.cs, with TopicListener.cs (lesson 03), NetMQConnection.cs and NetMQLifetime.cs. The
 // Python side is python/20_body_tracking/server.py.
@@ -8,27 +8,37 @@ using System.Threading;
 
 namespace NetMQExample
 {
-    /// <summary>Listens to one person over a SUB socket. Make it, use it and dispose it on one thread.</summary>
+    /// <summary>Listens to a person or hand over a SUB socket. Make it, use it and dispose it on one thread.</summary>
     public sealed class BodyListener : IDisposable
     {
         // MediaPipe's numbers.
-        private const int RightHip = 24, RightKnee = 26, RightAnkle = 28;
+        private static readonly (int, int, int) RightKnee = (24, 26, 28), IndexFinger = (5, 6, 7);
         private readonly TopicListener listener;
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly string endpoint;
-        private readonly int person;
         private double ahead = double.PositiveInfinity, behind;
         private long number;
 
         /// <summary>Subscribes and connects, which succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5570</c>.</param>
         /// <param name="person">Which one; they count from 0.</param>
+        /// <param name="hand">left or right for a hand; empty for the person.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public BodyListener(string endpoint, int person)
+        public BodyListener(string endpoint, int person, string hand = "")
         {
-            (this.endpoint, this.person) = (endpoint, person);
-            listener = new TopicListener(endpoint, FormattableString.Invariant($"pose/{person}/"));
+            if (hand != "" && hand != "left" && hand != "right")
+                throw new ArgumentException($"there is no hand '{NetMQLifetime.Printable(hand)}': take left or right");
+            this.endpoint = endpoint;
+            Topic = hand == "" ? FormattableString.Invariant($"pose/{person}/") : $"hand/{hand}/";
+            Name = hand == "" ? FormattableString.Invariant($"person {person}") : $"{hand} hand";
+            listener = new TopicListener(endpoint, Topic);
         }
+
+        /// <summary>What it has subscribed to.</summary>
+        public string Topic { get; }
+
+        /// <summary>Whom it listens to, in words.</summary>
+        public string Name { get; }
 
         /// <summary>How many poses were skipped, because a newer one was there.</summary>
         public long Skipped { get; private set; }
@@ -64,10 +74,15 @@ namespace NetMQExample
         }
 
         /// <summary>What is to be seen of a pose that was just received, in one line.</summary>
-        public string Line(BodyPose pose) => $"person {person}: pose {pose.Number}, " + (pose.Places == null
-            ? "nobody is there"
-            : FormattableString.Invariant($"right knee {pose.Angle(RightHip, RightKnee, RightAnkle):F0} degrees, ")
-                + FormattableString.Invariant($"{1000 * behind:F0} ms late"));
+        public string Line(BodyPose pose)
+        {
+            if (pose.Places == null) return $"{Name}: pose {pose.Number}, nobody is there";
+            var body = pose.Visibility.Length == BodyPose.Landmarks;
+            var (a, b, c) = body ? RightKnee : IndexFinger;
+            return FormattableString.Invariant(
+                $"{Name}: pose {pose.Number}, {(body ? "right knee" : "finger")} {pose.Angle(a, b, c):F0} degrees, ")
+                + FormattableString.Invariant($"{1000 * behind:F0} ms late");
+        }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => listener.Dispose();

@@ -1,23 +1,24 @@
-// Application 20, one pose of one person: read from its message, turned into Unity's axes, and measured.
+// Application 20, one pose of one person or hand: read from its message, turned into Unity's axes, and measured.
 //
 // Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
-// that MediaPipe numbers; without them nobody is there. Take home: this file. It needs neither NetMQ nor UnityEngine.
-// The Python side is python/20_body_tracking/server.py, whose header says more.
+// that MediaPipe numbers; without them nobody is there. `hand/left/` and `hand/right/` have 21. Take home: this file.
+// It needs neither NetMQ nor UnityEngine. The Python side is python/20_body_tracking/server.py, whose header says more.
 using System;
 using System.Globalization;
 using System.Text.RegularExpressions;
 
 namespace NetMQExample
 {
-    /// <summary>33 landmarks in metres from the middle of the hips, in Unity's axes.</summary>
+    /// <summary>33 landmarks in metres from the middle of the hips, or a hand's 21 from its middle, in Unity's
+    /// axes.</summary>
     public sealed class BodyPose
     {
-        /// <summary>How many landmarks a body has.</summary>
-        public const int Landmarks = 33;
+        /// <summary>How many landmarks a body has, and a hand.</summary>
+        public const int Landmarks = 33, OfAHand = 21;
 
         // Plain numbers, as Python reads them: TryParse also takes +5, .5 and Infinity.
-        private static readonly Regex Form = new Regex(@"^pose/[0-9]+/ ([0-9]{1,18}) ([0-9]{1,9}\.[0-9]{1,9})"
-            + @"((?: -?[0-9]{1,9}(?:\.[0-9]{1,9})?){132})?\z");
+        private static readonly Regex Form = new Regex(@"^(pose|hand)/[0-9a-z]+/ ([0-9]{1,18}) ([0-9]{1,9}\.[0-9]{1,9})"
+            + @"((?: -?[0-9]{1,9}(?:\.[0-9]{1,9})?)*)\z");
 
         private BodyPose(long number, double seconds, double[] places, double[] visibility) =>
             (Number, Seconds, Places, Visibility) = (number, seconds, places, visibility);
@@ -41,13 +42,15 @@ namespace NetMQExample
         {
             var parts = Form.Match(message);
             if (!parts.Success) return null;
+            var count = parts.Groups[1].Value == "hand" ? OfAHand : Landmarks;
             // In front of the first number is a space too: the first word is none.
-            var words = parts.Groups[3].Value.Split(' ');
-            var number = long.Parse(parts.Groups[1].Value, CultureInfo.InvariantCulture);
-            var seconds = Read(parts.Groups[2].Value);
+            var words = parts.Groups[4].Value.Split(' ');
+            if (words.Length != 1 && words.Length != 1 + 4 * count) return null;
+            var number = long.Parse(parts.Groups[2].Value, CultureInfo.InvariantCulture);
+            var seconds = Read(parts.Groups[3].Value);
             if (words.Length == 1) return new BodyPose(number, seconds, null, null);
-            var (places, visibility) = (new double[3 * Landmarks], new double[Landmarks]);
-            for (var i = 0; i < Landmarks; i++)
+            var (places, visibility) = (new double[3 * count], new double[count]);
+            for (var i = 0; i < count; i++)
             {
                 var word = 1 + 4 * i;
                 // MediaPipe's y points down, Unity's up. That also makes its right-handed axes left-handed ones.

@@ -9,25 +9,30 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>Where the landmarks of a person are.</summary>
+    /// <summary>Where the landmarks of a person or a hand are.</summary>
     public sealed class BodyTracker : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5570";
         [SerializeField, Min(0), Tooltip("Which person; they count from 0")] private int person;
+        [SerializeField, Tooltip("left or right: a hand, and no person")] private string hand = "";
         [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count = 150;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 25;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
         [SerializeField, Min(1), Tooltip("Times in a row to wait without a pose")] private int tries = 20;
 
-        private readonly OneEuroFilter filter = new OneEuroFilter(3 * BodyPose.Landmarks);
+        private OneEuroFilter filter;
         private volatile BodyPose newest;
 
         /// <summary>False before the first pose, and while nobody is there.</summary>
-        public bool Present => filter.Begun && newest?.Places != null;
+        public bool Present => filter != null && newest?.Places != null;
 
-        /// <summary>Where a landmark is, from the middle of the hips, in Unity's axes.</summary>
+        /// <summary>Whether it is a hand.</summary>
+        public bool IsHand => hand != "";
+
+        /// <summary>Where a landmark is, from the middle of the hips or of the hand, in Unity's axes.</summary>
         public Vector3 Place(int landmark)
         {
+            if (filter == null) return Vector3.zero;
             var (values, x) = (filter.Values, 3 * landmark);
             return new Vector3((float)values[x], (float)values[x + 1], (float)values[x + 2]);
         }
@@ -36,20 +41,22 @@ namespace NetMQExample
         protected override void Update()
         {
             base.Update();
-            if (newest?.Places is double[] places) filter.Step(places, Time.deltaTime);
+            if (!(newest?.Places is double[] places)) return;
+            filter ??= new OneEuroFilter(places.Length);
+            filter.Step(places, Time.deltaTime);
         }
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
-            Log($"listening to 'pose/{person}/' from {endpoint}");
-            using var listener = new BodyListener(endpoint, person);
+            using var listener = new BodyListener(endpoint, person, hand);
+            Log($"listening to '{listener.Topic}' from {endpoint}");
             for (int i = 0, lost = 0; i < count || count == 0;)
             {
                 try
                 {
                     newest = listener.Receive(Seconds(patience), stop);
-                    if (listener.Restarted) Log($"person {person}: the server was started again");
+                    if (listener.Restarted) Log($"{listener.Name}: the server was started again");
                     if (every > 0 && i % every == 0) Log(listener.Line(newest));
                     (i, lost) = (i + 1, 0);
                 }

@@ -22,8 +22,11 @@ namespace NetMQExample
         {
             tracker = GetComponent<BodyTracker>();
             Transform Find(HumanBodyBones bone) => character.GetBoneTransform(bone);
-            enabled = character != null && character.isHuman && Find(HumanBodyBones.Hips) != null;
-            if (character != null && !enabled)
+            var human = character != null && character.isHuman && Find(HumanBodyBones.Hips) != null;
+            enabled = human && !tracker.IsHand;
+            if (character != null && tracker.IsHand)
+                Debug.LogWarning("an avatar needs a person: leave the field Hand of BodyTracker empty");
+            if (character != null && !human)
                 Debug.LogError(character.name + (character.isHuman
                     ? " has no bones in the scene: in its import settings untick Rig, Optimize Game Objects"
                     : " is no humanoid: in its import settings choose Rig, Humanoid"));

@@ -1,4 +1,4 @@
-// Application 20 in Unity: a person of spheres and lines. It needs no model of a human.
+// Application 20 in Unity: a person, or a hand, of spheres and lines. It needs no model of a human.
 //
 // Use: add it to an object that has a BodyTracker.
 using System;
@@ -14,12 +14,16 @@ namespace NetMQExample
 
         private BodyTracker tracker;
         private Transform[] joints, lines;
+        private (int From, int To)[] pairs;
 
         private void Start()
         {
             tracker = GetComponent<BodyTracker>();
-            joints = Array.ConvertAll(new int[BodyPose.Landmarks], i => Part(PrimitiveType.Sphere));
-            lines = Array.ConvertAll(BodyLines.All, line => Part(PrimitiveType.Cube));
+            var hand = tracker.IsHand;
+            var marks = new int[hand ? BodyPose.OfAHand : BodyPose.Landmarks];
+            joints = Array.ConvertAll(marks, i => Part(PrimitiveType.Sphere));
+            pairs = hand ? HandLines.All : BodyLines.All;
+            lines = Array.ConvertAll(pairs, line => Part(PrimitiveType.Cube));
         }
 
         // After every Update, so that it shows this frame's pose. A body without extent is at one point: out of sight.
@@ -33,7 +37,7 @@ namespace NetMQExample
             }
             for (var i = 0; i < lines.Length; i++)
             {
-                var (from, to) = (tracker.Place(BodyLines.All[i].From), tracker.Place(BodyLines.All[i].To));
+                var (from, to) = (tracker.Place(pairs[i].From), tracker.Place(pairs[i].To));
                 lines[i].localPosition = (from + to) / 2;
                 if (from != to) lines[i].localRotation = Quaternion.LookRotation(to - from);
                 lines[i].localScale = new Vector3(size, size, tracker.Present ? (to - from).magnitude : 0);

@@ -1,0 +1,79 @@
+"""A .unitypackage, without an editor: the lessons' scripts and scenes, NetMQ's DLLs and the licences in one file.
+
+It is a gzipped tar. Each asset has a folder there that is named by its GUID: `pathname` says where it belongs in a
+project, `asset.meta` and `asset` are the two files; a folder has no `asset`. Equal input makes an equal file.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import os
+import re
+import tarfile
+from pathlib import Path
+
+from kitlib.lessons import KitError
+from kitlib.terminal import say
+from kitlib.unity.install import JSON, libraries, notices, replace, scripts
+
+# In this entry Unity's own tools write the packages that an import adds to the project's manifest.
+MANIFEST = "packagemanagermanifest/asset"
+
+
+def write_package(path: Path, lesson: str | None, force: bool, scripts_only: bool, dlls: Path | None) -> None:
+    """All of the package, or what one lesson takes home; a KitError says why not."""
+    if path.suffix != ".unitypackage":
+        raise KitError(f"{path.name!r:.80} must end in .unitypackage: by that Unity knows what it is")
+    if path.exists() and not force:
+        raise KitError(f"{path} is there already: nothing was written; --force overwrites it")
+    files = {**scripts(lesson), **notices(), **({} if scripts_only else libraries(dlls))}
+    found = entries(files)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # Beside it, and so on the same disk: an interrupted run leaves no half.
+    new = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        new.write_bytes(packed(found))
+        replace(new, path)
+    finally:
+        new.unlink(missing_ok=True)
+    count = sum(name.endswith("/asset") and name != MANIFEST for name in found)
+    say(f"wrote {path}: {count} files, {path.stat().st_size / 1e6:.1f} MB")
+    if scripts_only:
+        say("the scripts alone: they need NetMQ.dll and the DLLs that it needs")
+    say("next, in Unity: Assets, Import Package, Custom Package")
+
+
+def entries(files: dict[str, bytes]) -> dict[str, bytes]:
+    """What the tar holds, of the files of a project and their .meta files."""
+    found: dict[str, bytes] = {}
+    for name in sorted(files):
+        if not name.endswith(".meta"):
+            continue
+        path = name.removesuffix(".meta")
+        guid = re.search(rb"^guid: ([0-9a-f]{32})$", files[name], re.MULTILINE)
+        assert guid, f"no guid in {name}"
+        folder = guid[1].decode()
+        assert f"{folder}/pathname" not in found, f"{path} has the guid of another asset"
+        if path in files:
+            found[f"{folder}/asset"] = files[path]
+        found[f"{folder}/asset.meta"] = files[name]
+        found[f"{folder}/pathname"] = path.encode()
+    if any(b"using Newtonsoft.Json" in data for name, data in files.items() if name.endswith(".cs")):
+        found[MANIFEST] = json.dumps({"dependencies": dict([JSON])}).encode()
+    return found
+
+
+def packed(found: dict[str, bytes]) -> bytes:
+    """No times, no names of users, and one order."""
+    result = io.BytesIO()
+    with (
+        gzip.GzipFile(filename="", mode="wb", fileobj=result, mtime=0) as zipped,
+        tarfile.open(fileobj=zipped, mode="w", format=tarfile.USTAR_FORMAT) as archive,
+    ):
+        for name in sorted(found):
+            entry = tarfile.TarInfo(name)
+            entry.size = len(found[name])
+            archive.addfile(entry, io.BytesIO(found[name]))
+    return result.getvalue()

@@ -1,0 +1,151 @@
+"""kit.py unity --package FILE, read back with tarfile and compared with the tree. No editor has imported one here."""
+
+from __future__ import annotations
+
+import json
+import re
+import tarfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from kitlib.lessons import KitError
+from kitlib.programs import Result
+from kitlib.setup import dotnet
+from kitlib.unity import install as unity_install
+from kitlib.unity import package
+from tests.conftest import PYTHON
+from tests.programs import ROOT, Program
+
+TREE = ROOT / "unity" / "Assets" / "NetMQExample"
+ENTRY = re.compile(r"([0-9a-f]{32})/(asset|asset\.meta|pathname)")
+Start = Callable[..., Program]
+
+
+@pytest.fixture
+def dlls(tmp_path: Path) -> Path:
+    """Stand-ins: what is packed does not depend on what is in them."""
+    folder = tmp_path / "dlls"
+    folder.mkdir()
+    for _, _, inside in unity_install.LIBRARIES:
+        (folder / Path(inside).name).write_bytes(b"MZ " + inside.encode())
+    return folder
+
+
+@pytest.fixture
+def pack(start: Start, dlls: Path, tmp_path: Path) -> Callable[..., Path]:
+    def pack(*words: str, name: str = "Kit.unitypackage") -> Path:
+        program = start(PYTHON, ROOT / "kit.py", "unity", "--package", tmp_path / name, "--dlls", dlls, *words)
+        assert program.wait() == 0, program.output
+        assert program.lines[-1].endswith("next, in Unity: Assets, Import Package, Custom Package")
+        return tmp_path / name
+
+    return pack
+
+
+def read(file: Path) -> dict[str, dict[str, bytes]]:
+    """Each path in a project, and its parts: asset.meta and, of a file, asset."""
+    with tarfile.open(file, "r:gz") as archive:
+        members = archive.getmembers()
+        assert len({member.name for member in members}) == len(members), "an entry is there twice"
+        parts = {member.name: archive.extractfile(member).read() for member in members}  # type: ignore[union-attr]
+    parts.pop("packagemanagermanifest/asset", None)
+    assert all(ENTRY.fullmatch(name) for name in parts)
+    found: dict[str, dict[str, bytes]] = {}
+    for folder in sorted({name.partition("/")[0] for name in parts}):
+        path = parts[f"{folder}/pathname"].decode()
+        assert path not in found, f"{path} has two GUIDs"
+        found[path] = {
+            name: parts[f"{folder}/{name}"] for name in ("asset", "asset.meta") if f"{folder}/{name}" in parts
+        }
+        assert re.findall(rb"^guid: (.+)$", found[path]["asset.meta"], re.MULTILINE) == [folder.encode()]
+    for path in found:
+        assert path == "Assets/NetMQExample" or str(Path(path).parent.as_posix()) in found, f"{path} has no folder"
+    return found
+
+
+def tree() -> dict[str, Path]:
+    """Every file and folder of the package in the repository, by its path in a project."""
+    here = [path for path in TREE.rglob("*") if path.suffix != ".meta" and "Plugins" not in path.parts]
+    return {f"Assets/{path.relative_to(TREE.parent).as_posix()}": path for path in [TREE, *here]}
+
+
+def test_it_holds_the_package_the_dlls_and_the_licences(pack: Callable[..., Path], dlls: Path) -> None:
+    found = read(pack())
+    for name, path in tree().items():
+        parts = found.pop(name)
+        assert parts["asset.meta"] == path.with_name(f"{path.name}.meta").read_bytes(), name
+        assert parts.get("asset") == (path.read_bytes() if path.is_file() else None), name
+    assert found.pop("Assets/NetMQExample/Plugins").keys() == {"asset.meta"}
+    notices = found.pop("Assets/NetMQExample/THIRD-PARTY-NOTICES.md")
+    assert notices["asset"] == (ROOT / "THIRD-PARTY-NOTICES.md").read_bytes()
+    libraries = {f"Assets/NetMQExample/Plugins/{dll.name}": dll.read_bytes() for dll in dlls.iterdir()}
+    assert {name: parts["asset"] for name, parts in found.items()} == libraries
+    assert all(b"Exclude WebGL: 1" in parts["asset.meta"] for parts in found.values())
+
+
+def test_no_guid_in_it_is_unknown(pack: Callable[..., Path]) -> None:
+    found = read(pack())
+    known = {re.findall(rb"^guid: (\w+)", parts["asset.meta"], re.MULTILINE)[0] for parts in found.values()}
+    for name, parts in found.items():
+        if name.endswith((".unity", ".prefab", ".asset")):
+            named = set(re.findall(rb"guid: ([0-9a-f]{32})", parts["asset"]))
+            # Unity's own have sixteen zeros in front.
+            assert {one for one in named if not one.startswith(b"0" * 16)} <= known, name
+
+
+def test_equal_input_makes_an_equal_file(pack: Callable[..., Path]) -> None:
+    """Whenever it is made, and whatever it is called."""
+    assert pack().read_bytes() == pack(name="Other.unitypackage").read_bytes()
+
+
+def test_an_import_brings_unitys_package_for_json(pack: Callable[..., Path]) -> None:
+    with tarfile.open(pack()) as archive:
+        manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))  # type: ignore[arg-type]
+    own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["dependencies"] and manifest["dependencies"].items() <= own["dependencies"].items()
+
+
+def test_one_lesson_takes_only_what_it_uses(pack: Callable[..., Path]) -> None:
+    file = pack("--lesson", "1")
+    found = read(file)
+    assert "Assets/NetMQExample/01_request_reply/HelloClient.cs" in found
+    assert not [name for name in found if "/02_" in name or name.endswith(".unity")]
+    with tarfile.open(file) as archive:
+        assert "packagemanagermanifest/asset" not in archive.getnames(), "it reads no JSON"
+
+
+def test_a_guid_that_two_assets_have_is_refused() -> None:
+    meta = b"fileFormatVersion: 2\nguid: " + b"a" * 32 + b"\n"
+    with pytest.raises(AssertionError, match=r"Assets/b\.cs has the guid of another asset"):
+        package.entries({"Assets/a.cs": b"", "Assets/a.cs.meta": meta, "Assets/b.cs": b"", "Assets/b.cs.meta": meta})
+
+
+def test_without_nuget_there_is_one_line_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
+    monkeypatch.setattr(dotnet, "sdk", lambda: "9.0")
+    monkeypatch.setattr(dotnet, "restore", lambda engine: Result(1, "error NU1301: no such host"))
+    with pytest.raises(KitError, match="nothing was copied; --scripts-only") as error:
+        package.write_package(tmp_path / "Kit.unitypackage", None, False, False, None)
+    assert "\n" not in str(error.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_stands_in_the_way_is_named(start: Start, tmp_path: Path) -> None:
+    def refused(file: Path, *words: str) -> str:
+        program = start(PYTHON, ROOT / "kit.py", "unity", "--package", file, "--scripts-only", *words)
+        assert program.wait() == 1, program.output
+        assert len(program.lines) == 1
+        return program.lines[0]
+
+    mine = tmp_path / "mine.unitypackage"
+    mine.write_bytes(b"mine")
+    assert refused(mine).endswith("is there already: nothing was written; --force overwrites it")
+    assert mine.read_bytes() == b"mine"
+    assert "'Kit.zip' must end in .unitypackage" in refused(tmp_path / "Kit.zip")
+    assert refused(mine / "Kit.unitypackage").endswith("; free some space, or try another folder")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.unitypackage"]
+    forced = start(PYTHON, ROOT / "kit.py", "unity", "--package", mine, "--scripts-only", "--force")
+    assert forced.wait() == 0, forced.output
+    assert "Assets/NetMQExample/Plugins" not in read(mine)
