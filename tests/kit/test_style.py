@@ -240,8 +240,8 @@ def tracked():
     return [ROOT / name for name in listed.stdout.split("\n") if name and (ROOT / name).exists()]
 
 
-# What is said of another version on purpose: the first that ends on macOS, one that a test makes up, and the version that
-# the assembly NetMQ.dll has in every one of them.
+# What is said of another version on purpose: the first that ends on macOS, one that a test makes up, and the version
+# that the assembly NetMQ.dll has in every one of them.
 OTHER_VERSIONS = {"4.0.4.1", "4.0.2-1234", "4.0.0.1"}
 
 

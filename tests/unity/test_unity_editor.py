@@ -151,7 +151,7 @@ def test_a_server_speaks_also_where_a_program_is_given_no_output(
         # As Unity is. .NET closes a quotation mark by itself.
         unity.do('type Options of its server=--endpoint "x')
         unity.do("press Start the server")
-        said = "Error: could not start with the options --endpoint \"x: is each \" and ' closed?"
+        said = 'Error: could not start with the options --endpoint "x: is each " and \' closed?'
         assert said in unity.do("draw")
     unity.do("quit")
 

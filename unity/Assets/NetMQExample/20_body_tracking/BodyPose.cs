@@ -17,8 +17,8 @@ namespace NetMQExample
         public const int Landmarks = 33, OfAHand = 21;
 
         // Plain numbers, as Python reads them: TryParse also takes +5, .5 and Infinity.
-        private static readonly Regex Form = new Regex(@"^(pose|hand)/[0-9a-z]+/ ([0-9]{1,18}) ([0-9]{1,9}\.[0-9]{1,9})"
-            + @"((?: -?[0-9]{1,9}(?:\.[0-9]{1,9})?)*)\z");
+        private static readonly Regex Form = new Regex(@"^(?:pose/[0-9]+|(hand)/(?:left|right))/ ([0-9]{1,18}) "
+            + @"([0-9]{1,9}\.[0-9]{1,9})((?: -?[0-9]{1,9}(?:\.[0-9]{1,9})?)*)\z");
 
         private BodyPose(long number, double seconds, double[] places, double[] visibility) =>
             (Number, Seconds, Places, Visibility) = (number, seconds, places, visibility);
@@ -42,7 +42,7 @@ namespace NetMQExample
         {
             var parts = Form.Match(message);
             if (!parts.Success) return null;
-            var count = parts.Groups[1].Value == "hand" ? OfAHand : Landmarks;
+            var count = parts.Groups[1].Success ? OfAHand : Landmarks;
             // In front of the first number is a space too: the first word is none.
             var words = parts.Groups[4].Value.Split(' ');
             if (words.Length != 1 && words.Length != 1 + 4 * count) return null;
