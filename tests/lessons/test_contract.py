@@ -29,6 +29,7 @@ each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Options that take any text; every other value can be wrong.
 FREE_TEXT = {
     "--record",
+    "--hands",
     "--model",
     "--text",
     "--journal",
