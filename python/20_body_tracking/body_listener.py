@@ -18,6 +18,7 @@ from topic_listener import TopicListener
 
 # Plain numbers, as C# reads them: float() also takes 1_0, nan and the digits of every script.
 NUMBER = r" (-?[0-9]{1,9}(?:\.[0-9]{1,9})?)"
+LANDMARKS = {"pose": 33, "hand": 21}
 TOPIC = r"(?:pose/[0-9]+|(hand)/(?:left|right))/"
 POSE = re.compile(rf"{TOPIC} ([0-9]{{1,18}}) ([0-9]{{1,9}}\.[0-9]{{1,9}})((?:{NUMBER})*)")
 
@@ -46,7 +47,7 @@ def parse(message: str) -> BodyPose | None:
     if not (words := POSE.fullmatch(message)):
         return None
     n = [float(word) for word in words[4].split()]
-    if len(n) not in (0, 4 * (21 if words[1] else 33)):
+    if len(n) not in (0, 4 * LANDMARKS[words[1] or "pose"]):
         return None
     # MediaPipe's y points down, Unity's up. That also makes its right-handed axes left-handed ones.
     landmarks = [(n[i], -n[i + 1], n[i + 2], n[i + 3]) for i in range(0, len(n), 4)]
