@@ -39,7 +39,7 @@ LONGER = {
     "python/08_see_and_steer/server.py": 81,
     "python/07_catch_up/server.py": 66,
     # What it needs takes seconds to import: what is missing, and Ctrl-C, are said in a line.
-    "python/10_many_agents/server.py": 68,
+    "python/10_many_agents/server.py": 69,
     # The game's loop stands beside its thread for the network.
     "python/12_video/client.py": 62,
     # What is filmed is chosen here, and trouble by a slow disk.
