@@ -118,7 +118,7 @@ namespace NetMQExample
             var frames = new NetMQMessage();
             frames.Append(message.Header());
             foreach (var array in message.Arrays) frames.Append(array.Data.ToArray());
-            if (!NetMQConnection.Slices(limit, stop).Any(part => connection.Socket.TrySendMultipartMessage(part, frames)))
+            if (!NetMQConnection.Slices(limit, stop).Any(s => connection.Socket.TrySendMultipartMessage(s, frames)))
                 throw new TimeoutException("no connection");
             connection.Show(true, frames);
         }
