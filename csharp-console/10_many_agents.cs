@@ -23,7 +23,7 @@ namespace NetMQExample.Terminal
             SimulatorBase simulator = world switch
             {
                 "CartPole" => new AreaSimulator(Enumerable.Range(0, areas).Select(_ => new CartPole())),
-                "Pursuit" => new AgentSimulator(new RealTime(new Pursuit())),
+                "Pursuit" => new AgentSimulator(new Pursuit()),
                 _ => throw new UsageException($"--world takes CartPole or Pursuit, not '{world}'"),
             };
             using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);

@@ -273,6 +273,8 @@ namespace UnityEngine
             set { SetParent(value, true); }
         }
 
+        public void SetParent(Transform p) => SetParent(p, true);
+
         public void SetParent(Transform parent, bool worldPositionStays)
         {
             MainThread.Only(nameof(SetParent));

@@ -46,7 +46,9 @@ class EnvironmentClient:
                 except zmq.Again:
                     pass
                 except (MessageError, TimeoutError) as error:
-                    # A refusal says more than the silence that may come after it.
+                    # A refusal is told at once, and once; it says more than the silence that may come after it.
+                    if isinstance(error, MessageError) and self.why != str(error):
+                        self.report(f"trouble: {error}")
                     if isinstance(error, MessageError) or self.why == NOTHING:
                         self.why = str(error)
                     # Whoever refuses at once is not asked again at once.
@@ -69,7 +71,7 @@ class EnvironmentClient:
             # So many milliseconds for the last answer; without them it would be dropped.
             socket.linger = 1000
             socket.send_multipart(Message("closed", request.id).frames())
-        except (MessageError, TimeoutError) as error:
+        except TimeoutError as error:
             self.report(f"trouble: {error}")
             raise
         finally:

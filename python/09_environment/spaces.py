@@ -76,6 +76,13 @@ def picture(arrays: list[Array]) -> Any:
     return arrays[0].numpy().copy()
 
 
+def drawn(mode: Any) -> Any:
+    """The render mode; of any other one render would be None, without a word."""
+    if mode not in (None, "rgb_array"):
+        raise ValueError(f"render_mode takes 'rgb_array' or None, not {mode!r:.40}; lesson 12 makes films")
+    return mode
+
+
 def shown(items: Any) -> str:
     """In one line, with the dtype of an array, which numpy's own text often leaves out."""
     dtype = f"{items.dtype} " if isinstance(items, np.ndarray) else ""

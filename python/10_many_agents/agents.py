@@ -5,59 +5,25 @@ A hello says in `agents` who there is and of what kind their spaces are. A `step
 lives, in the order of the hello. The answer's `infos` name these agents; its arrays are rewards float64 [n], terminated
 and truncated uint8 [n], and what each of them sees. Whoever is over then has no part in the next step.
 An `info` brings infos for agents, and takes back in `told` what the game had to say, as each answer does.
-Take home: this file and infos.py, with simulator.py, simulation.py and spaces.py of lesson 09, and messages.py of 05.
+Take home: this file, agent_simulation.py, real_time.py and infos.py, with simulator.py, simulation.py and spaces.py of
+lesson 09, and messages.py of 05.
 """
 
 import sys
-from abc import ABC, abstractmethod
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Space
 
 # In its own lesson's folder; at home they lie beside this file.
 sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
-from infos import InfoQueue, pack, unpack, verdicts
+from agent_simulation import AgentSimulation
+from infos import pack, unpack, verdicts
 from messages import Message, MessageError, take
+from real_time import RealTime
 from simulation import draws
 from simulator import SimulatorBase
 from spaces import described, from_array, to_array
-
-
-class AgentSimulation(ABC):
-    """Your own game derives from it. `agents` are their names with what each sees and what it does."""
-
-    name: str
-    dt: float
-    agents: dict[str, tuple[Space[Any], Space[Any]]]
-
-    def __init__(self) -> None:
-        self.infos = InfoQueue()
-
-    @abstractmethod
-    def reset(self, chance: Iterator[float], options: dict[str, Any]) -> None:
-        """Begin an episode, in which all agents live."""
-
-    @abstractmethod
-    def apply(self, actions: dict[str, Any]) -> None:
-        """Do what the agents that live want, for `dt` seconds."""
-
-    @abstractmethod
-    def observe(self, agent: str) -> Any:
-        """What it sees now."""
-
-    @abstractmethod
-    def judge(self, agent: str) -> dict[str, Any]:
-        """The values reward, terminated and truncated, and any others for its info."""
-
-    def on_info(self, agent: str, info: dict[str, Any]) -> None:  # noqa: B027, whoever wants to hear overrides it.
-        """Python has said something to an agent, or to the environment: ""."""
-
-    def render(self) -> Any:
-        """A picture, uint8 [height, width, 3], the highest row first."""
-        raise NotImplementedError(f"{self.name} draws no pictures")
 
 
 class AgentSimulator(SimulatorBase):
@@ -65,7 +31,7 @@ class AgentSimulator(SimulatorBase):
 
     def __init__(self, game: AgentSimulation) -> None:
         super().__init__(game.name)
-        self.game, self.living = game, list[str]()
+        self.game, self.living = RealTime(game), list[str]()
 
     def describe(self) -> Message:
         kinds, arrays = [], []

@@ -5,8 +5,8 @@
     python python/10_many_agents/client.py --count 3                      leave after so many games
 
 Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Take home: this file, agents.py, areas.py,
-real_time.py and infos.py, with environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09, and
-messages.py of 05; pursuit.py, and cart_pole.py of 09, stand for your simulation.
+agent_simulation.py, real_time.py and infos.py, with environment_client.py, simulator.py, simulation.py and spaces.py of
+lesson 09, and messages.py of 05; pursuit.py, and cart_pole.py of 09, stand for your simulation.
 """
 
 import argparse
@@ -23,7 +23,6 @@ try:
     from cart_pole import CartPole
     from environment_client import EnvironmentClient
     from pursuit import Pursuit
-    from real_time import RealTime
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 10 installs it")
 except KeyboardInterrupt:
@@ -67,7 +66,7 @@ def main() -> None:
         parser.error("--count takes whole numbers from 0, --areas 1 to 1024, --patience seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     areas = [CartPole() for _ in range(options.areas)]
-    simulator = AgentSimulator(RealTime(Pursuit())) if options.world == "Pursuit" else AreaSimulator(areas)
+    simulator = AgentSimulator(Pursuit()) if options.world == "Pursuit" else AreaSimulator(areas)
     client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
     try:
         client.run(simulator, options.count)

@@ -29,14 +29,14 @@ from gymnasium.utils import seeding
 from infos import LIMIT, pack
 from pettingzoo import ParallelEnv
 from remote_agents import RemoteAgents, told
-from spaces import picture, sendable, shown, to_array
+from spaces import drawn, picture, sendable, shown, to_array
 
 
 class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
     """The game of one simulator. `where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
 
     def __init__(self, name: str = "Pursuit", render_mode: Any = None, real_time: bool = False, **where: Any) -> None:
-        self.agents, self.render_mode, self.real_time, self.next = list[str](), render_mode, real_time, 0.0
+        self.agents, self.render_mode, self.real_time, self.next = list[str](), drawn(render_mode), real_time, 0.0
         self.picture = np.zeros((240, 320, 3), np.uint8)
         self.random, _ = seeding.np_random()
         self.remote = RemoteAgents(name, **where)

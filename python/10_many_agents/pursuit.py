@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from agents import AgentSimulation
+from agent_simulation import AgentSimulation
 from gymnasium.spaces import Box, Discrete
 
 # The world goes from -1 to 1, both ways; in one step a hunter comes so far, and a rabbit.

@@ -1,17 +1,17 @@
 """Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. The twin of RealTime.cs.
 
-A game in this shell is stepped as ever, until a reset has the option `real_time`. From then on each step first makes up
-for the ticks that the clock has seen since the last one, with the actions from then; rewards are summed. It is Python
-that keeps the pace: `ZmqParallelEnv(real_time=True)` sends no more than one step for each tick.
-Take home: this file, agents.py and infos.py, with simulator.py, simulation.py and spaces.py of lesson 09, and
-messages.py of 05.
+AgentSimulator puts each game into this shell. It is stepped as ever, until a reset has the option `real_time`. From
+then on each step first makes up for the ticks that the clock has seen since the last one, with the actions from then;
+rewards are summed. It is Python that keeps the pace: `ZmqParallelEnv(real_time=True)` sends no more than one step for
+each tick.
+Take home: this file, agent_simulation.py and infos.py, with spaces.py of lesson 09 and messages.py of 05.
 """
 
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from agents import AgentSimulation
+from agent_simulation import AgentSimulation
 
 # Seconds. Who slept longer, as a computer does, has not that much made up for.
 MOST = 10.0

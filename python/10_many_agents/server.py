@@ -6,8 +6,8 @@
 
 Plays ten games of hunters and rabbits with each simulator that comes, and prints a line for each; or 1000 steps of all
 areas.
-Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Trouble: stop the simulator in a game; start it with
-another number of areas.
+Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Trouble: stop the simulator in a game, which takes
+seconds with --real-time; start it with another number of areas.
 Take home: this file, players.py, parallel.py, remote_agents.py, vector.py, remote_areas.py and infos.py, with
 environment.py, connection.py, simulators.py, launched.py and spaces.py of lesson 09, and messages.py of 05.
 """
@@ -41,7 +41,7 @@ PLAYS = {"CartPole": balance, "Pursuit": play}
 def environment(socket: zmq.Socket[bytes], options: argparse.Namespace) -> Any:
     """Of several agents, or of several areas; either waits for a simulator."""
     if options.world == "Pursuit":
-        return ZmqParallelEnv("Pursuit", socket=socket)
+        return ZmqParallelEnv("Pursuit", socket=socket, real_time=options.real_time)
     return gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket)
 
 
@@ -61,6 +61,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--world", choices=["CartPole", "Pursuit"], default="Pursuit", help="what is played")
     parser.add_argument("--areas", type=areas, default=16, help="how many areas of CartPole")
+    parser.add_argument("--real-time", action="store_true", help="hunters and rabbits run as fast as one can watch")
 
 
 def areas(text: str) -> int:

@@ -24,7 +24,7 @@ from remote_areas import RemoteAreas
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
 import environment  # noqa: F401, it registers the environments.
-from spaces import shown
+from spaces import drawn, shown
 
 
 class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
@@ -41,7 +41,7 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
         render_mode: str | None = None,
         **where: Any,
     ) -> None:
-        self.num_envs, self.mode, self.render_mode = num_envs, AutoresetMode(autoreset_mode), render_mode
+        self.num_envs, self.mode, self.render_mode = num_envs, AutoresetMode(autoreset_mode), drawn(render_mode)
         self.areas = RemoteAreas(num_envs, name, max_episode_steps or np.inf, **where)
         self.over = np.ones(num_envs, bool)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.

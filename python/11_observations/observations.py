@@ -32,6 +32,8 @@ class UnityEnv(gymnasium.Env[Any, Any]):
         render_mode: str | None = None,
         **where: Any,
     ) -> None:
+        if render_mode is not None:
+            raise ValueError(f"render_mode takes None, not {render_mode!r:.40}: lesson 12 makes films")
         self.observation_space, self.action_space, self.name = observation_space, action_space, agent_name
         self.render_mode = render_mode
         where = {"launch": file_name or (), **where}

@@ -36,6 +36,8 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
     ) -> None:
         self.metadata = {"name": env_name, "render_modes": []}
         self.observation_spaces, self.action_spaces = own(observation_spaces), own(action_spaces)
+        if render_mode is not None:
+            raise ValueError(f"render_mode takes None, not {render_mode!r:.40}: lesson 12 makes films")
         self.render_mode = render_mode
         self.possible_agents, self.agents = list(observation_spaces), list[str]()
         self.random = np.random.default_rng()

@@ -15,9 +15,13 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from socket import getaddrinfo
 
-from film_view import FilmView
-from self_driving import SelfDriving, scaled
-from view_sender import ViewSender
+try:
+    from film_view import FilmView
+    from self_driving import SelfDriving, scaled
+    from view_sender import ViewSender
+except KeyboardInterrupt:
+    # numpy takes a while.
+    sys.exit("stopped")
 
 ENDPOINT, STEP = "tcp://127.0.0.1:5562", 0.02
 

@@ -26,9 +26,14 @@ from pathlib import Path
 from typing import Any
 
 import zmq
-from film_writer import check_new
-from films import Films
-from messages import LIMIT, Message, MessageError
+
+try:
+    from film_writer import check_new
+    from films import Films
+    from messages import LIMIT, Message, MessageError
+except KeyboardInterrupt:
+    # numpy takes a while.
+    sys.exit()
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5562", zmq.ROUTER, 4 * LIMIT
 

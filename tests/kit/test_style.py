@@ -39,11 +39,11 @@ LONGER = {
     "python/08_see_and_steer/server.py": 81,
     "python/07_catch_up/server.py": 66,
     # What it needs takes seconds to import: what is missing, and Ctrl-C, are said in a line.
-    "python/10_many_agents/server.py": 68,
-    # The game's loop stands beside its thread for the network.
-    "python/12_video/client.py": 62,
+    "python/10_many_agents/server.py": 69,
+    # Ctrl-C while it imports is no traceback; and the game's loop stands beside its thread for the network.
+    "python/12_video/client.py": 65,
     # What is filmed is chosen here, and trouble by a slow disk.
-    "python/12_video/server.py": 83,
+    "python/12_video/server.py": 86,
     # Nine options, which the C# client has as well.
     "python/14_long_jobs/client.py": 75,
     # Four options more: which keys, and three ways to be refused. And its keys, before it listens.

@@ -141,10 +141,12 @@ def test_a_killed_simulator_ends_the_game_and_the_next_one_starts_another(kind, 
 @each_terminal
 def test_another_number_of_areas_is_one_clear_line(kind, serve, start, client_command):
     server, endpoint = serve(KEY, "--world", "CartPole", "--areas", "16")
-    words = ["--world", "CartPole", "--areas", "8", "--patience", "1"]
+    words = ["--world", "CartPole", "--areas", "8", "--patience", "2"]
     client = start(*client_command(kind, KEY, endpoint, *words))
-    assert client.wait() == 1
     text = "wrong-areas: num_envs is 16, the simulator has 8: start it with --areas 16"
+    assert client.wait() == 1
+    # At once, and not again at each try.
+    assert client.lines[1:-1] == [f"trouble: {text}"]
     client.wait_for(f"^gave up: .*{text}")
     server.wait_for(f"^trouble: '{text}'$")
 

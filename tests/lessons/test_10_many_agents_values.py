@@ -196,6 +196,13 @@ def test_a_seed_that_no_simulator_could_read_is_named(areas):
     assert len(areas.np_random) == 3
 
 
+@pytest.mark.parametrize("mode", ["rgb_array_list", "human"])
+def test_a_render_mode_that_would_draw_nothing_is_refused_before_anybody_is_waited_for(mode):
+    for kind in ZmqParallelEnv, lambda **words: gymnasium.make_vec("NetMQExample/CartPole-v0", 2, **words):
+        with pytest.raises(ValueError, match=f"^render_mode takes 'rgb_array' or None, not '{mode}'"):
+            kind(render_mode=mode)
+
+
 def test_what_was_seen_last_is_the_environments_own(areas, game):
     """A user who changes what was given out changes nothing else."""
     seen, _ = areas.reset(seed=1)

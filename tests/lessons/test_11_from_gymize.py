@@ -43,7 +43,17 @@ using NetMQExample;
 
 public sealed class Says : MonoBehaviour
 {
-    private void Start() => GetComponent<GymManager>().Simulator.OnInfo += info => Debug.Log($"heard {info}");
+    private void Start()
+    {
+        if (GymManager.Current != null) GymManager.Current.Simulator.OnInfo += info => Debug.Log($"heard {info}");
+    }
+}
+
+public sealed class Speeder : Agent
+{
+    [Box(".speed[")] private float speed = 1;
+    public override void OnReset() { }
+    public override void OnAction(object action) { }
 }
 
 public static class Program
@@ -59,7 +69,18 @@ public static class Program
             thing.AddComponent<Says>();
             UnityPlayer.Inspector.Set(scripts, "endpoint", args[0]);
             UnityPlayer.Inspector.Set(scripts, "envName", "Runner");
+            // Before any other agent.
+            if (args[1] == "locator") other.AddComponent<Speeder>();
+            if (args[1] == "alone") scripts[1].enabled = false;
             thing.SetActive(true);
+            if (args[1] == "named")
+            {
+                ((Agent)scripts[0]).Name = "one";
+                other.AddComponent<Runner>().Name = "two";
+                var (third, last) = (new GameObject("third"), new GameObject("last"));
+                third.AddComponent<Runner>().Name = "one";
+                last.AddComponent<Runner>();
+            }
             if (args[1] == "twice") other.AddComponent<Runner>();
             if (args[1] == "sensor") other.AddComponent<CameraSensor>();
             if (args[1] == "gone") scripts[0].enabled = false;
@@ -124,6 +145,7 @@ def test_the_environment_hears_what_is_sent_to_nobody(run):
     [
         ("twice", "gave up: two agents are named 'agent': each needs a name of its own"),
         ("sensor", "gave up: CameraSensor on twin has no agent above it, and its locator names none"),
+        ("locator", 'gave up: Speeder.speed, locator ".speed[": column 8: expected a key'),
     ],
 )
 def test_what_is_wrong_in_a_scene_is_said_once_and_the_rest_plays(how, said, run):
@@ -135,6 +157,31 @@ def test_what_is_wrong_in_a_scene_is_said_once_and_the_rest_plays(how, said, run
 def test_an_agent_that_is_disabled_is_not_there(run):
     _, error, _ = run("gone", code=1)
     assert error.rstrip().endswith("unknown-agent: no agent is named 'agent'; there are:")
+
+
+def test_a_script_names_the_agents_that_it_makes(run):
+    """One that was named already, and some that were made; the page's script plays with the one that was not named."""
+    printed, error, player = run("named", before_close='env.unwrapped.send_info("", "nobody")\n', code=1)
+    assert printed == PARTS[""]
+    assert error.rstrip().endswith("unknown-agent: no agent is named 'nobody'; there are: one, two, agent")
+    assert player.output.count("gave up: two agents are named 'one': each needs a name of its own") == 1
+
+
+def test_agents_without_a_manager_say_so_at_once(scene, start):
+    player = start(*scene, f"tcp://127.0.0.1:{free_port()}", "alone")
+    player.wait_for("^trouble: agent waits for a GymManager: put one on any game object of the scene")
+    assert player.output.count("GymManager") == 1
+
+
+@pytest.mark.long
+def test_the_pages_words_play_it_without_unity(engine, console, start, tmp_path):
+    (words,) = re.findall(r"^python3 (kit.py play Runner.cs .*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    (tmp_path / "Runner.cs").write_text(PARTS["csharp"], encoding="utf-8")
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    words = words.replace("Runner.cs", str(tmp_path / "Runner.cs"), 1).split()
+    player = start(PYTHON, *words, "--engine", engine.name, "--endpoint", endpoint, "--patience", "1")
+    assert player.wait(300) == 1
+    assert player.lines[-1].startswith(f"gave up: no environment at {endpoint} within 1 s")
 
 
 def test_nothing_that_gymize_needed_is_needed():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import warnings
 from types import SimpleNamespace
 from typing import Annotated, Any
 
@@ -203,6 +204,17 @@ def test_what_cannot_be_sent_is_named_before_it_is(info, world):
     assert env.step(1)[2:4] == (False, False), "it goes on"
 
 
+@pytest.mark.filterwarnings("ignore:.*render_mode=")
+def test_a_render_mode_is_refused_before_anybody_is_waited_for():
+    declared = {"observation_space": ONE, "action_space": ONE}
+    for kind, spaces_of in (
+        (lambda **words: gymnasium.make("NetMQExample/Unity-v0", **words), declared),
+        (UnityParallelEnv, {f"{name}s": {"a": space} for name, space in declared.items()}),
+    ):
+        with pytest.raises(ValueError, match=r"^render_mode takes None, not 'rgb_array': lesson 12 makes films"):
+            kind(env_name="Cars", render_mode="rgb_array", **spaces_of)
+
+
 def test_a_wrong_seed_wrong_options_and_a_step_too_early_are_named(world):
     env = world(simulator=seeing(np.zeros(2)))
     with pytest.raises(gymnasium.error.ResetNeeded):
@@ -223,6 +235,25 @@ def test_actions_of_others_than_those_that_live_are_named(actions, world):
     text = f"actions {actions}, but those that live are ['agent']"
     with pytest.raises(ValueError, match=f"^{re.escape(text)}"):
         env.step(actions)
+
+
+def test_a_key_that_nothing_writes_is_named_at_reset_also_in_a_dict(world):
+    deep = spaces.Dict(x=ONE, extra=ONE, deep=spaces.Dict(a=ONE, b=ONE))
+
+    class Deep(Car):
+        a: Annotated[Any, Obs(".deep.a(0)")] = 1.0
+
+    car = Deep()
+    car.x = np.zeros(2)
+    env = world(simulator=SceneSimulator("Cars", 0.1, [car]), observation_space=deep)
+    with pytest.warns(UserWarning) as told:
+        seen, _ = env.reset(seed=1)
+    places = "nothing writes 'agent'@['extra']: ", "nothing writes 'agent'@['deep']['b']: "
+    assert len(told) == 2 and all(str(one.message).startswith(place) for one, place in zip(told, places, strict=True))
+    assert seen["deep"]["a"].tolist() == [1, 0]
+    with warnings.catch_warnings(action="error"):
+        env.step(1)
+        world(simulator=seeing(np.zeros(2))).reset(seed=1)
 
 
 # The simulator in Python

@@ -119,7 +119,7 @@ namespace NetMQExample.PlayTest
                 var part = new GameObject($"{bone}").transform;
                 var above = carrier < 0 ? character.transform : bones[(HumanBodyBones)carrier];
                 part.SetPositionAndRotation(above.position + place, Own(bone));
-                part.SetParent(above, true);
+                part.SetParent(above);
                 Player.MakeHuman(character, bone, bones[bone] = part);
             }
             return character;

@@ -67,7 +67,8 @@ namespace NetMQExample
                 }
                 catch (Exception e) when (e is TimeoutException || e is MessageException)
                 {
-                    // A refusal says more than the silence that may come after it.
+                    // A refusal is told at once, and once; it says more than the silence that may come after it.
+                    if (e is MessageException && why != e.Message) report($"trouble: {e.Message}");
                     if (e is MessageException || why == Nothing) why = e.Message;
                     // Whoever refuses at once is not asked again at once.
                     stop.WaitHandle.WaitOne(patience < Try ? patience : Try / 5);
@@ -100,7 +101,7 @@ namespace NetMQExample
                 connection.Socket.Options.Linger = Try;
                 Send(new Message("closed", request.Id), Try, stop);
             }
-            catch (Exception e) when (e is TimeoutException || e is MessageException)
+            catch (TimeoutException e)
             {
                 report($"trouble: {e.Message}");
                 throw;
@@ -117,8 +118,7 @@ namespace NetMQExample
             var frames = new NetMQMessage();
             frames.Append(message.Header());
             foreach (var array in message.Arrays) frames.Append(array.Data.ToArray());
-            var (slices, socket) = (NetMQConnection.Slices(limit, stop), connection.Socket);
-            if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, frames)))
+            if (!NetMQConnection.Slices(limit, stop).Any(s => connection.Socket.TrySendMultipartMessage(s, frames)))
                 throw new TimeoutException("no connection");
             connection.Show(true, frames);
         }

@@ -4,8 +4,8 @@
 // lives, in the order of the hello. The answer's "infos" name these agents; its arrays are rewards float64 [n],
 // terminated and truncated uint8 [n], and what each of them sees. Whoever is over then has no part in the next step.
 // An info brings infos for agents, and takes back in "told" what the game had to say, as each answer does.
-// Take home: this file, AgentSimulation.cs and Infos.cs, with Simulator.cs, Simulation.cs and GymSpace.cs (lesson 09),
-// Message.cs and MessageJson.cs (05). The Python side is python/10_many_agents/parallel.py.
+// Take home: this file, AgentSimulation.cs, RealTime.cs and Infos.cs, with Simulator.cs, Simulation.cs and GymSpace.cs
+// (lesson 09), Message.cs and MessageJson.cs (05). The Python side is python/10_many_agents/parallel.py.
 // Trouble: stop the Python program in a game, and start it again.
 using System;
 using System.Collections.Generic;
@@ -16,15 +16,18 @@ namespace NetMQExample
     /// <summary>Answers reset, step, info and render for a game.</summary>
     public sealed class AgentSimulator : SimulatorBase
     {
-        private readonly IAgentSimulation game;
+        private readonly RealTime game;
         private List<(string Name, GymSpace Observation, GymSpace Action)> living =
             new List<(string, GymSpace, GymSpace)>();
 
         /// <summary>For a game, which from then on nobody else steps.</summary>
-        public AgentSimulator(IAgentSimulation game) => this.game = game;
+        public AgentSimulator(IAgentSimulation game) => this.game = new RealTime(game);
 
         /// <inheritdoc/>
         public override string Name => game.Name;
+
+        /// <summary>Brings a game in real time up to the clock; on any other it does nothing.</summary>
+        public void CatchUp() => game.CatchUp();
 
         /// <inheritdoc/>
         protected override Message Describe()

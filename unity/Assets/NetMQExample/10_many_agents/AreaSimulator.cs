@@ -63,28 +63,39 @@ namespace NetMQExample
             if (state.Length != 0 && state.Length != areas[0].StateSize)
                 throw new MessageException("bad-state",
                     $"a state is {areas[0].StateSize} numbers, not {state.Length}");
-            var stepping = Enumerable.Range(0, actions?.Length ?? 0).Where(i => mask[i] == 0).ToArray();
-            foreach (var i in stepping) areas[i].Apply(actions[i]);
-            Steps += stepping.Length;
-            if (actions != null) Moved();
+            bool Begins(int area) => mask[area] != 0;
+            Move(actions, Begins);
+            foreach (var area in Enumerable.Range(0, areas.Length).Where(Begins))
+            {
+                areas[area].ResetWorld(new Chance(seeds[area]), request.Values, state);
+                Episodes++;
+            }
+            return State(request.Id, area => actions == null || Begins(area));
+        }
+
+        private void Move(double[][] actions, Func<int, bool> begins)
+        {
+            if (actions == null) return;
+            for (var area = 0; area < areas.Length; area++)
+            {
+                if (begins(area)) continue;
+                areas[area].Apply(actions[area]);
+                Steps++;
+            }
+            // In Unity physics, once for all of them.
+            Moved();
+        }
+
+        private Message State(long id, Func<int, bool> begun)
+        {
             var infos = areas.Select(area => new Dictionary<string, object>()).ToArray();
-            var judged = areas.Select((area, i) => mask[i] != 0
-                ? Begin(area, new Chance(seeds[i]), request.Values, state)
-                : actions == null ? (0, false, false) : area.Judge(infos[i])).ToArray();
-            var answer = new Message("state", request.Id);
+            var judged = areas.Select((area, i) => begun(i) ? (0, false, false) : area.Judge(infos[i])).ToArray();
+            var answer = new Message("state", id);
             answer.Values["infos"] = Infos.Pack(infos.Select((info, area) =>
                 ((object)area, (IReadOnlyDictionary<string, object>)info)).Where(one => one.Item2.Count > 0));
             answer.Arrays.Add(Batch(areas.Select(area => area.Observe()).ToArray()));
             answer.Arrays.AddRange(Infos.Judged(judged));
             return answer;
-        }
-
-        private (double Reward, bool Terminated, bool Truncated) Begin(
-            ISimulation area, Chance chance, IReadOnlyDictionary<string, object> options, double[] state)
-        {
-            area.ResetWorld(chance, options, state);
-            Episodes++;
-            return (0, false, false);
         }
 
         private T[] Numbers<T>(MessageArray array) where T : struct

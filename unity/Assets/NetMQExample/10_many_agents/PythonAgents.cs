@@ -14,14 +14,14 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";
 
-        private volatile RealTime realTime;
+        private volatile AgentSimulator simulator;
         private readonly List<string> living = new List<string>();
 
         /// <inheritdoc/>
         protected override string Endpoint => endpoint;
 
         /// <inheritdoc/>
-        protected override SimulatorBase MakeSimulator() => new AgentSimulator(realTime = new RealTime(this));
+        protected override SimulatorBase MakeSimulator() => simulator = new AgentSimulator(this);
 
         /// <inheritdoc/>
         public abstract string Name { get; }
@@ -71,7 +71,7 @@ namespace NetMQExample
         {
             base.FixedUpdate();
             // If Python wants real time the scene moves on while it thinks; else this does nothing.
-            realTime?.CatchUp();
+            simulator?.CatchUp();
         }
 
         /// <inheritdoc/>

@@ -30,8 +30,16 @@ namespace NetMQExample
         /// <summary>All that are enabled now. For the main thread.</summary>
         public static List<IAgent> All { get; } = new List<IAgent>();
 
-        /// <summary>What Python calls it.</summary>
-        public string Name => agentName;
+        /// <summary>What Python calls it. A script that makes agents names each one as soon as it is made.</summary>
+        public string Name
+        {
+            get => agentName;
+            set
+            {
+                (agentName, state) = (value, null);
+                if (All.Remove(this)) Join();
+            }
+        }
 
         /// <summary>How many ticks one of its steps takes.</summary>
         public int StepPeriod => stepPeriod;
@@ -98,7 +106,19 @@ namespace NetMQExample
         protected void SendInfo(object info) => State.SendInfo(info);
 
         /// <summary>Comes. Whoever overrides it calls base.OnEnable().</summary>
-        protected virtual void OnEnable()
+        protected virtual void OnEnable() => Join();
+
+        /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
+        protected virtual void OnDisable() => All.Remove(this);
+
+        // All of the scene are enabled before the first one starts; one agent says it for all.
+        private void Start()
+        {
+            if (GymManager.Current == null && ReferenceEquals(All.FirstOrDefault(), this))
+                Debug.LogError($"trouble: {Name} waits for a GymManager: put one on any game object of the scene");
+        }
+
+        private void Join()
         {
             Observed.Engine = UnityValues.Numbers;
             try
@@ -115,8 +135,5 @@ namespace NetMQExample
                 enabled = false;
             }
         }
-
-        /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
-        protected virtual void OnDisable() => All.Remove(this);
     }
 }

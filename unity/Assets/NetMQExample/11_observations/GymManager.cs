@@ -15,6 +15,9 @@ namespace NetMQExample
         [SerializeField, Tooltip("The env_name in Python")] private string envName = "Coins";
         [SerializeField, Tooltip("Seconds of a tick")] private double dt = 0.1;
 
+        /// <summary>The one of this scene, if there is one.</summary>
+        public static GymManager Current { get; private set; }
+
         /// <summary>What the environment itself says and hears: SendInfo, OnInfo. New after each enable.</summary>
         public SceneSimulator Simulator { get; private set; }
 
@@ -27,6 +30,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
+            Current = this;
             Simulator = new SceneSimulator(envName, dt, Agent.All, CameraSensor.All, () => Physics.Simulate((float)dt));
             base.Begin();
         }

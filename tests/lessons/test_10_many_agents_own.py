@@ -1,0 +1,113 @@
+"""Lesson 10, worlds of one's own: those of the page run as they stand there, in both languages, and are the same."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import pytest
+
+from kitlib.docs import guide
+from tests.conftest import PYTHON
+from tests.programs import ROOT, free_port
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
+np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install numpy")
+pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
+from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
+from pettingzoo.test import parallel_api_test  # noqa: E402
+
+KEY = "10_many_agents"
+sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
+import vector  # noqa: E402, F401
+from parallel import ZmqParallelEnv  # noqa: E402
+
+# Sixteen of lesson 09's worlds, under another name, as a reader's script has them.
+BALLS = """import sys
+
+sys.path.append("python/10_many_agents")
+from areas import AreaSimulator
+from cart_pole import CartPole
+from environment_client import EnvironmentClient
+
+
+class Ball(CartPole):
+    name = "Ball"
+
+
+EnvironmentClient(sys.argv[-1], 30).run(AreaSimulator([Ball() for _ in range(16)]))
+"""
+
+
+@pytest.fixture(autouse=True)
+def in_the_kits_folder(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+def of_the_page(language, word):
+    """The page's block in this language in which the word stands."""
+    blocks = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
+    (body,) = [block.body for block in blocks if (block.language, word in block.body) == (language, True)]
+    return body
+
+
+@pytest.fixture
+def tag(tmp_path):
+    """Makes the page's world in Python, and closes it."""
+    (tmp_path / "tag.py").write_text(of_the_page("python", "class Tag"), encoding="utf-8")
+    made = []
+
+    def make(**where):
+        made.append(ZmqParallelEnv("Tag", launch=[str(PYTHON), str(tmp_path / "tag.py")], **where))
+        return made[-1]
+
+    yield make
+    for env in made:
+        env.close()
+
+
+def test_the_pages_world_passes_pettingzoos_test(tag):
+    parallel_api_test(tag(), num_cycles=50)
+
+
+def test_a_world_of_ones_own_goes_on_while_python_thinks_if_it_is_to(tag):
+    """No word of it is in the world itself. The mouse runs at 0.2 m a tick; a busy machine makes it more of them."""
+    env = tag(real_time=True)
+    env.reset(seed=1)
+    before = env.step({"cat": 1, "mouse": 0})[0]["cat"][1]
+    time.sleep(1)
+    seen, *_ = env.step({"cat": 1, "mouse": 1})
+    assert seen["cat"][1] < before - 8 * 0.2 + 0.01
+
+
+def test_the_pages_world_is_the_same_in_both_languages(tag, engine, console, start, tmp_path):
+    """Two games, one of them to its end."""
+    (tmp_path / "Tag.cs").write_text(of_the_page("csharp", "class Tag"), encoding="utf-8")
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    words = ["--engine", engine.name, "--endpoint", endpoint, "--patience", "200"]
+    player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Tag.cs", *words)
+    envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=240)], np.random.default_rng(1)
+    try:
+        for name in envs[0].possible_agents:
+            assert envs[0].observation_space(name) == envs[1].observation_space(name)
+        for seed, cat in ((1, None), (2, 2)):
+            assert data_equivalence(*(env.reset(seed=seed) for env in envs))
+            while envs[0].agents:
+                actions = {"cat": cat or random.integers(3), "mouse": random.integers(3)}
+                assert data_equivalence(*(env.step(actions) for env in envs))
+            assert envs[1].agents == []
+    finally:
+        envs[1].close()
+    assert player.wait() == 0, player.output
+
+
+def test_areas_of_a_world_of_ones_own_are_registered_as_the_page_does_it(tmp_path):
+    (tmp_path / "balls.py").write_text(BALLS, encoding="utf-8")
+    exec(of_the_page("python", "gymnasium.register("), {"gymnasium": gymnasium})
+    launch = [str(PYTHON), str(tmp_path / "balls.py")]
+    try:
+        envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, launch=launch)
+        assert envs.reset(seed=1)[0].shape == (16, 4)
+        envs.close()
+    finally:
+        del gymnasium.registry["My/Ball-v0"]
