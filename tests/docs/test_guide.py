@@ -37,6 +37,7 @@ EXPECTED_PAGES = {
     "11_locators.md",
     "16_watching.md",
     "from_gymize.md",
+    "from_ml_agents.md",
     "in_the_editor.md",
     "from_udp_receive.md",
     "start_here.md",
