@@ -24,7 +24,8 @@ namespace NetMQExample.SideChannels
         /// <summary>True when there is nothing more to say.</summary>
         protected virtual bool Over => false;
 
-        /// <summary>Whether it ends when the server was silent for so long. Else it says so, and goes on trying.</summary>
+        /// <summary>Whether it ends when the server was silent for so long. Else it says so, and goes on
+        /// trying.</summary>
         protected virtual bool GivesUp => false;
 
         /// <summary>What has come goes to the channels, and what these have queued is the result. In Update.</summary>

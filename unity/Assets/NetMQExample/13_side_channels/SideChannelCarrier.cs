@@ -37,8 +37,8 @@ namespace NetMQExample.SideChannels
         /// <summary>Connects, which succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5563</c>.</param>
         /// <param name="patience">How long it may be silent.</param>
-        /// <param name="report">Gets a line when it is silent for longer, and then the carrier goes on trying. Without it
-        /// that ends with TimeoutException.</param>
+        /// <param name="report">Gets a line when it is silent for longer, and then the carrier goes on trying. Without
+        /// it that ends with TimeoutException.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public SideChannelCarrier(string endpoint, TimeSpan patience, Action<string> report = null)
         {
