@@ -13,19 +13,18 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5564");
             var (kind, count) = (arguments.Text("kind", "count"), arguments.Whole("count", 100));
+            var text = arguments.Text("text", "");
             var (id, forget) = (arguments.Text("resume", ""), arguments.Flag("forget"));
             var (cancelAt, leaveAt) = (arguments.Whole("cancel-at", 0), arguments.Whole("leave-at", 0));
             var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 10));
             arguments.RefuseTheRest();
-            if (Array.IndexOf(new[] { "count", "picture", "path", "deaf" }, kind) < 0)
-                throw new UsageException($"--kind is count, picture, path or deaf, not '{kind}'");
 
             var (bar, last) = (new ProgressBar(), (JobNews?)null);
             using var client = new JobClient(endpoint, id == "" ? JobClient.NewId() : id, patience, tries, bar.Say);
             Console.WriteLine($"asking {endpoint} for job {client.Job}");
             try
             {
-                foreach (var news in client.Watch(id == "" ? client.Goal(kind, count) : client.Ask("status")))
+                foreach (var news in client.Watch(id == "" ? client.Goal(kind, count, text) : client.Ask("status")))
                 {
                     bar.Show(last = news);
                     if (news.Kind != "feedback") continue;

@@ -27,6 +27,9 @@ namespace UnityEngine
         public static void Label(Rect position, string text) => Drawn = text;
 
         public static void DrawTexture(Rect position, Texture image) { }
+
+        // Nobody clicks in a terminal.
+        public static bool Button(Rect position, string text) => false;
     }
 
     public sealed class TextMesh : Component

@@ -7,6 +7,7 @@ Take home: this file.
 import contextlib
 import time
 from collections import deque
+from collections.abc import Callable
 
 import zmq
 
@@ -15,8 +16,18 @@ SILENCE = 1.0
 
 
 class ClientCarrier:
-    def __init__(self, context: zmq.Context[zmq.Socket[bytes]], endpoint: str, patience: float, largest: int) -> None:
+    """With `report` a server that is silent for longer than `patience` is a line, and it goes on trying."""
+
+    def __init__(
+        self,
+        context: zmq.Context[zmq.Socket[bytes]],
+        endpoint: str,
+        patience: float,
+        largest: int,
+        report: Callable[[str], object] | None = None,
+    ) -> None:
         self.context, self.endpoint, self.patience, self.largest = context, endpoint, patience, largest
+        self.report, self.away = report, False
         self.unsent: deque[bytes] = deque()
         self.heard = time.monotonic()
         self.open()
@@ -28,10 +39,16 @@ class ClientCarrier:
         self.socket.connect(self.endpoint)
         self.answered, self.said = False, 0.0
 
+    @property
+    def full(self) -> bool:
+        """Whether an exchange waits for a server that is away. Pack none then: their channels keep the messages, and of
+        too many drop the oldest."""
+        return bool(self.unsent)
+
     def exchange(self, data: bytes, wait: float) -> list[bytes]:
         """Sends an exchange, unless it is empty, and gives those that have come; waits so many seconds for the first.
 
-        TimeoutError when the server was silent for too long.
+        TimeoutError when the server was silent for too long, and there is no `report`.
         """
         if data:
             self.unsent.append(data)
@@ -49,9 +66,13 @@ class ClientCarrier:
                 self.unsent.popleft()
         received = self.receive(wait)
         if received:
-            self.heard, self.answered = time.monotonic(), True
-        elif time.monotonic() - self.heard > self.patience:
-            raise TimeoutError(f"no word from {self.endpoint} within {self.patience:g} s; is the server running?")
+            self.heard, self.answered, self.away = time.monotonic(), True, False
+        elif time.monotonic() - self.heard > self.patience and not self.away:
+            why = f"no word from {self.endpoint} within {self.patience:g} s; is the server running?"
+            if not self.report:
+                raise TimeoutError(why)
+            self.away = True
+            self.report(f"{why} It is tried again and again")
         return received
 
     def receive(self, wait: float) -> list[bytes]:

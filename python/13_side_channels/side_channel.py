@@ -7,6 +7,7 @@ Take home: this file and side_channel_messages.py.
 
 import uuid
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
 from side_channel_messages import IncomingMessage, OutgoingMessage, UnitySideChannelException
 
@@ -14,6 +15,8 @@ __all__ = ["Channel", "IncomingMessage", "OutgoingMessage", "SideChannel", "Unit
 
 # An exchange is at most this large, with the 20 bytes in front of each message.
 LARGEST_EXCHANGE = 16 * 1024 * 1024
+# What a channel keeps while nobody takes its messages: so many, with so many bytes together.
+MOST_QUEUED, MOST_BYTES = 100_000, 4 * LARGEST_EXCHANGE
 
 
 class Channel(ABC):
@@ -22,6 +25,9 @@ class Channel(ABC):
     def __init__(self, channel_id: uuid.UUID) -> None:
         self._channel_id = channel_id
         self.message_queue: list[bytes] = []
+        self.size = self.dropped = 0
+        # The manager's, once it is registered.
+        self.report: Callable[[str], None] = print
 
     @property
     def channel_id(self) -> uuid.UUID:
@@ -35,6 +41,17 @@ class Channel(ABC):
             raise UnitySideChannelException(f"a message of {len(data)} bytes is too large: send it in parts")
         # A copy: who writes on in the message does not change what was queued.
         self.message_queue.append(bytes(data))
+        self.size += len(data)
+        if len(self.message_queue) > MOST_QUEUED or self.size > MOST_BYTES:
+            if not self.dropped:
+                self.report(f"channel {self.channel_id}: nobody takes its messages, the oldest are dropped")
+            self.dropped += len(self.take((len(self.message_queue) + 1) // 2))
+
+    def take(self, count: int) -> list[bytes]:
+        """The oldest, which are then no longer queued."""
+        taken, self.message_queue = self.message_queue[:count], self.message_queue[count:]
+        self.size = sum(map(len, self.message_queue))
+        return taken
 
 
 class SideChannel(Channel):

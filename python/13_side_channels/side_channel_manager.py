@@ -43,7 +43,7 @@ class SideChannelManager:
         channel_id = channel.channel_id.bytes_le
         if channel_id in self.channels:
             raise UnitySideChannelException(f"channel {channel.channel_id} is registered already: give each its own id")
-        self.channels[channel_id] = channel
+        self.channels[channel_id], channel.report = channel, self.report
         early = [message for known, message in self.unknown if known == channel_id]
         self.unknown = [kept for kept in self.unknown if kept[0] != channel_id]
         for message in early:
@@ -55,13 +55,15 @@ class SideChannelManager:
         """
         data = bytearray()
         for channel_id, channel in self.channels.items():
-            count = 0
+            if channel.dropped:
+                self.report(f"channel {channel.channel_id}: {channel.dropped} messages were dropped")
+            channel.dropped = count = 0
             for message in channel.message_queue:
                 if len(data) + 20 + len(message) > LARGEST_EXCHANGE:
                     break
                 data += channel_id + struct.pack("<i", len(message)) + message
                 count += 1
-            del channel.message_queue[:count]
+            channel.take(count)
         return data
 
     def process_side_channel_message(self, data: bytes) -> None:

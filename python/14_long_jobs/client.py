@@ -63,7 +63,8 @@ def main() -> None:
     sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Has a long job done, watches it, and comes back to it.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
-    parser.add_argument("--kind", choices=("count", "picture", "path", "deaf"), default="count", help="what to do")
+    parser.add_argument("--kind", default="count", help="what to do: count, picture, path, deaf, or one of your own")
+    parser.add_argument("--text", default="", help="what else your own kind has to know")
     parser.add_argument("--count", type=int, default=100, help="how far to count; or the side of the picture, the path")
     parser.add_argument("--resume", default="", metavar="ID", help="come back to this job and start none")
     parser.add_argument("--cancel-at", type=int, default=0, metavar="N", help="cancel the job when N is done")
@@ -84,7 +85,7 @@ def main() -> None:
         limits = options.patience, options.tries, say
         with contextlib.closing(JobClient(context, options.endpoint, options.resume or new_id(), *limits)) as client:
             print(f"asking {options.endpoint} for job {client.job}", flush=True)
-            request = client.ask("status") if options.resume else client.goal(options.kind, options.count)
+            request = client.ask("status") if options.resume else client.goal(options.kind, options.count, options.text)
             try:
                 result = follow(client, request, options)
                 if options.forget and result:

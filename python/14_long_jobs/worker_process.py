@@ -5,13 +5,25 @@ Take home: this file, worker.py and work.py, with messages.py of lesson 05.
 
 import multiprocessing
 import signal
+import sys
 from multiprocessing import resource_tracker
+from multiprocessing.reduction import ForkingPickler
 
 from work import KINDS
 from worker import labour
 
 # A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
 SPAWN = multiprocessing.get_context("spawn")
+
+
+def check_kinds() -> None:
+    """Each is handed to a new process, which has to find it by the name of its module."""
+    for name, kind in KINDS.items():
+        try:
+            ForkingPickler.dumps(kind)
+        except Exception:
+            cure = "make it a function of a module, or functools.partial of one"
+            sys.exit(f"kind {name!r} cannot be handed to a worker: {cure}")
 
 
 class Worker:

@@ -23,13 +23,14 @@ from threading import Thread
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Message, MessageError
 from worker import receive, send
-from worker_process import Worker
+from worker_process import Worker, check_kinds
 
 
 class Workers:
     """Use it on one thread. `bell` is a socket to poll: it is readable when there are news."""
 
     def __init__(self, size: int) -> None:
+        check_kinds()
         # A process is started when there is work for it, and again after it died.
         self.idle: list[Worker | None] = [None] * size
         self.busy: dict[str, Worker] = {}

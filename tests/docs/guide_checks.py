@@ -26,6 +26,7 @@ REFERENCE = {
     "11_locators.md",
     "16_watching.md",
     "from_gymize.md",
+    "from_ml_agents.md",
     "from_udp_receive.md",
     "glossary.md",
     "in_the_editor.md",

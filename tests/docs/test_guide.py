@@ -31,12 +31,13 @@ GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
 # Blocks that nothing compares, all pages together. One more wants a reason better than haste.
-BY_HAND = 59
+BY_HAND = 62
 EXPECTED_PAGES = {
     *(f"{lesson.key}.md" for lesson in lessons()),
     "11_locators.md",
     "16_watching.md",
     "from_gymize.md",
+    "from_ml_agents.md",
     "in_the_editor.md",
     "other_languages.md",
     "from_udp_receive.md",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -10,6 +11,7 @@ import time
 import pytest
 import zmq
 
+from kitlib.docs import guide
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
 from tests.lessons.test_13_side_channels_bytes import (
@@ -24,6 +26,7 @@ from tests.programs import ROOT, steady_port
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
+PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
 from carrier import Carrier  # noqa: E402
@@ -31,6 +34,7 @@ from engine_configuration_channel import EngineConfig, EngineConfigurationChanne
 from float_properties_channel import FloatPropertiesChannel  # noqa: E402
 from raw_bytes_channel import RawBytesChannel  # noqa: E402
 from side_channel_manager import SideChannelManager  # noqa: E402
+from unity_channels import EnvironmentParameters  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -153,6 +157,33 @@ def test_python_speaks_whenever_it_likes(start, client_command):
             log.send_string(f"line {number}")
             carrier.send()
             client.wait_for(f"From Python : line {number}")
+
+
+def test_the_programs_of_the_page_talk(start, console, engine, tmp_path):
+    """With the files that the page names. Whoever comes again gets all of it again."""
+    program, script = (block.body for block in guide.blocks(PAGE) if "a file of yours" in block.source)
+    (tmp_path / "wind.py").write_text(program, encoding="utf-8")
+    (tmp_path / "Weather.cs").write_text(script, encoding="utf-8")
+    for name in re.findall(r"`(\w+\.py)`", PAGE.read_text(encoding="utf-8").partition("`wind.py` beside")[2])[:6]:
+        shutil.copy(ROOT / "python" / KEY / name, tmp_path)
+    scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "Weather.cs"])
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    start(PYTHON, tmp_path / "wind.py", endpoint, folder=tmp_path).wait_for("^listening on")
+    for _ in range(2):
+        player = start(*console, scripts, "--unity", "--endpoint", endpoint)
+        player.wait_for("^rain in Rome$")
+        player.kill()
+    # And what is set again and again.
+    winds, heard = EnvironmentParameters(), set()
+    winds.register_callback("wind", heard.add)
+    manager = SideChannelManager([winds])
+    with zmq.Context() as context, context.socket(zmq.DEALER) as simulator:
+        simulator.linger = 0
+        simulator.connect(endpoint)
+        simulator.send(b"")
+        while len(heard) < 3:
+            assert simulator.poll(60_000)
+            manager.process_side_channel_message(simulator.recv())
 
 
 def test_python_knows_so_many_simulators_and_no_more(serve):

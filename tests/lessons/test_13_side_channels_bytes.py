@@ -22,7 +22,7 @@ from tests.tables import rows
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
-PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
+PAGE = ROOT / "docs" / "guide" / "from_ml_agents.md"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
 from engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
 import sys
 
 import pytest
@@ -108,6 +110,18 @@ def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes
     env.step(0)
     assert env.reset(seed=1)[0] == 4.0, "it came with the step"
     assert said == []
+
+
+def test_the_example_prints_what_the_page_says():
+    pytest.importorskip("gymnasium")
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    said = re.findall(r"^gravity .* m/s$", page, re.MULTILINE)
+    done = subprocess.run(
+        [PYTHON, ROOT / "python" / KEY / "falling_ball.py"], capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    printed = [line for line in done.stdout.splitlines() if not line.startswith("simulating Ball for")]
+    assert len(said) == 2 and printed == said, done.stdout
 
 
 def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):

@@ -12,9 +12,19 @@ import uuid
 import pytest
 import zmq
 
-from tests.conftest import CLIENTS
-from tests.lessons.test_13_side_channels_bytes import LOG, GameLog, csharp_says, digits, frame, process, program
-from tests.programs import ROOT
+from kitlib.setup import dotnet
+from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.test_13_side_channels_bytes import (
+    LOG,
+    STRANGER,
+    GameLog,
+    csharp_says,
+    digits,
+    frame,
+    process,
+    program,
+)
+from tests.programs import ROOT, steady_port
 
 KEY = "13_side_channels"
 sys.path.insert(0, str(ROOT / "python" / KEY))
@@ -24,8 +34,10 @@ from carrier import Carrier  # noqa: E402
 from engine_configuration_channel import EngineConfigurationChannel  # noqa: E402
 from environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
 from float_properties_channel import MOST, FloatPropertiesChannel  # noqa: E402
-from side_channel import UnitySideChannelException  # noqa: E402
+from raw_bytes_channel import RawBytesChannel  # noqa: E402
+from side_channel import LARGEST_EXCHANGE, MOST_BYTES, UnitySideChannelException  # noqa: E402
 from side_channel_manager import SideChannelManager  # noqa: E402
+from stats_side_channel import StatsSideChannel  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 PROPERTIES = FloatPropertiesChannel().channel_id
@@ -126,7 +138,70 @@ def test_what_a_peer_may_make_the_other_keep_has_a_limit(csharp_says):
 def test_half_a_character_is_not_ascii_in_either_language(csharp_says):
     with pytest.raises(UnitySideChannelException, match="not ASCII"):
         GameLog().send_string("a\ud800b")
-    assert csharp_says(".net", ["half -"]) == ["error text that is not ASCII: write it with utf8: true"]
+    # In Unity without an exception: it would come out of the game's own Debug.LogError.
+    (said,) = csharp_says(".net", ["half -"])
+    assert said == f"error channel {LOG}: not sent, text that is not ASCII: write it with utf8: true"
+
+
+def test_what_nobody_takes_has_a_limit_and_is_counted(csharp_says):
+    lines, channel = [], RawBytesChannel(STRANGER)
+    manager = SideChannelManager([channel], lines.append)
+    for number in range(120_000):
+        channel.send_raw_data(number.to_bytes(3, "big"))
+    sent = manager.generate_side_channel_messages()
+    assert lines == [
+        f"channel {STRANGER}: nobody takes its messages, the oldest are dropped",
+        f"channel {STRANGER}: 50001 messages were dropped",
+    ]
+    assert (len(sent) // 23, sent[20:23]) == (69_999, (50_001).to_bytes(3, "big"))
+    assert csharp_says(".net", ["keep 120000"]) == [f"{'|'.join(lines)} 69999 {digits(sent[20:23])}"]
+    for _ in range(6):
+        channel.send_raw_data(bytes(LARGEST_EXCHANGE // 2 + 1))
+        channel.send_raw_data(bytes(LARGEST_EXCHANGE // 2 + 1))
+    assert channel.size <= MOST_BYTES
+    assert len(lines) == 3, "said once"
+
+
+SCENE = """using NetMQExample.SideChannels;
+using UnityEngine;
+
+public sealed class MyChannels : SideChannelBehaviour
+{
+    private void Start() =>
+        Academy.Instance.EnvironmentParameters.RegisterCallback("wind", value => Debug.Log($"wind {value:F0}"));
+
+    protected override void Update()
+    {
+        base.Update();
+        Academy.Instance.StatsRecorder.Add("frames", Time.frameCount);
+    }
+}
+"""
+
+
+def test_a_python_that_is_silent_for_longer_is_waited_for(start, console, engine, tmp_path):
+    """Before it is there for the first time, and in the middle; each time that is one line."""
+    (tmp_path / "MyChannels.cs").write_text(SCENE, encoding="utf-8")
+    scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "MyChannels.cs"])
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--patience", "1")
+    silence = f"^no word from {endpoint} within 1 s; is the server running. It is tried again and again$"
+    player.wait_for(silence)
+    parameters, stats = EnvironmentParametersChannel(), StatsSideChannel()
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
+        socket.linger, socket.rcvtimeo = 0, 20
+        socket.bind(endpoint)
+        carrier = Carrier(socket, lambda: SideChannelManager([parameters, stats]), print)
+        for wind in ("1", "2"):
+            parameters.set_float_parameter("wind", float(wind))
+            while f"wind {wind}" not in player.lines:
+                assert player.process.poll() is None, player.output
+                carrier.exchange()
+            # A step of training.
+            seen = len(player.lines)
+            player.wait_for(silence, start=seen)
+        assert stats.get_and_reset_stats()["frames"][0][0] <= 3, "what was recorded before is not lost"
+    player.kill()
 
 
 def test_the_names_are_those_of_ml_agents():

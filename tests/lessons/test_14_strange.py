@@ -15,6 +15,7 @@ from contextlib import closing
 import pytest
 import zmq
 
+from kitlib.docs import guide
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT, Mark, finds_processes
@@ -43,15 +44,50 @@ KINDS["own"] = Kind(own, 10)
 """
 
 
-def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(start, peer, tmp_path):
-    for path in (ROOT / "python" / KEY, ROOT / "python" / "05_messages"):
-        for file in path.glob("*.py"):
-            if not (tmp_path / file.name).exists():
-                shutil.copy(file, tmp_path)
-    with (tmp_path / "work.py").open("a", encoding="utf-8") as work:
-        work.write(OWN)
-    words = ["--endpoint", "tcp://127.0.0.1:*", "--workers", "1"]
-    server = start(PYTHON, tmp_path / "server.py", *words, folder=tmp_path)
+@pytest.fixture
+def own_server(start, tmp_path):
+    """own_server(more): lesson 14's, at home, with so much more in its work.py."""
+
+    def own_server(more):
+        for path in (ROOT / "python" / KEY, ROOT / "python" / "05_messages"):
+            for file in path.glob("*.py"):
+                if not (tmp_path / file.name).exists():
+                    shutil.copy(file, tmp_path)
+        with (tmp_path / "work.py").open("a", encoding="utf-8") as work:
+            work.write(more)
+        words = ["--endpoint", "tcp://127.0.0.1:*", "--workers", "1"]
+        return start(PYTHON, tmp_path / "server.py", *words, folder=tmp_path)
+
+    return own_server
+
+
+@each_client
+def test_every_client_has_a_kind_of_your_own_done_with_its_text(kind, own_server, start, client_command):
+    """The one of the page, which it says to put at the end of work.py."""
+    page = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
+    server = own_server("\n\n" + next(block.body for block in page if "has it done by every client" in block.source))
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    words = ("--count", "3", "--patience", "20")
+    client = start(*client_command(kind, KEY, endpoint, "--kind", "primes", "--text", "1000000", *words))
+    wrong = start(*client_command(kind, KEY, endpoint, "--kind", "primes", "--text", "zwölf", *words))
+    unknown = start(*client_command(kind, KEY, endpoint, "--kind", "proofs", *words))
+    assert (client.wait(), wrong.wait(), unknown.wait()) == (0, 1, 1), client.output
+    assert client.lines[-2].endswith("succeeded at 3 of 3, 1000037")
+    assert wrong.lines[-2].endswith("the text says where to begin, such as 1000000, and not 'zwölf'")
+    assert unknown.lines[-1].startswith("gave up: bad-goal: 'proofs' with count 3 is none of: count up to 10000")
+
+
+def test_a_kind_that_no_process_can_be_handed_is_one_line_at_the_start(own_server):
+    server = own_server('KINDS["small"] = Kind(lambda total, finished, text: iter([Step(1, 1)]), 10)\n')
+    assert server.wait() == 1
+    assert server.lines[-1] == (
+        "kind 'small' cannot be handed to a worker: make it a function of a module, or functools.partial of one"
+    )
+    assert "Traceback" not in server.output
+
+
+def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer):
+    server = own_server(OWN)
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     said = {}
     for text in ("long", "half", "part", "huge", "none"):

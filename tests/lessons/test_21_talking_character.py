@@ -145,6 +145,46 @@ def test_in_unity_to_walk_away_is_a_distance(serve, start, console, engine, tmp_
     server.wait_for("canceled at")
 
 
+ASKER = """using NetMQExample;
+using UnityEngine;
+
+// A game that asks for itself, reads what was said, asks something else in the middle, and then has enough of it.
+public class Asker : TalkingCharacter
+{
+    private int asked;
+
+    protected override void Update()
+    {
+        base.Update();
+        if (asked == 0 || (asked == 1 && Text.Contains("your name?")))
+        {
+            Ask(++asked == 1 ? "What is your name?" : "Who are you?");
+        }
+        else if (asked == 2 && Text.Contains("are you?"))
+        {
+            Debug.Log($"heard {Text}");
+            enabled = false;
+        }
+    }
+
+    protected override void OnGUI() { }
+}
+"""
+
+
+def test_a_game_asks_what_it_likes_and_to_disable_the_character_ends_the_work(serve, start, console, engine, tmp_path):
+    (tmp_path / "Asker.cs").write_text(ASKER, encoding="utf-8")
+    scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "Asker.cs"])
+    server, endpoint = serve(KEY)
+    player = start(*console, scripts, "--unity", "--endpoint", endpoint)
+    heard = player.wait_for("^heard (.*)$")[1]
+    assert small_talk.reply("Who are you?", 0).startswith(heard)
+    assert player.wait() == 0, player.output
+    begun = [re.match(r"(job \w+): talk from 0", line) for line in server.lines]
+    for job in filter(None, begun):
+        server.wait_for(f"{job[1]}: canceled at")
+
+
 # A server that the test decides for
 
 SPOKEN = [

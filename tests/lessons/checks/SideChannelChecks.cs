@@ -4,6 +4,7 @@
 //     write b:1 i:-5 s:68 u:c3a9  the message with these values
 //     process EXCHANGE            what all channels make of it: lines, what is drawn of parameters, what they send
 //     half -                      what is made of half a character
+//     keep COUNT                  what is left of so many messages that nobody took
 //     moved EXCHANGE              what the classes of Moved.cs and MovedRaw.cs make of it
 //
 // And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, `speed COUNT` and
@@ -46,6 +47,7 @@ namespace NetMQExample.Tests
                     case "write": return Hex.Digits(Write(words.Skip(1)));
                     case "process": return Process(Hex.Bytes(words[1]));
                     case "half": return Half();
+                    case "keep": return Keep(int.Parse(words[1], CultureInfo.InvariantCulture));
                     default: return Moved(Hex.Bytes(words[1]));
                 }
             }
@@ -86,17 +88,39 @@ namespace NetMQExample.Tests
             }
             var channel = new RawBytesChannel(Guid.Empty);
             SideChannelManager.RegisterSideChannel(channel);
+            var lines = new List<string>();
+            SideChannelManager.Report = lines.Add;
             channel.QueueForTest(message);
             var data = SideChannelManager.GetSideChannelMessage();
             SideChannelManager.UnregisterSideChannel(channel);
-            return data.Skip(20).ToArray();
+            return lines.Count == 0 ? data.Skip(20).ToArray() : throw new UnityAgentsException(lines[0].Split(", ")[1]);
         }
 
-        private static string Half()
+        private static string Half() => throw new UnityAgentsException(Refused("a\ud800b"));
+
+        // What ML-Agents' own classes do with an error of the game: no exception may come out of that.
+        private static string Refused(string text)
         {
-            using var message = new OutgoingMessage();
-            message.WriteString("a\ud800b");
-            return "written";
+            var (log, lines) = (new GameLogChannel(), new List<string>());
+            SideChannelManager.Report = lines.Add;
+            SideChannelManager.RegisterSideChannel(log);
+            log.OnLog(text, "", LogType.Error);
+            log.OnLog("the next one", "", LogType.Error);
+            var sent = Encoding.ASCII.GetString(SideChannelManager.GetSideChannelMessage());
+            SideChannelManager.UnregisterSideChannel(log);
+            return sent.Length == 20 + 4 + "Error: the next one\n".Length ? lines.Single() : $"sent {sent}";
+        }
+
+        // What is queued while nobody takes it.
+        private static string Keep(int count)
+        {
+            var (channel, lines) = (new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff")), new List<string>());
+            SideChannelManager.Report = lines.Add;
+            SideChannelManager.RegisterSideChannel(channel);
+            for (var i = 0; i < count; i++) channel.SendRawBytes(new[] { (byte)(i >> 16), (byte)(i >> 8), (byte)i });
+            var sent = SideChannelManager.GetSideChannelMessage();
+            SideChannelManager.UnregisterSideChannel(channel);
+            return $"{string.Join("|", lines)} {sent.Length / 23} {Hex.Digits(sent.Skip(20).Take(3).ToArray())}";
         }
 
         private static string Process(byte[] exchange)

@@ -17,10 +17,15 @@ namespace NetMQExample.SideChannels
         // An exchange is at most this large, with the 20 bytes in front of each message.
         internal const int LargestExchange = 16 * 1024 * 1024;
 
+        // What a channel keeps while nobody takes its messages: so many, with so many bytes together.
+        private const int MostQueued = 100_000;
+        private const long MostBytes = 4L * LargestExchange;
+
+        private readonly Queue<byte[]> queue = new Queue<byte[]>();
+        private long bytes, dropped;
+
         /// <summary>The same on both sides; set it in the constructor.</summary>
         public Guid ChannelId { get; protected set; }
-
-        internal Queue<byte[]> MessageQueue { get; } = new Queue<byte[]>();
 
         internal virtual void ProcessMessage(byte[] message)
         {
@@ -32,13 +37,33 @@ namespace NetMQExample.SideChannels
         {
             if (data.Length > LargestExchange - 20)
                 throw new UnityAgentsException($"a message of {data.Length} bytes is too large: send it in parts");
-            MessageQueue.Enqueue(data);
+            queue.Enqueue(data);
+            bytes += data.Length;
+            if (queue.Count <= MostQueued && bytes <= MostBytes) return;
+            if (dropped == 0)
+                SideChannelManager.Report($"channel {ChannelId}: nobody takes its messages, the oldest are dropped");
+            for (var left = queue.Count / 2; queue.Count > left; dropped++) bytes -= queue.Dequeue().Length;
+        }
+
+        // The next one, if there is room for it and the 20 bytes in front of it.
+        internal bool TryTake(long room, out byte[] message)
+        {
+            if (dropped > 0) SideChannelManager.Report($"channel {ChannelId}: {dropped} messages were dropped");
+            dropped = 0;
+            if (!queue.TryPeek(out message) || 20 + message.Length > room) return false;
+            bytes -= queue.Dequeue().Length;
+            return true;
         }
 
         /// <summary>A message of the other side's channel with the same id.</summary>
         protected abstract void OnMessageReceived(IncomingMessage msg);
 
         /// <summary>It leaves with the next exchange.</summary>
-        protected void QueueMessageToSend(OutgoingMessage msg) => QueueBytes(msg.ToByteArray());
+        protected void QueueMessageToSend(OutgoingMessage msg)
+        {
+            // No exception: in ML-Agents there is none, and it would come out of whatever the game is doing.
+            if (msg.Refused != null) SideChannelManager.Report($"channel {ChannelId}: not sent, {msg.Refused}");
+            else QueueBytes(msg.ToByteArray());
+        }
     }
 }

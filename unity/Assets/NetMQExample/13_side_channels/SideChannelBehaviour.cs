@@ -15,17 +15,24 @@ namespace NetMQExample.SideChannels
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5563";
         [SerializeField, Min(0.01f), Tooltip("Seconds that the server may be silent")] private float patience = 5;
 
+        // Whether what was packed before is still here.
+        private bool full;
+
         /// <summary>How long the server may be silent.</summary>
         protected System.TimeSpan Patience => Seconds(patience);
 
         /// <summary>True when there is nothing more to say.</summary>
         protected virtual bool Over => false;
 
+        /// <summary>Whether it ends when the server was silent for so long. Else it says so, and goes on
+        /// trying.</summary>
+        protected virtual bool GivesUp => false;
+
         /// <summary>What has come goes to the channels, and what these have queued is the result. In Update.</summary>
         protected virtual byte[] Exchange(List<byte[]> received)
         {
             SideChannelManager.Receive(received);
-            return SideChannelManager.GetSideChannelMessage();
+            return full ? new byte[0] : SideChannelManager.GetSideChannelMessage();
         }
 
         /// <inheritdoc/>
@@ -47,10 +54,11 @@ namespace NetMQExample.SideChannels
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var carrier = new SideChannelCarrier(endpoint, Patience);
+            using var carrier = new SideChannelCarrier(endpoint, Patience, GivesUp ? (System.Action<string>)null : Log);
             for (var data = new byte[0]; !Over;)
             {
                 var received = carrier.Exchange(data, NetMQConnection.Slice, stop);
+                full = carrier.Full;
                 data = FromUpdate(() => Exchange(received));
             }
         }

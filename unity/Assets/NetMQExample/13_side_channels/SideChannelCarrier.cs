@@ -30,18 +30,25 @@ namespace NetMQExample.SideChannels
         private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly TimeSpan patience;
-        private bool answered;
+        private readonly Action<string> report;
+        private bool answered, away;
         private List<byte[]> frames;
 
         /// <summary>Connects, which succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5563</c>.</param>
         /// <param name="patience">How long it may be silent.</param>
+        /// <param name="report">Gets a line when it is silent for longer, and then the carrier goes on trying. Without
+        /// it that ends with TimeoutException.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public SideChannelCarrier(string endpoint, TimeSpan patience)
+        public SideChannelCarrier(string endpoint, TimeSpan patience, Action<string> report = null)
         {
-            (this.endpoint, this.patience) = (endpoint, patience);
+            (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
         }
+
+        /// <summary>Whether an exchange waits for a server that is away. Pack none then: their channels keep the
+        /// messages, and of too many drop the oldest.</summary>
+        public bool Full => unsent.Count > 0;
 
         /// <summary>Sends an exchange, unless it is empty, and gives those that have come: a large one in parts, of
         /// which the next calls give the others.</summary>
@@ -64,12 +71,15 @@ namespace NetMQExample.SideChannels
             if (received.Count > 0)
             {
                 heard.Restart();
-                answered = true;
+                (answered, away) = (true, false);
             }
-            else if (heard.Elapsed > patience)
+            else if (heard.Elapsed > patience && !away)
             {
-                throw new TimeoutException(FormattableString.Invariant(
-                    $"no word from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+                var why = FormattableString.Invariant(
+                    $"no word from {endpoint} within {patience.TotalSeconds} s; is the server running?");
+                if (report == null) throw new TimeoutException(why);
+                away = true;
+                report($"{why} It is tried again and again");
             }
             return received;
         }

@@ -19,6 +19,9 @@ namespace NetMQExample.SideChannels
         protected override bool Over => rounds.Done;
 
         /// <inheritdoc/>
+        protected override bool GivesUp => true;
+
+        /// <inheritdoc/>
         protected override byte[] Exchange(List<byte[]> received) => rounds.Exchange(received);
 
         /// <inheritdoc/>

@@ -55,10 +55,8 @@ namespace NetMQExample.SideChannels
             using var writer = new BinaryWriter(data);
             foreach (var channel in Channels)
             {
-                var queue = channel.MessageQueue;
-                while (queue.Count > 0 && data.Length + 20 + queue.Peek().Length <= SideChannel.LargestExchange)
+                while (channel.TryTake(SideChannel.LargestExchange - data.Length, out var message))
                 {
-                    var message = queue.Dequeue();
                     writer.Write(channel.ChannelId.ToByteArray());
                     writer.Write(message.Length);
                     writer.Write(message);

@@ -113,12 +113,13 @@ namespace NetMQExample.SideChannels
         /// <summary>Four bytes.</summary>
         public void WriteFloat32(float f) => writer.Write(f);
 
-        /// <summary>Its length, and its characters: ASCII, unless the other side is of this kit.</summary>
+        /// <summary>Its length, and its characters: ASCII, unless the other side is of this kit. With other ones the
+        /// message is not sent, and SideChannelManager.Report gets a line.</summary>
         public void WriteString(string str, bool utf8 = false)
         {
             // Not the bytes: of half a character they are a question mark.
             if (!utf8 && str.Any(one => one > 127))
-                throw new UnityAgentsException("text that is not ASCII: write it with utf8: true");
+                Refused = "text that is not ASCII: write it with utf8: true";
             var data = IncomingMessage.Utf8.GetBytes(str);
             writer.Write(data.Length);
             writer.Write(data);
@@ -134,12 +135,16 @@ namespace NetMQExample.SideChannels
         /// <summary>The whole message, in place of what was written.</summary>
         public void SetRawBytes(byte[] data)
         {
+            Refused = null;
             stream.SetLength(0);
             writer.Write(data);
         }
 
         /// <summary>Ends it.</summary>
         public void Dispose() => writer.Dispose();
+
+        // Why it will not be sent.
+        internal string Refused { get; private set; }
 
         internal byte[] ToByteArray() => stream.ToArray();
     }

@@ -13,8 +13,9 @@ namespace NetMQExample
     public sealed class JobRunner : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5564";
-        [SerializeField, Tooltip("count, picture, path or deaf")] private string kind = "picture";
+        [SerializeField, Tooltip("count, picture, path, deaf, or your own")] private string kind = "picture";
         [SerializeField, Min(1), Tooltip("How far to count; the side of the picture")] private int count = 100;
+        [SerializeField, Tooltip("What else your own kind has to know")] private string text = "";
         [SerializeField, Tooltip("Come back to the job with this id; empty: begin one")] private string resume = "";
         [SerializeField, Min(0), Tooltip("Cancel the job when so much is done; 0: never")] private int cancelAt = 0;
         [SerializeField, Min(0), Tooltip("Leave the job alone when so much is done; 0: never")] private int leaveAt = 0;
@@ -40,7 +41,7 @@ namespace NetMQExample
             id ??= resume == "" ? JobClient.NewId() : resume;
             using var mine = client = new JobClient(endpoint, id, Seconds(patience), tries, Log);
             Log($"asking {endpoint} for job {id}");
-            foreach (var news in mine.Watch(resume == "" ? mine.Goal(kind, count) : mine.Ask("status"), stop))
+            foreach (var news in mine.Watch(resume == "" ? mine.Goal(kind, count, text) : mine.Ask("status"), stop))
             {
                 if (!news.SameTenthAs(newest)) Log(news.Line);
                 newest = news;

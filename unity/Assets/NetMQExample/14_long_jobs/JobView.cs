@@ -1,4 +1,4 @@
-// Lesson 14: a progress bar in the corner of the game's view, and the picture as far as it is drawn.
+// Lesson 14: a progress bar in the corner of the game's view, the picture as far as it is drawn, and a button.
 //
 // Use: add it to the GameObject with JobRunner.
 using UnityEngine;
@@ -42,6 +42,8 @@ namespace NetMQExample
             GUI.Label(new Rect(10, 10, 800, 30), shown.Line);
             GUI.DrawTexture(new Rect(10, 40, 300 * shown.Share, 10), Texture2D.whiteTexture);
             if (picture != null) GUI.DrawTexture(new Rect(10, 60, 300, 300), picture);
+            var ended = shown.Kind == "result" || shown.Kind == "forgotten";
+            if (!ended && GUI.Button(new Rect(320, 35, 80, 20), "Cancel")) runner.Cancel();
         }
     }
 }

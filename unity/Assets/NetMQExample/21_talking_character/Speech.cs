@@ -5,6 +5,7 @@
 // NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/21_talking_character/server.py.
 using System;
 using System.Text.RegularExpressions;
+using System.Threading;
 
 namespace NetMQExample
 {
@@ -28,6 +29,23 @@ namespace NetMQExample
             prompt.Length > 0 && prompt.Length <= 1000
                 ? client.Goal("talk", most, prompt)
                 : throw new ArgumentException("prompt takes 1 to 1000 characters");
+
+        /// <summary>For Watch: who stops listening walks away, too, and there is a moment for the server to hear of
+        /// it.</summary>
+        /// <param name="client">Of the job.</param>
+        /// <param name="stop">Cancels the job.</param>
+        /// <returns>What ends the watching.</returns>
+        public static CancellationToken LeaveAt(JobClient client, CancellationToken stop)
+        {
+            var moment = new CancellationTokenSource();
+            stop.Register(() =>
+            {
+                client.Cancel();
+                // Stop in Unity waits for 200 ms at most.
+                moment.CancelAfter(150);
+            });
+            return moment.Token;
+        }
 
         /// <summary>Takes the newest state.</summary>
         /// <param name="news">Of the job.</param>

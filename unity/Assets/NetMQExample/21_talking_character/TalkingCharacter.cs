@@ -1,15 +1,15 @@
 // Application 21 in Unity: a character answers while its words are made. It begins when the player is near, and stops
-// when the player walks away.
+// when the player walks away, or the component is disabled.
 //
-// Use: start python/21_talking_character/server.py, add this component to a character, press Play. Enable it again to
-// ask again.
+// Use: start python/21_talking_character/server.py, add this component to a character, press Play. Then, from the game:
+// `character.Ask("Who are you?")`.
 using System.Threading;
 using UnityEngine;
 
 namespace NetMQExample
 {
     /// <summary>Says what a model answers, in the corner of the game's view and in the console.</summary>
-    public sealed class TalkingCharacter : NetworkBehaviour
+    public class TalkingCharacter : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5571";
         [SerializeField, Tooltip("What the player says")] private string prompt = "Who built this bridge?";
@@ -24,6 +24,20 @@ namespace NetMQExample
         private volatile string text = "";
         private volatile JobClient client;
 
+        /// <summary>All that was said so far, for a bubble of your own.</summary>
+        public string Text => text;
+
+        /// <summary>Says something else to it, at once; what it is saying breaks off.</summary>
+        public void Ask(string words)
+        {
+            enabled = false;
+            (prompt, text) = (words, "");
+            enabled = true;
+        }
+
+        /// <summary>As if the player went out of earshot.</summary>
+        public void WalkAway() => client?.Cancel();
+
         // IMGUI's own layout would cost a pass, and garbage, in each frame.
         private void Awake() => useGUILayout = false;
 
@@ -33,10 +47,11 @@ namespace NetMQExample
             base.Update();
             if (player == null && Camera.main != null) player = Camera.main.transform;
             near = player == null || Vector3.Distance(player.position, transform.position) <= earshot;
-            if (!near) client?.Cancel();
+            if (!near) WalkAway();
         }
 
-        private void OnGUI() => GUI.Label(new Rect(10, 10, 600, 300), text);
+        /// <summary>Draws the text; override it where the game has a place of its own for that.</summary>
+        protected virtual void OnGUI() => GUI.Label(new Rect(10, 10, 600, 300), text);
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
@@ -45,8 +60,10 @@ namespace NetMQExample
             var (speech, line, last) = (new Speech(), "", (JobNews)null);
             using var mine = client = new JobClient(endpoint, JobClient.NewId(), Seconds(patience), tries, Log);
             Log($"asking {endpoint}: {NetMQLifetime.Printable(prompt)}");
-            foreach (var news in mine.Watch(Speech.Ask(mine, prompt, count), stop))
+            foreach (var news in mine.Watch(Speech.Ask(mine, prompt, count), Speech.LeaveAt(mine, stop)))
             {
+                // The next one may speak already.
+                if (stop.IsCancellationRequested) continue;
                 var lines = (line + speech.Hear(last = news)).Split('\n');
                 (text, line) = (speech.Text, lines[lines.Length - 1]);
                 for (var i = 0; i < lines.Length - 1; i++) Log(lines[i]);

@@ -1,0 +1,90 @@
+"""Lesson 13 on lesson 09's steps, the example: a ball falls, Python sets its gravity, and hears how fast it lands.
+
+    python python/13_side_channels/falling_ball.py        prints: gravity 9.81: 32 steps, landed at 6.28 m/s
+                                                                  gravity 1.62: 79 steps, landed at 2.56 m/s
+
+Both sides are in this file, and nothing is between them but lesson 09's messages: the environment starts this program
+once more, as its simulator. In Unity that half is your scene.
+Take home: this file, step_carrier.py, unity_channels.py, samplers.py, engine_configuration_channel.py,
+environment_parameters_channel.py, stats_side_channel.py, side_channel_manager.py, side_channel.py and
+side_channel_messages.py, with environment.py, connection.py, simulators.py, launched.py, environment_client.py,
+simulator.py, simulation.py and spaces.py of lesson 09 and messages.py of lesson 05. They need gymnasium.
+"""
+
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+from environment_parameters_channel import EnvironmentParametersChannel
+from side_channel_manager import SideChannelManager
+from stats_side_channel import StatsSideChannel
+from step_carrier import SideChannelSimulator, carry
+from unity_channels import EnvironmentParameters, StatsRecorder
+
+# The imports above have made lesson 09's folder known.
+try:
+    import numpy as np
+    from environment import ZmqEnv
+    from environment_client import EnvironmentClient
+    from gymnasium.spaces import Box, Discrete
+    from simulation import Simulation
+    from simulator import Simulator
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let python3 kit.py run 9 do it")
+
+
+def drop(gravity: float) -> None:
+    """What a training does: it sets something, takes its steps, and reads what was recorded in them."""
+    parameters, stats = EnvironmentParametersChannel(), StatsSideChannel()
+    env = ZmqEnv("Ball", launch=[sys.executable, __file__])
+    try:
+        carry(env, SideChannelManager([parameters, stats]))
+        parameters.set_float_parameter("gravity", gravity)
+        env.reset(seed=1)
+        steps, over = 0, False
+        while not over:
+            over, steps = env.step(0)[2], steps + 1
+        ((speed, _),) = stats.get_and_reset_stats()["landing"]
+        print(f"gravity {gravity}: {steps} steps, landed at {speed:.2f} m/s", flush=True)
+    finally:
+        env.close()
+
+
+class Ball(Simulation):
+    """What a scene does: it asks for its parameters when it needs them, and records what it likes."""
+
+    name, dt, size = "Ball", 0.02, 1
+    observation, action = Box(-100, 100, (1,)), Discrete(1)
+
+    def __init__(self) -> None:
+        self.parameters, self.stats = EnvironmentParameters(), StatsRecorder()
+
+    def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
+        (self.height,), self.speed = state or [2.0], 0.0
+
+    def apply(self, action: Any) -> None:
+        self.speed -= self.parameters.get_with_default("gravity", 9.81) * self.dt
+        self.height += self.speed * self.dt
+        if self.height <= 0:
+            self.stats.add("landing", -self.speed)
+
+    def observe(self) -> Any:
+        return np.array([self.height], np.float32)
+
+    def judge(self) -> dict[str, Any]:
+        return {"reward": 0.0, "terminated": self.height <= 0, "truncated": False}
+
+
+def simulate(endpoint: str) -> None:
+    ball = Ball()
+    manager = SideChannelManager([ball.parameters, ball.stats])
+    EnvironmentClient(endpoint, 20).run(SideChannelSimulator(Simulator(ball), manager))
+
+
+if __name__ == "__main__":
+    # The environment adds this to what it starts.
+    if "--endpoint" in sys.argv:
+        simulate(sys.argv[sys.argv.index("--endpoint") + 1])
+    else:
+        drop(9.81)
+        drop(1.62)
