@@ -40,6 +40,7 @@ FREE_TEXT = {
     "--prompt",
     "--origin",
     "--token",
+    "--kind",
 }
 # What speaks to no stranger: the peers of this file get keys there as well.
 KEYED = {"15_security"}
