@@ -33,7 +33,7 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
         raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
     webcam = cv2.VideoCapture(device)
     places: list[Place] = [None] * persons
-    start = time.monotonic()
+    start, milliseconds = time.monotonic(), -1
     with contextlib.ExitStack() as stack:
         bodies = stack.enter_context(landmarker(mediapipe, "Pose", model, num_poses=persons))
         fingers = stack.enter_context(landmarker(mediapipe, "Hand", hands, num_hands=2)) if hands else None
@@ -46,7 +46,8 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
             # OpenCV has blue first.
             colours = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
             image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=colours)
-            milliseconds = int(1000 * (time.monotonic() - start))
+            # MediaPipe wants each picture later than the one before.
+            milliseconds = max(milliseconds + 1, int(1000 * (time.monotonic() - start)))
             people, places = in_order(bodies.detect_for_video(image, milliseconds), places)
             yield people, read_hands(fingers.detect_for_video(image, milliseconds)) if fingers else {}
 
@@ -67,17 +68,20 @@ def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
 
 
 def in_order(result: Any, places: list[Place]) -> tuple[People, list[Place]]:
-    """MediaPipe lists the persons in any order: each is the one who was nearest to that place in the picture before."""
+    """MediaPipe lists the persons in any order: who is nearest to a place of the picture before, is its person."""
     people: People = [[] for _ in places]
     after = list(places)
-    free = set(range(len(places)))
-    for body, picture in zip(result.pose_world_landmarks, result.pose_landmarks, strict=True):
-        # The middle of the hips. Of world landmarks it is always 0.
-        middle = ((picture[23].x + picture[24].x) / 2, (picture[23].y + picture[24].y) / 2)
-        if free:
-            person = min(free, key=lambda i: (distance(middle, places[i]), i))
+    bodies, pictures = result.pose_world_landmarks, result.pose_landmarks
+    # The middle of the hips. Of world landmarks it is always 0.
+    middles = [((marks[23].x + marks[24].x) / 2, (marks[23].y + marks[24].y) / 2) for marks in pictures]
+    free, new = set(range(len(places))), set(range(len(bodies)))
+    # The nearest pair first: whoever has just come in must not take the place of one who stands still.
+    pairs = [(distance(middles[i], places[person]), person, i) for person in free for i in new]
+    for _, person, i in sorted(pairs):
+        if person in free and i in new:
             free.remove(person)
-            people[person], after[person] = read_landmarks(body), middle
+            new.remove(i)
+            people[person], after[person] = read_landmarks(bodies[i]), middles[i]
     return people, after
 
 

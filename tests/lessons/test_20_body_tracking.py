@@ -9,6 +9,7 @@ import re
 import shutil
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 import zmq
@@ -21,6 +22,7 @@ KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
 import body_listener  # noqa: E402
+import camera  # noqa: E402
 import people  # noqa: E402
 
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -335,6 +337,7 @@ tasks = SimpleNamespace(vision=vision, BaseOptions=SimpleNamespace)
 '''
 OPENCV = """
 import time
+from types import SimpleNamespace
 COLOR_BGR2RGB = 4
 def cvtColor(picture, code):
     assert (picture, code) == ("BGR of a picture", 4)
@@ -383,6 +386,14 @@ def test_who_stands_where_in_the_picture_keeps_the_topic(webcam):
     for number, mark in seen["1"]:
         assert mark == ([] if number % 5 == 0 else ["2.000"]), "nobody, and then the same one again"
     assert server.stop() == 0
+
+
+def test_a_newcomer_takes_nobodys_place():
+    """Whom MediaPipe lists first, and close to where the other one stands."""
+    marks = {x: [SimpleNamespace(x=x, y=0.5, z=0.0, visibility=0.9) for _ in range(33)] for x in (0.2, 0.4)}
+    listed = SimpleNamespace(pose_landmarks=[marks[0.4], marks[0.2]], pose_world_landmarks=[marks[0.4], marks[0.2]])
+    people, places = camera.in_order(listed, [(0.2, 0.5), None])
+    assert [body[0][0] for body in people] == [0.2, 0.4] and places == [(0.2, 0.5), (0.4, 0.5)]
 
 
 def test_hands_have_topics_of_their_own(webcam, tmp_path):
