@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kitlib.docs.pictures import CARD, INK, LINE, PROCESS, box, text
+from kitlib.docs.pictures import CARD, LINE, PROCESS, box, text
 from kitlib.lessons import ROOT, find
 
 WIDTH, HEIGHT = 840, 344
@@ -51,7 +51,7 @@ def picture() -> str:
             "font-family='ui-sans-serif, system-ui, sans-serif'>",
             f"<title>{title}</title>",
             f"<rect x='.5' y='.5' width='{WIDTH - 1}' height='{HEIGHT - 1}' rx='10' fill='{CARD}' stroke='{LINE}'/>",
-            f"<text x='{right + BROAD:g}' y='30' font-size='14' fill='{INK}' text-anchor='end'>when others come in</text>",
+            text(right + BROAD, 30, "when others come in", anchor="end"),
             *lines,
             *stations,
             "</svg>",
