@@ -1,0 +1,71 @@
+"""Lesson 17, the client in Python: a simulator."""
+import argparse
+import re
+import sys
+from collections.abc import Callable
+from socket import getaddrinfo
+
+from pathlib import Path
+sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "08_see_and_steer", "09_environment")]
+try:
+    from cart_pole import CartPole
+    from environment_client import EnvironmentClient
+    from road_car import RoadCar
+    from simulation import Simulation
+    from simulator import Simulator
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let python3 kit.py run 9 do it")
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit("stopped")
+
+ENDPOINT = "tcp://127.0.0.1:5567"
+WORLDS: dict[str, Callable[[], Simulation]] = {"CartPole": CartPole, "Car": RoadCar}
+
+
+# From here on all clients of this kit are the same, but for their own options.
+
+
+def printable(text: str) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
+    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+
+
+def endpoint(text: str) -> str:
+    """libzmq itself takes port 99999 and an unknown host without a word, and waits."""
+    parts = re.fullmatch(r"tcp://([\w.-]+):(\d{1,5})", text, re.ASCII)
+    if not parts or not 0 < int(parts[2]) < 65536:
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 1 to 65535")
+    try:
+        getaddrinfo(parts[1], None)
+    except (OSError, UnicodeError):
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': unknown host '{parts[1]}'; check it") from None
+    return text
+
+
+def main() -> None:
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description="Simulates what an environment steps.")
+    parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the environment")
+    parser.add_argument("--world", choices=sorted(WORLDS), default="CartPole", help="what to simulate")
+    parser.add_argument("--count", type=int, default=0, help="how many episodes; 0: until it is closed")
+    parser.add_argument("--patience", type=float, default=30, help="seconds to wait for an environment")
+    options = parser.parse_args()
+    if options.count < 0 or not 0 < options.patience < 86400:
+        parser.error("--count takes whole numbers from 0, --patience seconds, more than 0")
+    print(f"asking {options.endpoint}", flush=True)
+    simulator = Simulator(WORLDS[options.world]())
+    client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
+    try:
+        client.run(simulator, options.count)
+    except TimeoutError as error:
+        sys.exit(f"gave up: {printable(str(error))}")
+    print(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit("stopped")
