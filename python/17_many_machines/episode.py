@@ -23,6 +23,7 @@ class Episode:
         self.requests, self.ready, self.runs = [reset], ready, list["Member"]()
         self.answer: Message | None = None
         self.seen: list[Array] = []
+        self.leased = False
         self.since = time.monotonic()
 
     def ask(self, request: Message) -> None:
@@ -67,6 +68,7 @@ class Member:
     def lease(self, episode: Episode) -> None:
         self.episode, self.done = episode, 0
         episode.runs.append(self)
+        episode.leased = True
         self.go_on()
 
     def go_on(self) -> None:
@@ -76,6 +78,9 @@ class Member:
             self.last = Message(request.kind, self.last.id + 1, request.values, request.arrays)
             self.busy, self.asked = True, time.monotonic()
             self.tell()
+
+    def silence(self) -> float:
+        return time.monotonic() - self.heard
 
     def tell(self) -> None:
         """The last request, or welcome, perhaps once more."""

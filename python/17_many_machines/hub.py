@@ -1,10 +1,10 @@
 """Lesson 17, the hub: whoever comes is a simulator or a trainer, and the hub brings their episodes together.
 
-    hub = Hub(send, version="1")
+    hub = Hub(socket, options, print)
     hub.take(peer, frames)      what a ROUTER socket received
     tick(hub)                   of upkeep.py, some times a second
 
-A simulator says `hello` {name, version, dt, observation, action}, as in lesson 09, and gets `welcome`; a trainer says
+A simulator says `hello` {name, build, dt, observation, action}, as in lesson 09, and gets `welcome`; a trainer says
 `join` {name, areas}, and gets the hello of a simulator with so many areas, as in lesson 10, once so many are there.
 Take home: this file, upkeep.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
 """
@@ -16,6 +16,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import zmq
+
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from batch import fits, form
@@ -23,26 +25,25 @@ from episode import Member
 from messages import Message, MessageError, read, take
 from trainers import Trainer
 
-class Hub:
-    """`late` is after how many seconds an answer is asked for elsewhere too, `patience` how long an episode waits for
-    a simulator, `idle` after how long one without work is sent home, or 0."""
 
-    def __init__(self, send: Callable[[bytes, Message], bool], options: Any, say: Callable[[str], object]) -> None:
-        self.send, self.options, self.say = send, options, say
+class Hub:
+    """`options` are server.py's: build, late, patience, idle; `say` takes a line about what happens."""
+
+    def __init__(self, socket: zmq.Socket[bytes], options: Any, say: Callable[[str], object]) -> None:
+        self.socket, self.options, self.say, self.ticked = socket, options, say, 0.0
         self.members, self.trainers = dict[bytes, Member](), dict[bytes, Trainer]()
-        self.hellos, self.count = dict[str, Message](), Counter[str]()
+        # Of each name the first hello, and what all others must have alike.
+        self.hellos, self.forms = dict[str, Message](), dict[str, Any]()
+        self.count = Counter[str]()
 
     def take(self, peer: bytes, frames: list[Any]) -> None:
         self.count["messages"] += 1
         try:
             message = read(frames)
-            if (member := self.members.get(peer)) and message.kind != "state":
-                member.take(message)
-            elif member and fits(message, form(self.hellos[member.name])):
-                member.take(message)
-            elif member:
-                self.lose(peer, "its observation is not what it has announced")
-            elif message.kind == "hello":
+            if member := self.members.get(peer):
+                self.answered(peer, member, message)
+                return
+            if message.kind == "hello":
                 self.welcome(peer, message)
             elif message.kind == "join":
                 self.join(peer, message)
@@ -52,15 +53,25 @@ class Hub:
                 raise MessageError("unknown-peer", "say hello again", message.id)
         except MessageError as error:
             self.send(peer, Message("error", error.id, {"code": error.code, "text": error.text}))
-        self.serve()
+        self.lease()
+
+    def answered(self, peer: bytes, member: Member, answer: Message) -> None:
+        if answer.kind == "state" and not fits(answer, self.forms[member.name]):
+            self.lose(peer, "its observation is not what it has announced")
+        else:
+            member.take(answer)
+        # In the middle of an episode nobody has to be looked for.
+        if member.free() or peer not in self.members:
+            self.lease()
 
     def welcome(self, peer: bytes, hello: Message) -> None:
-        name, version = take(hello.values, "name", str), hello.values.get("version", "1")
+        name, build = take(hello.values, "name", str), hello.values.get("build", "1")
         try:
-            if version != self.options.version:
-                text = f"{name!a:.40} of version {version!a:.20}, this hub takes {self.options.version!a:.20}"
-                raise MessageError("other-version", f"{text}: use one build everywhere")
-            if form(self.hellos.setdefault(name, hello)) != form(hello):
+            if build != self.options.build:
+                text = f"{name!a:.40} of build {build!a:.20}, this hub takes {self.options.build!a:.20}"
+                raise MessageError("other-build", f"{text}: use one build everywhere")
+            self.hellos.setdefault(name, hello)
+            if self.forms.setdefault(name, form(hello)) != form(hello):
                 raise MessageError("other-spaces", f"{name!a:.40} has another dt here, or other spaces")
         except MessageError as error:
             self.say(f"refused: {error}")
@@ -74,12 +85,12 @@ class Hub:
             old.release()
         self.trainers[peer] = Trainer(name, areas, partial(self.send, peer), self.count)
 
-    def serve(self) -> None:
+    def lease(self) -> None:
         """A simulator for each episode that has none."""
         for trainer in self.trainers.values():
             for episode in trainer.under_way():
                 if not episode.runs and (free := self.free(trainer.name)):
-                    self.count["begun anew"] += len(episode.requests) > 1
+                    self.count["begun anew"] += episode.leased
                     free.lease(episode)
 
     def free(self, name: str) -> Member | None:
@@ -93,3 +104,12 @@ class Hub:
         if episode := member.episode:
             episode.runs.remove(member)
         self.say(f"simulator {member.number} is gone: {why}")
+
+    def send(self, peer: bytes, message: Message) -> bool:
+        """False if it is gone, or takes nothing any more."""
+        self.count["messages"] += 1
+        try:
+            self.socket.send_multipart([peer, *message.frames()], zmq.NOBLOCK)
+        except zmq.ZMQError:
+            return False
+        return True

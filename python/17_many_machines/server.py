@@ -1,55 +1,65 @@
-"""Lesson 17, many machines: simulators come to the hub, the hub never looks for them.
+"""Lesson 17, many machines: simulators come to the hub, and the hub never looks for them.
 
-    python python/17_many_machines/server.py                prints: listening on tcp://127.0.0.1:5567
-    python python/17_many_machines/client.py                a simulator; start some, here or on other machines
-    python python/17_many_machines/train.py --areas 2       or: dotnet run --project csharp-console -- 17
+    python python/17_many_machines/server.py              prints: listening on tcp://127.0.0.1:5567
+    dotnet run --project csharp-console -- 17             a simulator; or: python python/17_many_machines/client.py
+    python python/17_many_machines/train.py --areas 2     a trainer, which begins when two simulators are there
+
+From other machines, with lesson 15's keys; client.py --find 5567 --keys keys finds it in its network:
+    python python/17_many_machines/server.py --endpoint tcp://0.0.0.0:5567 --keys keys --announce 255.255.255.255:5567
+
+A simulator without work for 15 seconds is sent home; see --idle.
+Bytes: messages of lesson 05; simulators speak as in lesson 09, trainers as in 10: see hub.py.
+Trouble on command: client.py --crash-after 200, --delay 8, --build 2; or Ctrl-Z, or pull the cable.
+What kit.py run starts as well, so that there are three simulators, one of which dies:
+    Also started: client.py
+    Also started: client.py --crash-after 200
+    Also started: train.py --areas 2 --episodes 100
+Take home: this file, hub.py, upkeep.py, trainers.py, episode.py, batch.py, board.py and beacon.py, with messages.py of
+lesson 05, and allow_list.py and keys.py of lesson 15.
 """
 
 import argparse
 import contextlib
-import functools
 import re
 import signal
 import sys
-import time
+from pathlib import Path
 
 import zmq
 
-from pathlib import Path
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+# In its own lesson's folder; at home they lie beside this file.
+sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "15_security")]
+from beacon import Beacon, place
+from board import Board
 from hub import Hub
-from messages import LIMIT, Message
-from upkeep import tick
+from messages import LIMIT
+from upkeep import keys_for, seconds, tick
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5567", zmq.ROUTER, 4 * LIMIT
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
-    # To send to a peer that is gone is then an error, and not silence.
-    socket.router_mandatory = True
-    hub, ticked = Hub(functools.partial(send, socket), options, functools.partial(print, flush=True)), 0.0
+    board, allowed = Board(), options.allowed
+    hub, where = Hub(socket, options, board.say), socket.getsockopt_string(zmq.LAST_ENDPOINT)
+    beacon = Beacon(options.announce, where, allowed.public if allowed else b"")
     while True:
-        if time.monotonic() > ticked + 0.1:
-            tick(hub)
-            ticked = time.monotonic()
-        if socket.poll(100):
-            peer, *frames = socket.recv_multipart()
-            hub.take(peer, frames or [b""])
-
-
-def send(socket: zmq.Socket[bytes], peer: bytes, message: Message) -> bool:
-    try:
-        socket.send_multipart([peer, *message.frames()], zmq.NOBLOCK)
-    except zmq.ZMQError:
-        return False
-    return True
+        if socket.poll(50):
+            peer, *frames = socket.recv_multipart(0, not allowed)
+            # Asked with each message: the handshake of a revoked key may have been long ago.
+            if frames and (not allowed or allowed.name_of(frames[-1])):
+                hub.take(bytes(peer), frames)
+        tick(hub)
+        board.show(hub)
+        beacon.tell()
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--version", default="1", help="what simulators must be of")
-    parser.add_argument("--late", type=float, default=5, help="seconds until an answer is asked for elsewhere too")
-    parser.add_argument("--patience", type=float, default=30, help="seconds that an episode waits for a simulator")
-    parser.add_argument("--idle", type=float, default=15, help="seconds until one without work is sent home")
+    parser.add_argument("--build", default="1", help="the one that simulators must be of")
+    parser.add_argument("--late", type=seconds, default=5, help="seconds until an answer is asked for elsewhere, too")
+    parser.add_argument("--patience", type=seconds, default=30, help="seconds that an episode waits for a simulator")
+    parser.add_argument("--idle", type=seconds, default=15, help="seconds until one without work is sent home")
+    parser.add_argument("--announce", type=place, metavar="IP:PORT", help="where to tell of it by UDP")
+    parser.add_argument("--keys", metavar="DIR", help="lesson 15's, for the hub and whom it lets in")
 
 
 # From here on all servers of this kit are the same, as far as they need it.
@@ -81,6 +91,10 @@ def main() -> None:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
         # Who announces more than the largest message is disconnected before it is in memory.
         socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, LARGEST, 200
+        # A silent peer is asked every 0.5 s whether it is there, and cut off when 1 s brings no answer. Both engines
+        # answer on a thread of their own: a busy program is not a dead one. To send to a peer that is gone is an error.
+        socket.heartbeat_ivl, socket.heartbeat_timeout, socket.router_mandatory = 500, 1000, True
+        options.allowed = keys_for(context, socket, options.keys)
         try:
             socket.bind(options.endpoint)
         except zmq.ZMQError as error:

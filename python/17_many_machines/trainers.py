@@ -42,12 +42,14 @@ class Trainer:
         self.request = request
         if request.kind == "close":
             self.release()
-            return self.answer(Message("closed", request.id))
+            self.answer(Message("closed", request.id))
+            return
         try:
             parts = {area: part for area, part in enumerate(split(request, self.areas)) if part}
             self.check(parts)
         except MessageError as error:
-            return self.refuse(error)
+            self.refuse(error)
+            return
         self.left = set(parts)
         for area, part in parts.items():
             episode = self.episodes[area]
@@ -60,11 +62,11 @@ class Trainer:
             self.episodes[area] = Episode(part, partial(self.ready, area))
 
     def check(self, parts: dict[int, Message]) -> None:
-        for area, part in parts.items():
-            episode = self.episodes[area]
-            if not episode and part.kind != "reset":
+        for area, episode in enumerate(self.episodes):
+            part = parts.get(area)
+            if not episode and (not part or part.kind != "reset"):
                 raise MessageError("no-episode", f"area {area} was never reset")
-            if episode and part.kind == "step" and len(episode.requests) > LONGEST:
+            if episode and part and part.kind == "step" and len(episode.requests) > LONGEST:
                 raise MessageError("too-long", f"an episode has at most {LONGEST} steps: set max_episode_steps")
 
     def under_way(self) -> list[Episode]:
@@ -78,13 +80,16 @@ class Trainer:
             return
         episodes = [episode for episode in self.episodes if episode]
         answers = [episode.answer or Message("none") for episode in episodes]
-        for episode, answer in zip(episodes, answers, strict=True):
+        for episode in episodes:
             # It is told once: the next request may be for others.
             episode.answer = None
-            if answer.kind == "error":
-                text = str(answer.values.get("text"))
-                return self.refuse(MessageError(str(answer.values.get("code")), text))
-        self.answer(joined(self.request.kind, self.request.id, answers, [episode.seen[0] for episode in episodes]))
+        if errors := [answer.values for answer in answers if answer.kind == "error"]:
+            # What was begun wrongly is not there.
+            self.episodes = [episode if episode and episode.seen else None for episode in self.episodes]
+            self.refuse(MessageError(str(errors[0].get("code")), str(errors[0].get("text"))))
+        else:
+            seen = [episode.seen[0] for episode in episodes]
+            self.answer(joined(self.request.kind, self.request.id, answers, seen))
 
     def refuse(self, error: MessageError) -> None:
         self.left.clear()
