@@ -31,6 +31,7 @@ import zmq
 
 from kitlib.lessons import ROOT
 from kitlib.programs import Program
+from lab import machine
 
 LESSONS = "05_messages", "09_environment", "10_many_agents", "15_security", "17_many_machines"
 sys.path += [str(ROOT / "python" / name) for name in LESSONS]
@@ -165,6 +166,7 @@ def with_ray(counts: list[int], wait: float, seconds: float) -> dict[str, float]
 
 
 def run(counts: tuple[int, ...], seconds: float) -> dict[str, Any]:
+    others = machine.busy()
     curves: dict[str, dict[str, float]] = {"wait": {}, "compute": {}, "at once": {}}
     for name, wait, work in ("wait", STEP, 0.0), ("compute", 0.0, STEP), ("at once", 0.0, 0.0):
         for count in counts if name != "at once" else counts[-1:]:
@@ -188,6 +190,7 @@ def run(counts: tuple[int, ...], seconds: float) -> dict[str, Any]:
             "processor": f"{model}, {os.cpu_count()} cores",
             "system": f"{platform.system()} {platform.release()}",
             "versions": f"Python {platform.python_version()}, pyzmq {zmq.__version__}, libzmq {zmq.zmq_version()}",
+            "others": f"other programs used {others:.0%} of the processor before it began",
         },
         "curves": curves,
         # Each step is two messages between the hub and a simulator, and a share of a trainer's two.
@@ -221,7 +224,7 @@ def draw(results: dict[str, Any], path: Path) -> None:
     axes.margins(0.12, 0.1)
     axes.set_title(title, fontsize=16, loc="left")
     axes.legend(fontsize=12, loc="upper left", frameon=False)
-    axes.text(0, -0.18, f"{results['machine']['processor']}, {results['machine']['date']}", fontsize=11,
+    axes.text(0, -0.18, "{processor}, {date}; {others}".format(**results["machine"]), fontsize=11,
               transform=axes.transAxes)  # fmt: skip
     save(path, figure, title)
 

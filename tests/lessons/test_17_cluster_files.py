@@ -53,7 +53,7 @@ def test_the_job_script_runs_a_hub_its_simulators_and_a_trainer(start, tmp_path)
         EPISODES="4",
         **mark.environment,
     )
-    assert job.wait(120) == 0, job.output
+    assert job.wait(240) == 0, job.output
     job.wait_for("^done: 4 episodes, sum [0-9]+$")
     # Everything was told to end; what does not, is named by the failure.
     end = time.monotonic() + 30
