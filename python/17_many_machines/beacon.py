@@ -51,11 +51,14 @@ def find(port: int, key: bytes, patience: float) -> str:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
         # Several simulators of one machine listen on the same port.
         ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        ear.bind(("", port))
+        try:
+            ear.bind(("", port))
+        except OSError as error:
+            raise TimeoutError(f"cannot listen on UDP port {port}: {error.strerror}; give --endpoint instead") from None
         ear.settimeout(0.2)
         while time.monotonic() < end:
             with contextlib.suppress(TimeoutError):
-                datagram, (address, _) = ear.recvfrom(100)
+                datagram, (address, _) = ear.recvfrom(65_536)
                 told = re.fullmatch(rb"NMQX1 (\d{1,5}) ([0-9a-f]{16}|-)", datagram)
                 if told and told[2].decode() == fingerprint(key):
                     return f"tcp://{address}:{int(told[1])}"

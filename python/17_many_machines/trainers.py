@@ -84,8 +84,11 @@ class Trainer:
             # It is told once: the next request may be for others.
             episode.answer = None
         if errors := [answer.values for answer in answers if answer.kind == "error"]:
-            # What was begun wrongly is not there.
-            self.episodes = [episode if episode and episode.seen else None for episode in self.episodes]
+            for area, episode in enumerate(episodes):
+                if not episode.seen:
+                    # What was begun wrongly is none.
+                    episode.release()
+                    self.episodes[area] = None
             self.refuse(MessageError(str(errors[0].get("code")), str(errors[0].get("text"))))
         else:
             seen = [episode.seen[0] for episode in episodes]

@@ -34,8 +34,12 @@ namespace NetMQExample
             using var ear = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
             // Several simulators of one machine listen on the same port.
             ear.SetSocketOption(SocketOptionLevel.Socket, SocketOptionName.ReuseAddress, true);
-            ear.Bind(new IPEndPoint(IPAddress.Any, port));
-            var (datagram, sender) = (new byte[100], (EndPoint)new IPEndPoint(IPAddress.Any, 0));
+            try { ear.Bind(new IPEndPoint(IPAddress.Any, port)); }
+            catch (SocketException e)
+            {
+                throw new TimeoutException($"cannot listen on UDP port {port}: {e.Message}; give --endpoint instead");
+            }
+            var (datagram, sender) = (new byte[65_536], (EndPoint)new IPEndPoint(IPAddress.Any, 0));
             while (waited.Elapsed < patience)
             {
                 stop.ThrowIfCancellationRequested();
