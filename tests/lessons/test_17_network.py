@@ -243,13 +243,12 @@ def test_who_joins_and_leaves_a_hundred_times_leaves_nothing_behind(machines, hu
         }
 
     folders = [str(ROOT / "python" / folder) for folder in FOLDERS]
-    for times in ("10", "100"):
-        told = len(server.lines)
+    for times, last in ("10", 10), ("100", 110):
         words = [PYTHON, "-c", JOIN_AND_LEAVE, f"tcp://{HUB}:{PORT}", times, *folders]
         assert start(*machines.inside("simulators"), *words).wait() == 0
-        server.wait_for("^0 simulators", start=told)
+        server.wait_for(f"^simulator {last} is gone: its connection is$")
         sizes.append(size())
-    first, last = sizes
-    assert (last["sockets"], last["Threads"]) == (first["sockets"], first["Threads"])
+    before, after = sizes
+    assert (after["sockets"], after["Threads"]) == (before["sockets"], before["Threads"])
     # In kB: a tenth of what a hundred simulators that are kept would be.
-    assert last["VmRSS"] < first["VmRSS"] + 2000
+    assert after["VmRSS"] < before["VmRSS"] + 2000
