@@ -79,3 +79,13 @@ def fits(answer: Message, form: tuple[Any, ...]) -> bool:
     """Whether this is an observation as the hello has announced it. A discrete one is a number."""
     expected = form[3][:2] if form[1] == "box" else ("int64", ())
     return [(array.dtype, tuple(array.shape)) for array in answer.arrays] == [expected]
+
+
+def accept(hello: Message, build: str, form_here: Any) -> None:
+    """Of this build, and like those of its name that are here; MessageError says why it is refused."""
+    name, other = hello.values["name"], hello.values.get("build", "1")
+    if other != build:
+        text = f"{name!a:.40} of build {other!a:.20}, this hub takes {build!a:.20}"
+        raise MessageError("other-build", f"{text}: use one build everywhere")
+    if form_here and form_here != form(hello):
+        raise MessageError("other-spaces", f"{name!a:.40} has another dt here, or other spaces")

@@ -16,7 +16,8 @@ ROWS = 15
 class Board:
     def __init__(self) -> None:
         self.terminal, self.drawn = sys.stdout.isatty(), 0
-        self.shown, self.said, self.messages = time.monotonic(), "", 0
+        self.shown, self.messages = time.monotonic(), 0
+        self.said = "0 0 0 begun anew, 0 asked elsewhere"
         if self.terminal and os.name == "nt":
             # Windows takes the signs that move the cursor only after this.
             os.system("")

@@ -13,7 +13,10 @@ from pathlib import Path
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from messages import Array, Message
+from messages import Array, Message, MessageError
+
+# An episode is kept, so that it can be done again, and so it must end.
+LONGEST = 100_000
 
 
 class Episode:
@@ -97,3 +100,13 @@ class Member:
             if self.done == len(self.episode.requests):
                 self.episode.answered(self, answer)
             self.go_on()
+
+
+def check(episodes: list[Episode | None], parts: dict[int, Message]) -> None:
+    """Before anything is begun: half a step would be none."""
+    for area, episode in enumerate(episodes):
+        part = parts.get(area)
+        if not episode and (not part or part.kind != "reset"):
+            raise MessageError("no-episode", f"area {area} was never reset")
+        if episode and part and part.kind == "step" and len(episode.requests) > LONGEST:
+            raise MessageError("too-long", f"an episode has at most {LONGEST} steps: set max_episode_steps")

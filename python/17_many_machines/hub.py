@@ -20,7 +20,7 @@ import zmq
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from batch import fits, form
+from batch import accept, fits, form
 from episode import Member
 from messages import Message, MessageError, read, take
 from trainers import Trainer
@@ -32,7 +32,7 @@ class Hub:
     def __init__(self, socket: zmq.Socket[bytes], options: Any, say: Callable[[str], object]) -> None:
         self.socket, self.options, self.say, self.ticked = socket, options, say, 0.0
         self.members, self.trainers = dict[bytes, Member](), dict[bytes, Trainer]()
-        # Of each name the first hello, and what all others must have alike.
+        # Of each name a hello, and what all of them have alike.
         self.hellos, self.forms = dict[str, Message](), dict[str, Any]()
         self.count = Counter[str]()
 
@@ -65,17 +65,14 @@ class Hub:
             self.lease()
 
     def welcome(self, peer: bytes, hello: Message) -> None:
-        name, build = take(hello.values, "name", str), hello.values.get("build", "1")
+        name = take(hello.values, "name", str)
+        here = any(one.name == name for one in (*self.members.values(), *self.trainers.values()))
         try:
-            if build != self.options.build:
-                text = f"{name!a:.40} of build {build!a:.20}, this hub takes {self.options.build!a:.20}"
-                raise MessageError("other-build", f"{text}: use one build everywhere")
-            self.hellos.setdefault(name, hello)
-            if self.forms.setdefault(name, form(hello)) != form(hello):
-                raise MessageError("other-spaces", f"{name!a:.40} has another dt here, or other spaces")
+            accept(hello, self.options.build, self.forms.get(name) if here else None)
         except MessageError as error:
             self.say(f"refused: {error}")
             raise
+        self.hellos[name], self.forms[name] = hello, form(hello)
         self.count["came"] += 1
         self.members[peer] = Member(self.count["came"], name, partial(self.send, peer))
 
@@ -100,7 +97,6 @@ class Hub:
 
     def lose(self, peer: bytes, why: str) -> None:
         member = self.members.pop(peer)
-        self.count["gone"] += 1
         if episode := member.episode:
             episode.runs.remove(member)
         self.say(f"simulator {member.number} is gone: {why}")

@@ -24,6 +24,7 @@ import re
 import signal
 import sys
 from pathlib import Path
+from typing import Any
 
 import zmq
 
@@ -44,7 +45,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     beacon = Beacon(options.announce, where, allowed.public if allowed else b"")
     while True:
         if socket.poll(50):
-            peer, *frames = socket.recv_multipart(0, not allowed)
+            peer, *frames = list[Any](socket.recv_multipart(0, not allowed))
             # Asked with each message: the handshake of a revoked key may have been long ago.
             if frames and (not allowed or allowed.name_of(frames[-1])):
                 hub.take(bytes(peer), frames)

@@ -13,11 +13,8 @@ from pathlib import Path
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from batch import joined, split
-from episode import Episode
+from episode import Episode, check
 from messages import Message, MessageError
-
-# An episode is kept, so that it can be done again, and so it must end.
-LONGEST = 100_000
 
 
 class Trainer:
@@ -46,7 +43,7 @@ class Trainer:
             return
         try:
             parts = {area: part for area, part in enumerate(split(request, self.areas)) if part}
-            self.check(parts)
+            check(self.episodes, parts)
         except MessageError as error:
             self.refuse(error)
             return
@@ -60,14 +57,6 @@ class Trainer:
                 episode.release()
             self.count["episodes"] += 1
             self.episodes[area] = Episode(part, partial(self.ready, area))
-
-    def check(self, parts: dict[int, Message]) -> None:
-        for area, episode in enumerate(self.episodes):
-            part = parts.get(area)
-            if not episode and (not part or part.kind != "reset"):
-                raise MessageError("no-episode", f"area {area} was never reset")
-            if episode and part and part.kind == "step" and len(episode.requests) > LONGEST:
-                raise MessageError("too-long", f"an episode has at most {LONGEST} steps: set max_episode_steps")
 
     def under_way(self) -> list[Episode]:
         """Those whose answers are still to come."""

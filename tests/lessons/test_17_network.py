@@ -123,11 +123,11 @@ def test_a_pulled_cable_is_noticed_on_both_sides_and_who_is_back_goes_on(kind, m
     server = hub()
     fleet = simulators(2, kind)
     server.wait_for("^2 simulators, 2 free")
-    begin = time.monotonic()
+    begin, told = time.monotonic(), len(server.lines)
     machines.cable("simulators", "down")
     for simulator in fleet:
         simulator.wait_for("^trouble: the environment is gone, or silent$")
-    server.wait_for("^0 simulators")
+    server.wait_for("^0 simulators", start=told)
     print(f"noticed by all within {time.monotonic() - begin:.1f} s")
     trainer = train(2, 8)
     trainer.wait_for("^waiting for a simulator")
@@ -141,8 +141,9 @@ def test_an_episode_goes_on_after_the_cable_of_its_simulators_was_pulled(machine
     simulators(2, "python", "--delay", "0.01")
     trainer = train(2, 12)
     server.wait_for("^2 simulators, 0 free, 1 trainers")
+    told = len(server.lines)
     machines.cable("simulators", "down")
-    server.wait_for("^0 simulators")
+    server.wait_for("^0 simulators", start=told)
     machines.cable("simulators", "up")
     assert played(trainer) == returns(12)
     assert count(server)["begun anew"] >= 2
@@ -153,9 +154,10 @@ def test_a_trainer_whose_cable_was_pulled_leaves_its_simulators_to_others(machin
     simulators(2)
     first = train(2, 100_000)
     server.wait_for("^2 simulators, 0 free, 1 trainers")
+    told = len(server.lines)
     machines.cable("trainer", "down")
     assert played(first, code=1) == []
-    server.wait_for("^2 simulators, 2 free, 0 trainers")
+    server.wait_for("^2 simulators, 2 free, 0 trainers", start=told)
     machines.cable("trainer", "up")
     assert played(train(2, 6)) == returns(6)
 
@@ -241,12 +243,12 @@ def test_who_joins_and_leaves_a_hundred_times_leaves_nothing_behind(machines, hu
         }
 
     folders = [str(ROOT / "python" / folder) for folder in FOLDERS]
-    for times in ("10", "100"):
+    for times, last in ("10", 10), ("100", 110):
         words = [PYTHON, "-c", JOIN_AND_LEAVE, f"tcp://{HUB}:{PORT}", times, *folders]
         assert start(*machines.inside("simulators"), *words).wait() == 0
-        server.wait_for("^0 simulators", start=len(server.lines) - 1)
+        server.wait_for(f"^simulator {last} is gone: its connection is$")
         sizes.append(size())
-    first, last = sizes
-    assert (last["sockets"], last["Threads"]) == (first["sockets"], first["Threads"])
+    before, after = sizes
+    assert (after["sockets"], after["Threads"]) == (before["sockets"], before["Threads"])
     # In kB: a tenth of what a hundred simulators that are kept would be.
-    assert last["VmRSS"] < first["VmRSS"] + 2000
+    assert after["VmRSS"] < before["VmRSS"] + 2000

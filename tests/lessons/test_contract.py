@@ -35,6 +35,7 @@ FREE_TEXT = {
     "--topic",
     "--view",
     "--keys",
+    "--build",
     "--server-key",
     "--prompt",
     "--origin",
