@@ -4,7 +4,7 @@ Measures lesson 17's hub with 1 to 64 simulators that wait 10 ms in each step, a
 beside it Ray's calls, where Ray is installed. Keeps the numbers in lab/scaling.json and draws img/17_scaling.svg.
 
     python3 -m lab.scaling --quick     a few seconds, with four simulators; what it finds is in .build/bench
-    python3 -m lab.scaling --draw      draws the numbers that are kept
+    python3 -m lab.scaling --draw      draws the numbers that are kept, and writes the guide's table anew
 
 The hub, the messages and the trainers are the lesson's. The simulators are not: they answer with the same observation
 each time, and 16 that wait share one process, so that the machine has time for what is to be measured. Those that
@@ -21,6 +21,7 @@ import json
 import multiprocessing
 import os
 import platform
+import re
 import sys
 import threading
 import time
@@ -39,6 +40,7 @@ from messages import Array, Message, read  # noqa: E402
 
 COUNTS, TEAM, TOGETHER, STEP = (1, 2, 4, 8, 16, 32, 64), 8, 16, 0.01
 KEPT, PICTURE, ASIDE = ROOT / "lab" / "scaling.json", ROOT / "img" / "17_scaling.svg", ROOT / ".build" / "bench"
+PAGE = ROOT / "docs" / "guide" / "17_ray.md"
 # Ray has a process for each actor; more than that is a test of this machine's memory.
 RAY = 8
 
@@ -229,6 +231,18 @@ def draw(results: dict[str, Any], path: Path) -> None:
     save(path, figure, title)
 
 
+def paper(results: dict[str, Any]) -> str:
+    """The rows of the guide's table that follow from what was measured: 1,000 simulators of 0.01 s a step."""
+    hub, step, state = (results["hub"][name] for name in ("messages", "step", "state"))
+    enough = int(hub / 2.25 / 100)
+    return (
+        f"| what the hub does with one core, at most (measured) | {hub:,} |\n"
+        f"| so one hub is enough for | {hub:,} / 2.25 / 100 = {enough} simulators |\n"
+        f"| bytes of a step: the action {step}, the observation {state} | {step + state} |\n"
+        f"| bytes a second | 100,000 x {step + state} = {(step + state) / 10:.1f} MB, a fifth of 1 Gbit/s |\n"
+    )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Measures lesson 17's hub, and draws what it has found.")
     parser.add_argument("--quick", action="store_true", help="a few seconds, aside")
@@ -239,7 +253,12 @@ def main() -> None:
     if not options.draw:
         results = run((1, 2, 4) if options.quick else COUNTS, 1 if options.quick else 8)
         kept.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
-    draw(json.loads(kept.read_text(encoding="utf-8")), picture)
+    results = json.loads(kept.read_text(encoding="utf-8"))
+    draw(results, picture)
+    if not options.quick:
+        # From one row to the end of the table.
+        page = re.sub(r"\| what the hub does(.+\n)+", lambda _: paper(results), PAGE.read_text(encoding="utf-8"))
+        PAGE.write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":
