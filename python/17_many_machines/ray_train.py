@@ -84,13 +84,11 @@ def main() -> None:
     parser.add_argument("--address", default="local", help="auto: this machine's Ray cluster; local: one for this run")
     parser.add_argument("--crash-on", type=int, default=0, metavar="EPISODE", help="there the actor's process ends")
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same numbers")
-    parser.add_argument(
-        "--launch", nargs=argparse.REMAINDER, metavar="WORD", help="a simulator and its words, the last"
-    )
+    parser.add_argument("--launch", nargs=argparse.REMAINDER, metavar="WORD", help="a simulator and its words; last")
     options = parser.parse_args()
     if options.actors < 1 or options.seed < 0:
         parser.error("--actors takes whole numbers from 1, --seed from 0")
-    launch = options.launch or [sys.executable, str(ENVIRONMENT / "client.py")]
+    words = options.launch or [sys.executable, str(ENVIRONMENT / "client.py")]
     # A place for each on this machine, whatever its cores: simulators wait more than they compute.
     here = {"num_cpus": options.actors, "include_dashboard": False} if options.address == "local" else {}
     path, players, played_by = {"env_vars": {"PYTHONPATH": str(ENVIRONMENT)}}, list[Any](), list[int]()
@@ -98,7 +96,7 @@ def main() -> None:
         ray.init(options.address, log_to_driver=False, logging_level=logging.ERROR, runtime_env=path, **here)
         # SIGTERM ends the simulators as well, as Ctrl-C does.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        players += [Player.remote(launch, options.crash_on) for _ in range(options.actors)]  # type: ignore[attr-defined]
+        players += [Player.remote(words, options.crash_on) for _ in range(options.actors)]  # type: ignore[attr-defined]
         train(lambda episodes: play_all(players, episodes, played_by), options.seed, GENERATIONS)
         print(f"done: {len(played_by)} episodes by {len(set(played_by))} processes of {len(players)} actors")
     except (OSError, ValueError, ray.exceptions.RayError) as error:
