@@ -7,7 +7,6 @@ the hub's key passes over all others, and one without keys trusts its network.
 Take home: this file.
 """
 
-import argparse
 import contextlib
 import hashlib
 import re
@@ -17,14 +16,6 @@ import time
 
 def fingerprint(key: bytes) -> str:
     return hashlib.sha256(key).hexdigest()[:16] if key else "-"
-
-
-def place(text: str) -> tuple[str, int]:
-    """The type of an option."""
-    parts = re.fullmatch(r"(\d{1,3}(?:\.\d{1,3}){3}):(\d{1,5})", text, re.ASCII)
-    if not parts or not 0 < int(parts[2]) < 65536 or max(map(int, parts[1].split("."))) > 255:
-        raise argparse.ArgumentTypeError(f"'{text}' is no address and port: write it like 255.255.255.255:5567")
-    return parts[1], int(parts[2])
 
 
 class Beacon:

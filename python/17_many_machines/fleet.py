@@ -5,7 +5,8 @@
 
 That environment expects a bound ROUTER socket, to which a simulator comes. Here a DEALER socket goes to the hub, says
 `join` {name, areas}, and looks like one: what it receives is of a peer named `hub`.
-Take home: this file, with what lesson 10's vector.py needs; secure_requester.py of lesson 15 where there are keys.
+Where there are keys, `prepare` is what lesson 15's secure_requester.py has: ClientKeys(folder).apply.
+Take home: this file, with messages.py of lesson 05.
 """
 
 import sys
@@ -26,7 +27,7 @@ SILENCE = 2.0
 
 
 class FleetSocket:
-    """`prepare` gives each new socket its keys: ClientKeys("keys").apply of lesson 15."""
+    """`prepare` gets each new socket before it connects."""
 
     def __init__(self, endpoint: str, name: str, areas: int, prepare: Callable[[Any], object] | None = None) -> None:
         self.endpoint, self.join = endpoint, Message("join", 0, {"name": name, "areas": areas})

@@ -66,7 +66,7 @@ class Hub:
 
     def welcome(self, peer: bytes, hello: Message) -> None:
         name = take(hello.values, "name", str)
-        here = any(one.name == name for one in (*self.members.values(), *self.trainers.values()))
+        here = name in [*(one.name for one in self.members.values()), *(one.name for one in self.trainers.values())]
         try:
             accept(hello, self.options.build, self.forms.get(name) if here else None)
         except MessageError as error:

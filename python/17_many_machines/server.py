@@ -14,8 +14,8 @@ What kit.py run starts as well, so that there are three simulators, one of which
     Also started: client.py
     Also started: client.py --crash-after 200
     Also started: train.py --areas 2 --episodes 100
-Take home: this file, hub.py, upkeep.py, trainers.py, episode.py, batch.py, board.py and beacon.py, with messages.py of
-lesson 05, and allow_list.py and keys.py of lesson 15.
+Take home: this file, hub.py, upkeep.py, trainers.py, episode.py, batch.py, board.py, beacon.py and hub_options.py,
+with messages.py of lesson 05, and allow_list.py and keys.py of lesson 15.
 """
 
 import argparse
@@ -24,17 +24,17 @@ import re
 import signal
 import sys
 from pathlib import Path
-from typing import Any
 
 import zmq
 
 # In its own lesson's folder; at home they lie beside this file.
-sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "15_security")]
-from beacon import Beacon, place
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from beacon import Beacon
 from board import Board
 from hub import Hub
+from hub_options import keys_for, place, receive, seconds
 from messages import LIMIT
-from upkeep import keys_for, seconds, tick
+from upkeep import tick
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5567", zmq.ROUTER, 4 * LIMIT
 
@@ -45,10 +45,9 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     beacon = Beacon(options.announce, where, allowed.public if allowed else b"")
     while True:
         if socket.poll(50):
-            peer, *frames = list[Any](socket.recv_multipart(0, not allowed))
-            # Asked with each message: the handshake of a revoked key may have been long ago.
-            if frames and (not allowed or allowed.name_of(frames[-1])):
-                hub.take(bytes(peer), frames)
+            peer, frames = receive(socket, allowed)
+            if frames:
+                hub.take(peer, frames)
         tick(hub)
         board.show(hub)
         beacon.tell()

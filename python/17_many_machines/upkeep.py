@@ -2,22 +2,11 @@
 
 Whoever is silent is told the last message once more: a simulator does nothing twice, and answers with what it has kept
 (lesson 09). So one rule is retry, heartbeat and the way to learn of a death, because ROUTER says when a peer is gone.
-Take home: this file, hub.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05, and allow_list.py and
-keys.py of lesson 15.
+Take home: this file, hub.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
 """
 
-import argparse
-import functools
-import re
-import sys
 import time
-from pathlib import Path
 
-import zmq
-
-# In its own lesson's folder; at home they lie beside this file.
-sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "15_security")]
-from allow_list import AllowList
 from hub import Hub
 from messages import Message
 from trainers import Trainer
@@ -68,23 +57,3 @@ def serve(hub: Hub, trainer: Trainer, now: float) -> None:
         if late and (free := hub.free(trainer.name)):
             hub.count["asked elsewhere"] += 1
             free.lease(episode)
-
-
-def keys_for(context: zmq.Context[zmq.Socket[bytes]], socket: zmq.Socket[bytes], folder: str) -> AllowList | None:
-    """Lesson 15's, before the socket listens: whoever comes first must be asked about already."""
-    if not folder:
-        return None
-    try:
-        allowed = AllowList(Path(folder), functools.partial(print, flush=True))
-    except ValueError as error:
-        sys.exit(str(error))
-    allowed.answer(context)
-    allowed.guard(socket)
-    return allowed
-
-
-def seconds(text: str) -> float:
-    """The type of an option."""
-    if not re.fullmatch(r"\d{1,5}(\.\d{1,6})?", text, re.ASCII) or not 0 < float(text) <= 86400:
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds, more than 0 and at most a day")
-    return float(text)
