@@ -28,7 +28,7 @@ from simulation import draws  # noqa: E402
 pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]
 
 
-class Direct(gymnasium.Env):
+class Direct(gymnasium.Env):  # type: ignore[name-defined]
     """The simulation in this very process."""
 
     def __init__(self):
