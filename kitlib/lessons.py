@@ -117,7 +117,8 @@ class Lesson:
 
     @property
     def also(self) -> list[list[str]]:
-        """What else belongs to a run, as the header says it: `Also started: gateway.py --port 0`."""
+        """What else belongs to a run, as the header says it: `Also started: train.py --areas 2`. It gets the server's
+        endpoint."""
         return [line.split() for line in re.findall(r"^ *Also started: (.+)$", self.header, re.MULTILINE)]
 
     @property

@@ -138,11 +138,13 @@ def run(
             open_page(watched)
         for name, address in addresses.items():
             client = [*client, f"--{name}", address]
-        for other in others:
+        for number, other in enumerate(others, start=2):
             with later():
-                heard = functools.partial(show, Path(other[1]).stem)
-                started.append(Program(other, folder=folder, heard=heard))
-            ready(started[-1])
+                # The first client is the one that is asked for.
+                name = Path(other[1]).stem
+                heard = functools.partial(show, f"{name} {number}" if name == "client" else name)
+                words = [*other, "--endpoint", addresses["endpoint"]]
+                started.append(Program(words, folder=folder, heard=heard))
         with later():
             started.append(Program(client, folder=folder, heard=hear_client))
         code = wait(started[-1].process)

@@ -25,8 +25,8 @@ PASSES_ON = True
 
 def do(options: argparse.Namespace) -> int:
     """Set up what the tests need, then run them."""
-    # What a webcam needs is large, and the tests have none.
-    optional = tuple(e for e in python_setup.all_extras() if e != "tests" and not e.endswith("_camera"))
+    # What a webcam needs is large, and the tests have none. Ray is large as well, and tested where it is there.
+    optional = tuple(e for e in python_setup.all_extras() if e != "tests" and not e.endswith(("_camera", "_ray")))
     python = python_setup.interpreter("tests", optional=optional)
     say(f"testing with {python}")
     words = [*side_by_side(python, options.words), *of_a_lesson(options.words)]

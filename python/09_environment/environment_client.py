@@ -25,8 +25,15 @@ TRY, IDLE, NOTHING = 1.0, 3600.0, "no connection"
 class EnvironmentClient:
     """Serves an environment, and after it the next one. What happens is told to `report`, line by line."""
 
-    def __init__(self, endpoint: str, patience: float, report: Callable[[str], None] = print) -> None:
-        self.endpoint, self.patience, self.report = endpoint, patience, report
+    def __init__(
+        self,
+        endpoint: str,
+        patience: float,
+        report: Callable[[str], None] = print,
+        prepare: Callable[[zmq.Socket[bytes]], object] = lambda socket: None,
+    ) -> None:
+        """`prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`."""
+        self.endpoint, self.patience, self.report, self.prepare = endpoint, patience, report, prepare
         # When it last was in an environment, and why it is in none since then.
         self.heard, self.why = 0.0, NOTHING
 
@@ -40,6 +47,9 @@ class EnvironmentClient:
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 # Nothing can be sent while there is no connection: so it is known whether there is one.
                 socket.linger, socket.maxmsgsize, socket.immediate = 0, 4 * LIMIT, True
+                # A pulled cable tells nobody. So a silent peer is asked, and taken for gone after a second.
+                socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 1000
+                self.prepare(socket)
                 socket.connect(self.endpoint)
                 try:
                     return self.talk(socket, simulator, count)

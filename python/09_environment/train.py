@@ -4,64 +4,24 @@
     python python/09_environment/train.py --launch dotnet run --project csharp-console -- 9
     python python/09_environment/train.py --plot learning_curve.svg    draws what it has learned when; needs matplotlib
 
-The cross-entropy method (Rubinstein, 1999): draw some policies by chance, keep the best, and draw the next ones
-around those. A policy pushes to the right when its four weights times the observation, and its bias, are above 0. The
-same --seed gives the same numbers. At home, train with what you like: see the guide's page for Stable-Baselines3.
+How it learns stands in cross_entropy.py. The same --seed gives the same numbers. At home, train with what you like: see
+the guide's page for Stable-Baselines3.
 """
 
 import argparse
 import importlib.util
 import signal
 import sys
-import time
 from pathlib import Path
-from typing import Any
 
 try:
     import environment  # noqa: F401, it registers the environments.
     import gymnasium
     import learning_curve
-    import numpy as np
+    from cross_entropy import GOAL, STEPS, play, train
     from messages import MessageError
 except KeyboardInterrupt:
     sys.exit("stopped")
-
-STEPS, POLICIES, BEST, TRIALS, GOAL = 200, 16, 4, 5, 195
-
-
-def play(env: gymnasium.Env[Any, Any], policy: Any, seed: int) -> int:
-    """How many steps the pole stays up."""
-    (seen, _), steps, over = env.reset(seed=seed), 0, False
-    while not over:
-        seen, _, terminated, truncated, info = env.step(int(policy[:4] @ seen + policy[4] > 0))
-        steps, over = steps + 1, terminated or truncated
-        if "lost" in info:
-            raise ConnectionError(info["lost"])
-    return steps
-
-
-def train(env: gymnasium.Env[Any, Any], seed: int, generations: int) -> list[float]:
-    """What the middle of each generation's best reaches, until it is good enough."""
-    random, means, total, begin = np.random.default_rng(seed), list[float](), 0, time.monotonic()
-    middle, spread = np.zeros(5), np.ones(5)
-    while len(means) < generations and max(means, default=0) < GOAL:
-        policies = middle + spread * random.standard_normal((POLICIES, 5))
-        # All of a generation begin with the same pole, so that luck decides less.
-        start = int(random.integers(2**31))
-        returns = np.array([play(env, policy, start) for policy in policies])
-        best = policies[np.argsort(returns, kind="stable")[-BEST:]]
-        # Never quite sure of itself: without the 0.1 it stops to look around too early.
-        middle, spread = best.mean(axis=0), best.std(axis=0) + 0.1
-        trials = [play(env, middle, int(random.integers(2**31))) for _ in range(TRIALS)]
-        means.append(sum(trials) / TRIALS)
-        total += int(returns.sum()) + sum(trials)
-        rate = total / (time.monotonic() - begin)
-        print(
-            f"generation {len(means)}: mean {means[-1]:.1f} of {STEPS}, {total:,} steps, {rate:,.0f} a second",
-            flush=True,
-        )
-    print(f"policy: {' '.join(f'{number:.6f}' for number in middle)}")
-    return means
 
 
 def whole(text: str) -> int:
@@ -95,7 +55,7 @@ def main() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with gymnasium.make("NetMQExample/CartPole-v0", max_episode_steps=STEPS, **where) as env:
-            means = train(env, options.seed, options.generations)
+            means = train(lambda episodes: [play(env, *each) for each in episodes], options.seed, options.generations)
         if options.plot:
             learning_curve.plot(means, GOAL, STEPS, options.plot)
     except (OSError, MessageError, ValueError) as error:

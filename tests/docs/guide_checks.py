@@ -24,6 +24,7 @@ SECTIONS = (
 # Pure reference: nothing to run, to break or to ask.
 REFERENCE = {
     "11_locators.md",
+    "17_ray.md",
     "16_watching.md",
     "from_gymize.md",
     "from_ml_agents.md",

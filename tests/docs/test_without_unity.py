@@ -77,6 +77,8 @@ def test_what_a_header_says_to_take_home_runs_there(path, tmp_path):
     text = path.read_text(encoding="utf-8")
     if "numpy" in text:
         pytest.importorskip("numpy", reason="it needs numpy: pip install numpy")
+    if "import ray\n" in text:
+        pytest.importorskip("ray", reason="it needs Ray: pip install ray")
     said = re.search(r"Take home: (.*?)\.(\s|$)", ast.get_docstring(ast.parse(text)), re.DOTALL)[1]
     for name in {path.name, *re.findall(r"\w+\.py", said)}:
         # An earlier lesson's, where this one has none of that name.

@@ -166,8 +166,8 @@ def test_a_lesson_stays_short(path):
     assert [line for line in text.splitlines() if len(line) > 120] == []
 
 
-# 07's server has two sockets, and 16's a port of the web.
-OWN_MAIN = [(7, "server.py", "main"), (15, "server.py", "main"), (16, "server.py", "main")]
+# 07's server has two sockets, 15's and 17's have keys, and 16's a port of the web.
+OWN_MAIN = [(7, "server.py", "main"), (15, "server.py", "main"), (16, "server.py", "main"), (17, "server.py", "main")]
 
 # What all servers need, and all clients, is repeated in each, so that one file is enough to take home.
 COMMON = re.compile(r"^# From here on all \w+ of this kit are the same.*\n", re.MULTILINE)

@@ -36,6 +36,7 @@ FREE_TEXT = {
     "--topic",
     "--view",
     "--keys",
+    "--build",
     "--server-key",
     "--prompt",
     "--origin",

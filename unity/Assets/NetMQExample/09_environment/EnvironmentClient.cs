@@ -45,6 +45,9 @@ namespace NetMQExample
                 var socket = new DealerSocket();
                 // Nothing can be sent while there is no connection: so it is known whether there is one.
                 socket.Options.DelayAttachOnConnect = true;
+                // A pulled cable tells nobody. So a silent peer is asked, and taken for gone after a second.
+                socket.Options.HeartbeatInterval = Try / 2;
+                socket.Options.HeartbeatTimeout = Try;
                 return socket;
             }, 4 * Message.Limit);
         }

@@ -63,8 +63,8 @@ namespace NetMQExample
         protected abstract Message Do(Message request);
     }
 
-    /// <summary>Answers reset, step and render for one simulation.</summary>
-    public sealed class Simulator : SimulatorBase
+    /// <summary>Answers reset, step and render for one simulation. Lesson 17 derives from it.</summary>
+    public class Simulator : SimulatorBase
     {
         private readonly ISimulation simulation;
 

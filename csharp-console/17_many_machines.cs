@@ -1,0 +1,39 @@
+// Lesson 17 in a terminal: the terminal client of FleetMember.cs, with the same FleetSimulator.
+//
+//     dotnet run --project csharp-console -- 17                        a simulator, until the hub sends it home
+//     dotnet run --project csharp-console -- 17 --find 5567            asks the hub that is heard on this UDP port
+//     dotnet run --project csharp-console -- 17 --keys keys            with lesson 15's keys
+//     dotnet run --project csharp-console -- 17 --crash-after 200      trouble: it ends in the middle of an episode
+//     dotnet run --project csharp-console -- 17 --delay 8              trouble: so many seconds for each step
+using System;
+
+namespace NetMQExample.Terminal
+{
+    internal static class Lesson17
+    {
+        public static void Run(Arguments arguments)
+        {
+            var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5567");
+            var (find, folder) = (arguments.Whole("find", 0), arguments.Text("keys", ""));
+            var (build, count) = (arguments.Text("build", "1"), arguments.Whole("count", 0));
+            var patience = arguments.Seconds("patience", 30);
+            var (crashAfter, delay) = (arguments.Whole("crash-after", 0), arguments.Seconds("delay", 0));
+            arguments.RefuseTheRest();
+
+            var keys = folder == "" ? null : new ClientKeys(folder);
+            if (keys != null) NetMQConnection.Prepare = keys.Apply;
+            if (find > 65535) throw new UsageException($"--find takes a port, not {find}");
+            if (find > 0) endpoint = HubFinder.Find(find, keys?.ServerKey ?? "", patience);
+            var simulator = new FleetSimulator(new CartPole(), build) { CrashAfter = crashAfter, Delay = delay };
+            simulator.Crash = line =>
+            {
+                Console.WriteLine(line);
+                Environment.Exit(1);
+            };
+            using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            Console.WriteLine($"asking {endpoint}");
+            client.Run(simulator, count, answer => answer());
+            Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
+        }
+    }
+}

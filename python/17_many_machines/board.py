@@ -1,0 +1,58 @@
+"""Lesson 17, the board: the hub's state, a table that renews itself on a terminal, and lines in a file or a pipe.
+
+Take home: this file, hub.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
+"""
+
+import os
+import sys
+import time
+
+from hub import Hub
+
+# So many simulators have a row; a terminal has no more.
+ROWS = 15
+
+
+class Board:
+    def __init__(self) -> None:
+        self.terminal, self.drawn = sys.stdout.isatty(), 0
+        self.shown, self.messages = time.monotonic(), 0
+        self.said = "0 0 0 begun anew, 0 asked elsewhere"
+        if self.terminal and os.name == "nt":
+            # Windows takes the signs that move the cursor only after this.
+            os.system("")
+
+    def say(self, line: str) -> None:
+        """A line for good, above the table."""
+        print(f"{self.erased()}{line}", flush=True)
+
+    def show(self, hub: Hub) -> None:
+        """Once a second; in a file only what has changed but for the numbers that always grow."""
+        if (since := time.monotonic() - self.shown) < 1:
+            return
+        count = hub.count
+        rate, self.messages = (count["messages"] - self.messages) / since, count["messages"]
+        self.shown += since
+        free = sum(member.free() for member in hub.members.values())
+        people = f"{len(hub.members)} simulators, {free} free, {len(hub.trainers)} trainers"
+        trouble = f"{count['begun anew']} begun anew, {count['asked elsewhere']} asked elsewhere"
+        if self.terminal:
+            rows = [f"{people}, {count['episodes']} episodes, {trouble}, {rate:,.0f} messages/s", *rows_of(hub)]
+            print(self.erased() + "\n".join(rows), flush=True)
+            self.drawn = len(rows)
+        elif (now := f"{len(hub.members)} {len(hub.trainers)} {trouble}") != self.said:
+            self.said = now
+            print(f"{people}, {count['episodes']} episodes, {trouble}", flush=True)
+
+    def erased(self) -> str:
+        """What takes the table off the terminal."""
+        lines, self.drawn = self.drawn, 0
+        return f"\x1b[{lines}F\x1b[J" if lines else ""
+
+
+def rows_of(hub: Hub) -> list[str]:
+    rows = []
+    for member in list(hub.members.values())[:ROWS]:
+        doing = f"step {member.done} of an episode" if member.episode else "free"
+        rows.append(f"  simulator {member.number}: {member.name[:20]!r}, {doing}, heard {member.silence():.1f} s ago")
+    return rows + [f"  and {len(hub.members) - ROWS} more"] * (len(hub.members) > ROWS)

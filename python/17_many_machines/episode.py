@@ -1,0 +1,112 @@
+"""Lesson 17, an episode: what was asked of it so far, and so it belongs to no simulator.
+
+A seed and the actions after it make an episode. The hub keeps both, and gives them to another simulator when the first
+one dies, or is late: the trainer never notices. That holds for simulators that compute alike, which is why the hub
+takes those of one version only.
+Take home: this file, with messages.py of lesson 05.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from messages import Array, Message, MessageError
+
+# An episode is kept, so that it can be done again, and so it must end.
+LONGEST = 100_000
+
+
+class Episode:
+    """Of one area: its requests so far, the reset first, and the answer to the last one when there is one."""
+
+    def __init__(self, reset: Message, ready: Callable[[], object]) -> None:
+        self.requests, self.ready, self.runs = [reset], ready, list["Member"]()
+        self.answer: Message | None = None
+        self.seen: list[Array] = []
+        self.leased = False
+        self.since = time.monotonic()
+
+    def ask(self, request: Message) -> None:
+        self.requests.append(request)
+        self.answer, self.since = None, time.monotonic()
+        for run in self.runs:
+            run.go_on()
+
+    def answered(self, by: "Member", answer: Message) -> None:
+        """The first answer counts; whoever else was asked is free again once it has answered too."""
+        for run in self.runs:
+            run.episode = self if run is by else None
+        self.runs, self.answer = [by], answer
+        if answer.kind == "state":
+            self.seen = answer.arrays
+        elif len(self.requests) > 1:
+            # A picture, or a refusal: the world has not changed.
+            self.requests.pop()
+            by.done -= 1
+        self.ready()
+
+    def release(self) -> None:
+        for run in self.runs:
+            run.episode = None
+        self.runs = []
+
+
+class Member:
+    """A simulator of the fleet. One request at a time is under way, and an episode takes all of it."""
+
+    def __init__(self, number: int, name: str, send: Callable[[Message], bool]) -> None:
+        self.number, self.name, self.send = number, name, send
+        self.episode: Episode | None = None
+        # How many of its episode's requests it has done, and whether one is under way.
+        self.done, self.busy, self.last = 0, False, Message("welcome")
+        self.heard = self.told = self.asked = self.free_since = time.monotonic()
+        self.there = send(self.last)
+
+    def free(self) -> bool:
+        return self.there and not self.episode and not self.busy
+
+    def lease(self, episode: Episode) -> None:
+        self.episode, self.done = episode, 0
+        episode.runs.append(self)
+        episode.leased = True
+        self.go_on()
+
+    def go_on(self) -> None:
+        """The next request of its episode. A new simulator does all of them again, one after the other."""
+        if self.episode and not self.busy and self.done < len(self.episode.requests):
+            request = self.episode.requests[self.done]
+            self.last = Message(request.kind, self.last.id + 1, request.values, request.arrays)
+            self.busy, self.asked = True, time.monotonic()
+            self.tell()
+
+    def silence(self) -> float:
+        return time.monotonic() - self.heard
+
+    def tell(self) -> None:
+        """The last request, or welcome, perhaps once more."""
+        self.told, self.there = time.monotonic(), self.send(self.last)
+
+    def take(self, answer: Message) -> None:
+        self.heard = time.monotonic()
+        # Another id is one that came twice: it says no more than that the simulator is there.
+        if not self.busy or answer.id != self.last.id:
+            return
+        self.busy, self.free_since = False, self.heard
+        if self.episode:
+            self.done += 1
+            if self.done == len(self.episode.requests):
+                self.episode.answered(self, answer)
+            self.go_on()
+
+
+def check(episodes: list[Episode | None], parts: dict[int, Message]) -> None:
+    """Before anything is begun: half a step would be none."""
+    for area, episode in enumerate(episodes):
+        part = parts.get(area)
+        if not episode and (not part or part.kind != "reset"):
+            raise MessageError("no-episode", f"area {area} was never reset")
+        if episode and part and part.kind == "step" and len(episode.requests) > LONGEST:
+            raise MessageError("too-long", f"an episode has at most {LONGEST} steps: set max_episode_steps")

@@ -1,0 +1,72 @@
+"""Lesson 17, the trainer's way to the hub: a socket for lesson 10's vector environment, which stays as it is.
+
+    with FleetSocket("tcp://127.0.0.1:5567", "CartPole", 16) as socket:
+        envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, socket=socket)      after: import vector
+
+That environment expects a bound ROUTER socket, to which a simulator comes. Here a DEALER socket goes to the hub, says
+`join` {name, areas}, and looks like one: what it receives is of a peer named `hub`.
+Where there are keys, `prepare` is what lesson 15's secure_requester.py has: ClientKeys(folder).apply.
+Take home: this file, with messages.py of lesson 05.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import zmq
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from messages import LIMIT, Message
+
+PEER = b"hub"
+# Whoever asks, asks again each second: who has said nothing for so long waits for a simulator, and says so to the hub.
+SILENCE = 2.0
+
+
+class FleetSocket:
+    """`prepare` gets each new socket before it connects."""
+
+    def __init__(self, endpoint: str, name: str, areas: int, prepare: Callable[[Any], object] | None = None) -> None:
+        self.endpoint, self.join = endpoint, Message("join", 0, {"name": name, "areas": areas})
+        self.context, self.prepare = zmq.Context(), prepare
+        self.socket = self.context.socket(zmq.DEALER)
+        self.said = 0.0
+
+    def recv_multipart(self) -> list[bytes]:
+        if time.monotonic() > self.said + SILENCE:
+            self.open()
+        return [PEER, *self.socket.recv_multipart()]
+
+    def send_multipart(self, frames: list[Any], flags: int = 0) -> None:
+        self.said = time.monotonic()
+        self.socket.send_multipart(frames[1:], flags)
+
+    def open(self) -> None:
+        """A new socket each time: one that was refused once never tries again."""
+        self.socket.close()
+        self.socket = self.context.socket(zmq.DEALER)
+        # Nothing can be sent while there is no connection: so it is known whether there is one.
+        self.socket.linger, self.socket.maxmsgsize, self.socket.immediate = 500, 4 * LIMIT, True
+        self.socket.rcvtimeo = self.socket.sndtimeo = 200
+        # A pulled cable is noticed within two seconds.
+        self.socket.heartbeat_ivl, self.socket.heartbeat_timeout = 500, 1000
+        if self.prepare:
+            self.prepare(self.socket)
+        self.socket.connect(self.endpoint)
+        self.said = time.monotonic()
+        self.socket.send_multipart(self.join.frames())
+
+    def getsockopt_string(self, option: int) -> str:
+        return self.endpoint
+
+    def close(self) -> None:
+        self.context.destroy()
+
+    def __enter__(self) -> "FleetSocket":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()

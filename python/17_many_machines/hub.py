@@ -1,0 +1,111 @@
+"""Lesson 17, the hub: whoever comes is a simulator or a trainer, and the hub brings their episodes together.
+
+    hub = Hub(socket, options, print)
+    hub.take(peer, frames)      what a ROUTER socket received
+    tick(hub)                   of upkeep.py, some times a second
+
+A simulator says `hello` {name, build, dt, observation, action}, as in lesson 09, and gets `welcome`; a trainer says
+`join` {name, areas}, and gets the hello of a simulator with so many areas, as in lesson 10, once so many are there.
+Take home: this file, upkeep.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
+"""
+
+import sys
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import zmq
+
+# In its own lesson's folder; at home it lies beside this file.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from batch import accept, fits, form
+from episode import Member
+from messages import Message, MessageError, read, take
+from trainers import Trainer
+
+
+class Hub:
+    """`options` are server.py's: build, late, patience, idle; `say` takes a line about what happens."""
+
+    def __init__(self, socket: zmq.Socket[bytes], options: Any, say: Callable[[str], object]) -> None:
+        self.socket, self.options, self.say, self.ticked = socket, options, say, 0.0
+        self.members, self.trainers = dict[bytes, Member](), dict[bytes, Trainer]()
+        # Of each name a hello, and what all of them have alike.
+        self.hellos, self.forms = dict[str, Message](), dict[str, Any]()
+        self.count = Counter[str]()
+
+    def take(self, peer: bytes, frames: list[Any]) -> None:
+        self.count["messages"] += 1
+        try:
+            message = read(frames)
+            if member := self.members.get(peer):
+                self.answered(peer, member, message)
+                return
+            if message.kind == "hello":
+                self.welcome(peer, message)
+            elif message.kind == "join":
+                self.join(peer, message)
+            elif trainer := self.trainers.get(peer):
+                trainer.take(message)
+            elif message.kind not in ("closed", "error"):
+                raise MessageError("unknown-peer", "say hello again", message.id)
+        except MessageError as error:
+            self.send(peer, Message("error", error.id, {"code": error.code, "text": error.text}))
+        self.lease()
+
+    def answered(self, peer: bytes, member: Member, answer: Message) -> None:
+        if answer.kind == "state" and not fits(answer, self.forms[member.name]):
+            self.lose(peer, "its observation is not what it has announced")
+        else:
+            member.take(answer)
+        # In the middle of an episode nobody has to be looked for.
+        if member.free() or peer not in self.members:
+            self.lease()
+
+    def welcome(self, peer: bytes, hello: Message) -> None:
+        name = take(hello.values, "name", str)
+        here = name in [*(one.name for one in self.members.values()), *(one.name for one in self.trainers.values())]
+        try:
+            accept(hello, self.options.build, self.forms.get(name) if here else None)
+        except MessageError as error:
+            self.say(f"refused: {error}")
+            raise
+        self.hellos[name], self.forms[name] = hello, form(hello)
+        self.count["came"] += 1
+        self.members[peer] = Member(self.count["came"], name, partial(self.send, peer))
+
+    def join(self, peer: bytes, message: Message) -> None:
+        name, areas = take(message.values, "name", str), take(message.values, "areas", int)
+        if old := self.trainers.pop(peer, None):
+            old.release()
+        self.trainers[peer] = Trainer(name, areas, partial(self.send, peer), self.count)
+
+    def lease(self) -> None:
+        """A simulator for each episode that has none."""
+        for trainer in self.trainers.values():
+            for episode in trainer.under_way():
+                if not episode.runs and (free := self.free(trainer.name)):
+                    self.count["begun anew"] += episode.leased
+                    free.lease(episode)
+
+    def free(self, name: str) -> Member | None:
+        """The one that has been free for longest."""
+        able = (member for member in self.members.values() if member.name == name and member.free())
+        return min(able, key=lambda member: member.free_since, default=None)
+
+    def lose(self, peer: bytes, why: str) -> None:
+        member = self.members.pop(peer)
+        if episode := member.episode:
+            episode.runs.remove(member)
+        self.say(f"simulator {member.number} is gone: {why}")
+
+    def send(self, peer: bytes, message: Message) -> bool:
+        """False if it is gone, or takes nothing any more."""
+        self.count["messages"] += 1
+        try:
+            self.socket.send_multipart([peer, *message.frames()], zmq.NOBLOCK)
+        except zmq.ZMQError:
+            return False
+        return True

@@ -1,0 +1,88 @@
+"""Lesson 17, a trainer: lesson 10's vector environment, as it is, whose areas are simulators on any machine.
+
+    python python/17_many_machines/train.py --areas 2                begins when two simulators are at the hub
+    python python/17_many_machines/train.py --areas 2 --each         prints the return of each episode, by its seed
+
+It pushes each cart to where its pole falls. Each episode has a seed, and so its return is the same wherever it was
+simulated, and however often it was begun anew. What you train with comes in place of `policy`.
+"""
+
+import argparse
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+# In its own lesson's folder; at home they lie beside this file.
+LESSONS = "05_messages", "09_environment", "10_many_agents", "15_security"
+sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in LESSONS]
+try:
+    import gymnasium
+    import numpy as np
+    import vector  # noqa: F401, it registers the vector environments.
+    from fleet import FleetSocket
+    from messages import MessageError
+    from secure_requester import ClientKeys
+except ImportError as error:
+    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 17 installs it")
+except KeyboardInterrupt:
+    # gymnasium takes a second.
+    sys.exit("stopped")
+
+
+def policy(seen: Any) -> Any:
+    """Not the best one: its episodes end."""
+    return (seen[:, 2] > 0).astype(np.int64)
+
+
+def play(envs: Any, episodes: int) -> list[float]:
+    """The return of each episode, by its seed: 0, 1, 2, and so on."""
+    returns, areas = [0.0] * episodes, envs.num_envs
+    seeds, following = list(range(areas)), areas
+    seen, _ = envs.reset(seed=seeds)
+    while min(seeds) < episodes:
+        seen, rewards, terminated, truncated, infos = envs.step(policy(seen))
+        if "lost" in infos:
+            raise ConnectionError(infos["lost"][0])
+        for area in range(areas):
+            if seeds[area] < episodes:
+                returns[seeds[area]] += rewards[area]
+        if (over := terminated | truncated).any():
+            for area in [area for area in range(areas) if over[area]]:
+                seeds[area], following = following, following + 1
+            begun, _ = envs.reset(seed=seeds, options={"reset_mask": over})
+            seen = np.where(over[:, None], begun, seen)
+    return returns
+
+
+def main() -> None:
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    parser = argparse.ArgumentParser(description="Plays episodes by way of the hub.")
+    parser.add_argument("--endpoint", default="tcp://127.0.0.1:5567", help="the hub")
+    parser.add_argument("--areas", type=int, choices=range(1, 1025), default=2, metavar="N", help="how many at a time")
+    parser.add_argument("--episodes", type=int, choices=range(1, 10**6), default=20, metavar="N", help="how many")
+    parser.add_argument("--each", action="store_true", help="print each episode's return")
+    parser.add_argument("--keys", default="", metavar="DIR", help="server.key and this trainer's pair")
+    parser.add_argument("--wait", type=float, default=60, help="seconds to wait for simulators, and for each step")
+    options = parser.parse_args()
+    # SIGTERM ends it as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        keys = ClientKeys(Path(options.keys)).apply if options.keys else None
+        where: dict[str, Any] = {"wait": options.wait, "patience": options.wait, "autoreset_mode": "Disabled"}
+        with FleetSocket(options.endpoint, "CartPole", options.areas, keys) as socket:
+            envs = gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket, **where)
+            returns = play(envs, options.episodes)
+            envs.close()
+    except (OSError, MessageError, ValueError) as error:
+        sys.exit(f"gave up: {error}")
+    for seed, steps in enumerate(returns) if options.each else ():
+        print(f"seed {seed}: return {steps:.0f}")
+    print(f"done: {len(returns)} episodes, sum {sum(returns):.0f}", flush=True)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit("stopped")

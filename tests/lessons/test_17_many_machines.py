@@ -1,0 +1,267 @@
+"""Lesson 17: a hub, simulators that come and go, and trainers that never notice. Cables: test_17_network.py."""
+
+from __future__ import annotations
+
+import re
+import sys
+
+import pytest
+import zmq
+
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import ROOT, free_port, steady_port
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: pip install gymnasium")
+np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: pip install numpy")
+
+KEY = "17_many_machines"
+FOLDERS = ("05_messages", "09_environment", "10_many_agents", "15_security", KEY)
+sys.path += [str(ROOT / "python" / folder) for folder in FOLDERS]
+import keys  # noqa: E402
+import messages  # noqa: E402
+import vector  # noqa: E402, F401
+from cart_pole import CartPole  # noqa: E402
+from fleet import FleetSocket  # noqa: E402
+from simulation import draws  # noqa: E402
+
+each_client = pytest.mark.parametrize("kind", CLIENTS)
+ID = "NetMQExample/CartPole-v0"
+
+
+def returns(episodes):
+    """What train.py reaches with each seed, played without a network."""
+    world, found = CartPole(), []
+    for seed in range(episodes):
+        world.reset(draws(seed), {}, [])
+        steps, over = 0, False
+        while not over:
+            world.apply(int(world.observe()[2] > 0))
+            steps, over = steps + 1, world.judge()["terminated"]
+        found.append(steps)
+    return found
+
+
+@pytest.fixture
+def simulators(start, client_command):
+    """simulators(endpoint, "python", "csharp"): started side by side, and each is in the fleet."""
+
+    def some(endpoint, *kinds, words=()):
+        programs = [start(*client_command(kind, KEY, endpoint, *words)) for kind in kinds]
+        for program in programs:
+            program.wait_for("^simulating CartPole")
+        return programs
+
+    return some
+
+
+@pytest.fixture
+def train(start):
+    """train(endpoint, 2, 10): two areas, ten episodes; a running trainer."""
+
+    def program(endpoint, areas, episodes, *words):
+        numbers = ["--areas", str(areas), "--episodes", str(episodes)]
+        return start(PYTHON, ROOT / "python" / KEY / "train.py", "--endpoint", endpoint, *numbers, "--each", *words)
+
+    return program
+
+
+def played(trainer, code=0):
+    """The return of each episode."""
+    assert trainer.wait() == code, trainer.output
+    return [int(steps) for steps in re.findall(r"^seed \d+: return (\d+)$", trainer.output, re.MULTILINE)]
+
+
+@each_client
+def test_what_is_played_over_the_hub_is_what_is_played_without(kind, serve, simulators, train):
+    _, endpoint = serve(KEY)
+    simulators(endpoint, kind, kind)
+    assert played(train(endpoint, 2, 12)) == returns(12)
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_whose_simulator_dies_is_begun_anew_elsewhere_and_counts_once(kind, serve, simulators, train, start):
+    hub, endpoint = serve(KEY)
+    simulators(endpoint, "python", "python")
+    (mortal,) = simulators(endpoint, kind, words=["--crash-after", "50"])
+    assert played(train(endpoint, 2, 20)) == returns(20)
+    assert mortal.wait() == 1
+    assert mortal.lines[-1] == "crash after 50 steps, as told"
+    hub.wait_for(r"^simulator 3 is gone: its connection is$")
+    hub.wait_for(r", 1 begun anew, 0 asked elsewhere$")
+
+
+def test_what_a_straggler_is_late_with_is_asked_for_elsewhere(serve, simulators, train):
+    hub, endpoint = serve(KEY, "--late", "0.3")
+    simulators(endpoint, "python", words=["--delay", "3600"])
+    simulators(endpoint, "python")
+    assert played(train(endpoint, 1, 4)) == returns(4)
+    hub.wait_for(r"[1-9]\d* asked elsewhere$")
+
+
+@each_client
+def test_another_build_is_refused_by_name_on_both_sides(kind, serve, start, client_command):
+    hub, endpoint = serve(KEY, "--build", "7")
+    stranger = start(*client_command(kind, KEY, endpoint, "--patience", "2", "--build", "six"))
+    text = "other-build: 'CartPole' of build 'six', this hub takes '7': use one build everywhere"
+    hub.wait_for(f"^refused: {text}$")
+    assert stranger.wait() == 1
+    assert any("gave up: " in line and text in line for line in stranger.lines), stranger.output
+
+
+def test_a_fleet_that_is_too_small_is_said(serve, simulators, train):
+    _, endpoint = serve(KEY, "--patience", "0.5")
+    simulators(endpoint, "python")
+    simulators(endpoint, "python", words=["--crash-after", "20"])
+    trainer = train(endpoint, 2, 20)
+    assert played(trainer, code=1) == []
+    why = "no-simulator: no simulator for an episode within 0.5 s: 1 are here, start more"
+    assert trainer.lines[-1] == f"gave up: {why}"
+
+
+def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulators, train):
+    _, endpoint = serve(KEY)
+    simulators(endpoint, "python")
+    trainer = train(endpoint, 2, 4, "--wait", "1")
+    assert played(trainer, code=1) == []
+    assert trainer.lines[-1] == f"gave up: no simulator came to {endpoint} within 1 s; is it running?"
+
+
+def test_who_trained_and_died_leaves_the_simulators_to_the_next(serve, simulators, train):
+    hub, endpoint = serve(KEY)
+    simulators(endpoint, "python", "python")
+    first = train(endpoint, 2, 100_000)
+    hub.wait_for("^2 simulators, 0 free, 1 trainers")
+    first.kill()
+    assert played(train(endpoint, 2, 6)) == returns(6)
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_hub_that_was_killed_gets_all_its_simulators_back(kind, serve, simulators, train):
+    place = f"tcp://127.0.0.1:{steady_port()}"
+    hub, endpoint = serve(KEY, endpoint=place)
+    fleet = simulators(endpoint, kind, kind)
+    trainer = train(endpoint, 2, 100_000)
+    hub.wait_for("^2 simulators, 0 free, 1 trainers")
+    hub.kill()
+    assert played(trainer, code=1) == []
+    assert trainer.lines[-1] == "gave up: the simulator is gone"
+    serve(KEY, endpoint=place)
+    for simulator in fleet:
+        simulator.wait_for("^trouble: the environment is gone, or silent$")
+    assert played(train(endpoint, 2, 6)) == returns(6)
+
+
+def test_who_has_no_work_is_sent_home(serve, simulators):
+    hub, endpoint = serve(KEY, "--idle", "0.5")
+    (idle,) = simulators(endpoint, "python")
+    assert idle.wait() == 0
+    assert idle.lines[-1] == "done: 0 episodes, 0 steps"
+    hub.wait_for("^simulator 1 is gone: nothing to do for 0.5 s$")
+
+
+# Lesson 10's environment, unchanged
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_the_vector_environment_sees_the_same_over_the_hub(mode, serve, simulators, start, client_command):
+    _, endpoint = serve(KEY)
+    simulators(endpoint, "python", "python")
+    launch = client_command("python", "10_many_agents", "nowhere", "--world", "CartPole", "--areas", "2")
+    at = launch.index("--endpoint")
+    del launch[at : at + 2]
+    with FleetSocket(endpoint, "CartPole", 2) as socket:
+        both = [
+            gymnasium.make_vec(ID, 2, autoreset_mode=mode, render_mode="rgb_array", **where)
+            for where in ({"socket": socket}, {"launch": launch})
+        ]
+        options = {"low": -0.2, "high": 0.2}
+        assert_same(*(envs.reset(seed=[3, 4], options=options) for envs in both))
+        for step in range(120):
+            assert_same(*(envs.step(np.array([1, step % 2])) for envs in both))
+        assert_same(*(envs.render() for envs in both))
+        assert_same(*(envs.reset(options={"state": np.array([0.1, 0, 0, 0])}) for envs in both))
+        for envs in both:
+            with pytest.raises(messages.MessageError, match="bad-state"):
+                envs.reset(options={"state": np.zeros(3)})
+            # It goes on after that.
+            envs.reset(seed=1)
+            envs.close()
+
+
+def assert_same(ours, theirs):
+    np.testing.assert_equal(plain(ours), plain(theirs))
+
+
+def plain(found):
+    """Without the arrays of arrays, which numpy does not compare."""
+    if isinstance(found, dict):
+        return {name: plain(value) for name, value in found.items()}
+    nested = isinstance(found, (tuple, list)) or (isinstance(found, np.ndarray) and found.dtype == object)
+    return [plain(value) for value in found] if nested else found
+
+
+# Strangers
+
+
+def test_a_simulator_that_answers_nonsense_is_let_go_and_its_episode_goes_elsewhere(context, serve, simulators, train):
+    hub, endpoint = serve(KEY)
+    with context.socket(zmq.DEALER) as liar:
+        liar.linger = 0
+        liar.connect(endpoint)
+        low = np.array([-4.8, -3.4028235e38, -0.41887903, -3.4028235e38], np.float32)
+        box = [messages.Array("float32", (4,), bound.tobytes()) for bound in (low, -low)]
+        two = messages.Array("int64", (), np.int64(2).tobytes())
+        values = {"name": "CartPole", "dt": 0.02, "observation": "box", "action": "discrete"}
+        liar.send_multipart(messages.Message("hello", 0, values, [*box, two]).frames())
+        assert messages.read(liar.recv_multipart()).kind == "welcome"
+        trainer = train(endpoint, 1, 3)
+        while (request := messages.read(liar.recv_multipart())).kind != "reset":
+            pass
+        wrong = messages.Array("float32", (3,), bytes(12))
+        liar.send_multipart(messages.Message("state", request.id, {}, [wrong]).frames())
+        hub.wait_for("^simulator 1 is gone: its observation is not what it has announced$")
+        simulators(endpoint, "python")
+        assert played(trainer) == returns(3)
+
+
+# Keys, and how a hub is found
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_with_keys_it_lets_in_who_is_on_its_list(kind, serve, start, client_command, tmp_path, train):
+    folder = tmp_path / "keys"
+    keys.example(folder)
+    _, endpoint = serve(KEY, "--keys", str(folder))
+    stranger = start(*client_command("python", KEY, endpoint, "--patience", "1"))
+    start(*client_command(kind, KEY, endpoint, "--keys", str(folder))).wait_for("^simulating CartPole")
+    assert played(train(endpoint, 1, 3, "--keys", str(folder))) == returns(3)
+    assert stranger.wait() == 1
+    # Who is not on the list any more is not heard, though its connection is still there.
+    keys.do("revoke", ["alice"], folder)
+    assert played(train(endpoint, 1, 3, "--keys", str(folder), "--wait", "1"), code=1) == []
+
+
+def test_a_hub_without_the_keys_it_was_told_says_so(start):
+    hub = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--keys", "nowhere")
+    assert hub.wait() == 1
+    assert re.search(r"no key in nowhere.server\.key_secret; keys\.py makes keys", hub.lines[-1])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has a broadcast address on its loopback")
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_hub_is_found_by_its_beacon_and_by_its_key(kind, serve, start, console, tmp_path):
+    port, folder = free_port(), tmp_path / "keys"
+    keys.example(folder)
+    serve(KEY, "--announce", f"127.255.255.255:{port}")
+    command = [PYTHON, ROOT / "python" / KEY / "client.py"] if kind == "python" else [*console, KEY]
+    with_keys = start(*command, "--find", str(port), "--keys", str(folder), "--patience", "3")
+    without = start(*command, "--find", str(port), "--patience", "20")
+    without.wait_for("^simulating CartPole")
+    # The other one passes over a hub that is not its own.
+    assert with_keys.wait() == 1
+    cure = "is the hub started with --announce, on this network?"
+    why = f"no hub was heard on UDP port {port} within 3 s, only of another key, 127.0.0.1; {cure}"
+    assert with_keys.lines[-1] == f"gave up: {why}"
+    _, endpoint = serve(KEY, "--announce", f"127.255.255.255:{port}", "--keys", str(folder))
+    found = start(*command, "--find", str(port), "--keys", str(folder), "--patience", "20")
+    found.wait_for(f"^simulating CartPole for {endpoint}$")

@@ -1,0 +1,170 @@
+"""Lesson 17, with Ray: the numbers are those of a training without Ray and without ZeroMQ, whoever dies."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import sys
+import tempfile
+import time
+
+import pytest
+
+from tests.conftest import PYTHON
+from tests.programs import ROOT, Mark, finds_processes
+
+pytest.importorskip("ray", reason="needs Ray: pip install ray")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
+
+RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
+sys.path += [str(ROOT / "python" / folder) for folder in ("09_environment", "05_messages")]
+import cross_entropy  # noqa: E402
+from cart_pole import CartPole  # noqa: E402
+from simulation import draws  # noqa: E402
+
+pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]
+
+
+class Direct(gymnasium.Env):  # type: ignore[name-defined]
+    """The simulation in this very process."""
+
+    def __init__(self):
+        self.world = CartPole()
+
+    def seen(self):
+        return np.array(self.world.observe(), np.float32)
+
+    def reset(self, *, seed=None, options=None):
+        self.world.reset(draws(seed), {}, [])
+        return self.seen(), {}
+
+    def step(self, action):
+        self.world.apply(action)
+        said = self.world.judge()
+        return self.seen(), said["reward"], said["terminated"], said["truncated"], {}
+
+
+def numbers(lines):
+    """What must be equal: not how many steps a second there were, and not what Ray says of a process that died."""
+    kept = [line for line in lines if re.match(r"generation|policy", line)]
+    return [re.sub(r", [\d,]+ a second$", "", line) for line in kept]
+
+
+@pytest.fixture
+def expected(capsys):
+    """The lines of a training with this seed, and how many episodes there were."""
+
+    def train(seed):
+        env, played = gymnasium.wrappers.TimeLimit(Direct(), cross_entropy.STEPS), []
+
+        def play_all(episodes):
+            played.extend(cross_entropy.play(env, *each) for each in episodes)
+            return played[-len(episodes) :]
+
+        cross_entropy.train(play_all, seed, 50)
+        return numbers(capsys.readouterr().out.splitlines()), len(played)
+
+    return train
+
+
+@pytest.fixture
+def train(start):
+    """Starts ray_train.py; what Ray writes is in a folder of its own, whose name is short enough for its sockets."""
+    folder = tempfile.mkdtemp(prefix="ray")
+    # In a session of its own, so that a test can send Ctrl-C to the whole group, as a terminal does.
+    command = *(["setsid"] if shutil.which("setsid") else []), PYTHON, RAY
+    yield lambda *words, **environment: start(*command, *words, RAY_TMPDIR=folder, HOME=folder, **environment)
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def test_a_killed_actor_changes_no_number(train, expected):
+    lines, episodes = expected(0)
+    trainer = train("--crash-on", "10")
+    assert trainer.wait(180) == 0, trainer.output
+    assert numbers(trainer.lines) == lines
+    assert f"done: {episodes} episodes by 3 processes of 2 actors" in trainer.lines
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("actors", "seed"), [(1, 1), (3, 2)])
+def test_it_makes_no_difference_how_many_there_are(actors, seed, train, expected):
+    lines, episodes = expected(seed)
+    trainer = train("--actors", str(actors), "--seed", str(seed))
+    assert trainer.wait(180) == 0, trainer.output
+    assert numbers(trainer.lines) == lines
+    assert f"done: {episodes} episodes by {actors} processes of {actors} actors" in trainer.lines
+
+
+@pytest.mark.long
+@finds_processes
+@pytest.mark.skipif(not shutil.which("setsid"), reason="needs setsid")
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_leaves_no_process_behind(how, train):
+    mark = Mark()
+    # A simulator that is slow: there is time for Ctrl-C.
+    trainer = train("--launch", sys.executable, "-c", SLOW, str(ROOT), **mark.environment)
+    trainer.wait_for("^generation 1", 180)
+    assert len([command for command in mark.processes().values() if "ray::Player" in command]) == 2
+    os.killpg(trainer.process.pid, how)
+    assert trainer.wait() == 1
+    assert trainer.lines[-1] == "stopped" and "Traceback" not in trainer.output
+    end = time.monotonic() + 30
+    while (left := mark.processes()) and time.monotonic() < end:
+        time.sleep(0.1)
+    assert left == {}
+
+
+# Lesson 09's client, with 20 ms for each step.
+SLOW = """
+import sys, time, pathlib
+root = pathlib.Path(sys.argv.pop(1))
+sys.path[:0] = [str(root / "python" / "09_environment"), str(root / "python" / "05_messages")]
+import cart_pole, client
+step = cart_pole.CartPole.apply
+cart_pole.CartPole.apply = lambda world, action: (time.sleep(0.02), step(world, action))[1]
+client.main()
+"""
+
+
+@pytest.mark.long
+def test_a_lost_simulator_is_launched_again_and_changes_no_number(train, expected):
+    lines, _ = expected(0)
+    client = ROOT / "python" / "09_environment" / "client.py"
+    # Each simulator leaves after 40 episodes.
+    trainer = train("--launch", sys.executable, str(client), "--count", "40")
+    assert trainer.wait(180) == 0, trainer.output
+    assert numbers(trainer.lines) == lines
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--launch", "no/such/game"], "FileNotFoundError: no game at no/such/game: "),
+        (["--launch", "false"], "TimeoutError: the launched simulator ended with code 1"),
+        (["--address", "nonsense"], "Invalid address format: nonsense"),
+    ],
+)
+def test_what_it_cannot_do_it_says_in_a_line(words, text, train):
+    trainer = train(*words)
+    assert trainer.wait(180) == 1
+    assert trainer.lines[-1].startswith(f"gave up: {text}") and "Traceback" not in trainer.output
+
+
+@pytest.mark.parametrize("words", [["--actors", "0"], ["--actors", "x"], ["--seed", "-1"]])
+def test_wrong_words_are_said_before_ray_starts(words, train):
+    trainer = train(*words)
+    assert trainer.wait() == 2
+    assert words[0] in trainer.lines[-1]
+
+
+def test_a_python_without_ray_says_what_is_missing(start, tmp_path):
+    (tmp_path / "ray.py").write_text("raise ImportError('No module named ray')", encoding="utf-8")
+    ended = start(PYTHON, RAY, PYTHONPATH=str(tmp_path))
+    assert ended.wait() == 1
+    assert ended.lines == [
+        "No module named ray: Ray's part of this lesson needs gymnasium and ray; pip install gymnasium ray"
+    ]

@@ -1,0 +1,66 @@
+// Lesson 17, the hub is found: it tells its network once a second where it is. The twin of `find` in beacon.py.
+//
+//     HubFinder.Find(5567, "", TimeSpan.FromSeconds(30))        tcp://192.168.0.7:5567, or TimeoutException
+//
+// Bytes: a UDP datagram, `NMQX1 PORT FINGERPRINT` in ASCII; the address is the sender's. The fingerprint is the
+// beginning of the SHA-256 of the hub's public key, or `-` without keys. Anybody can send such a datagram: so a
+// simulator that has the hub's key passes over all others, and one without keys trusts its network.
+// Take home: this file.
+using System;
+using System.Diagnostics;
+using System.Linq;
+using System.Net;
+using System.Net.Sockets;
+using System.Security.Cryptography;
+using System.Text;
+using System.Text.RegularExpressions;
+using System.Threading;
+
+namespace NetMQExample
+{
+    /// <summary>Listens for a hub. Not for Unity's main thread: it waits.</summary>
+    public static class HubFinder
+    {
+        /// <summary>Listens until a hub is heard that has this key.</summary>
+        /// <param name="port">The UDP port that the hub tells it on.</param>
+        /// <param name="serverKey">The hub's public key; empty without keys.</param>
+        /// <param name="patience">How long to listen.</param>
+        /// <param name="stop">Ends the wait early.</param>
+        /// <returns>The hub's endpoint.</returns>
+        /// <exception cref="TimeoutException">None was heard; the message says what to try.</exception>
+        public static string Find(int port, string serverKey, TimeSpan patience, CancellationToken stop = default)
+        {
+            var (waited, others, own) = (Stopwatch.StartNew(), "", Fingerprint(serverKey));
+            using var ear = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
+            // Several simulators of one machine listen on the same port.
+            ear.SetSocketOption(SocketOptionLevel.Socket, SocketOptionName.ReuseAddress, true);
+            try { ear.Bind(new IPEndPoint(IPAddress.Any, port)); }
+            catch (SocketException e)
+            {
+                throw new TimeoutException($"cannot listen on UDP port {port}: {e.Message}; give --endpoint instead");
+            }
+            var (datagram, sender) = (new byte[65_536], (EndPoint)new IPEndPoint(IPAddress.Any, 0));
+            while (waited.Elapsed < patience)
+            {
+                stop.ThrowIfCancellationRequested();
+                if (!ear.Poll(20_000, SelectMode.SelectRead)) continue;
+                var length = ear.ReceiveFrom(datagram, ref sender);
+                var told = Regex.Match(
+                    Encoding.ASCII.GetString(datagram, 0, length), "^NMQX1 ([0-9]{1,5}) ([0-9a-f]{16}|-)$");
+                var address = ((IPEndPoint)sender).Address;
+                if (told.Success && told.Groups[2].Value == own) return $"tcp://{address}:{told.Groups[1].Value}";
+                if (told.Success) others = $", only of another key, {address}";
+            }
+            throw new TimeoutException(FormattableString.Invariant(
+                $"no hub was heard on UDP port {port} within {patience.TotalSeconds} s{others}; ")
+                + "is the hub started with --announce, on this network?");
+        }
+
+        private static string Fingerprint(string key)
+        {
+            if (key == "") return "-";
+            using var sha = SHA256.Create();
+            return string.Concat(sha.ComputeHash(Encoding.ASCII.GetBytes(key)).Take(8).Select(b => $"{b:x2}"));
+        }
+    }
+}
