@@ -28,7 +28,7 @@ try:
     import over_socketio
     import over_websocket
     from aiohttp import web
-    from browser_socket import BrowserSocket, Listener, Requester
+    from browser_socket import BrowserSocket, Listener, Requester, more_files
     from door import Door, address, behind, keys, listen, seconds
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
@@ -44,6 +44,7 @@ PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555
 
 async def serve(options: argparse.Namespace) -> None:
     """The page, WebSocket and Socket.IO on one port, and behind it one ZeroMQ socket for each browser."""
+    more_files()
     context, door, app = zmq.asyncio.Context(), Door(options.origin, options.token), web.Application()
     if options.keys:
         # What a context is given, each new socket of it has.
@@ -60,9 +61,13 @@ async def serve(options: argparse.Namespace) -> None:
     over_websocket.attach(app, door, [*SERVERS, *PUBLISHERS], opened)
     over_socketio.attach(app, door, [*SERVERS, *PUBLISHERS], opened)
     door.open_at(*await listen(app, options.endpoint, options.token))
-    while True:
-        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-        await asyncio.sleep(0.2)
+    try:
+        while True:
+            # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+            await asyncio.sleep(0.2)
+    finally:
+        # The sockets of those who are here would be waited for.
+        context.destroy(linger=0)
 
 
 # From here on all servers of this kit are the same, as far as they need it.
