@@ -166,6 +166,31 @@ def test_many_strangers_do_not_wait_for_a_long_list(folder):
         assert time.monotonic() < deadline, "who is enrolled comes in"
 
 
+@pytest.mark.parametrize("kind", ["csharp", "unity"])
+def test_a_subscriber_in_csharp_hears_only_with_a_key(kind, folder, start, client_command):
+    """Lesson 03's client as it is, with one option more; its PUB socket takes the keys itself."""
+    said: list[str] = []
+    with zmq.Context() as servers, servers.socket(zmq.PUB) as publisher:
+        publisher.linger = 0
+        allowed = AllowList(folder, said.append)
+        allowed.answer(servers)
+        allowed.guard(publisher)
+        endpoint = f"tcp://127.0.0.1:{publisher.bind_to_random_port('tcp://127.0.0.1')}"
+        words = client_command(
+            kind, "03_publish_subscribe", endpoint, "--count", "3", "--every", "1", "--patience", "2"
+        )
+        stranger, alice = start(*words), start(*words, "--with-keys", str(folder))
+        deadline, number = time.monotonic() + LIMIT, 0
+        while alice.process.poll() is None and time.monotonic() < deadline:
+            number += 1
+            publisher.send_string(f"pose/ {number} {time.time():.6f} 0.0 0.5 0.0")
+            time.sleep(0.01)
+        assert alice.wait() == 0, alice.output
+        assert len([line for line in alice.lines if line.startswith("received pose/ ")]) == 3
+        stranger.process.wait(LIMIT)
+        assert not [line for line in stranger.lines if line.startswith("received")], stranger.output
+
+
 # A gate
 
 

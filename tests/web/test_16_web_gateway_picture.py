@@ -273,7 +273,7 @@ def test_a_saved_recording_plays_without_a_server(opened, tmp_path, open_page):
     assert seen.errors == seen.said == []
 
 
-HOSTILE = [
+HOSTILE: list[dict[str, object]] = [
     {"arrays": 5},
     {"arrays": [None]},
     {"arrays": [{"shape": 5}]},

@@ -68,7 +68,8 @@ namespace NetMQExample
                 socket.Options.Proxy = null;
                 using var patience = new CancellationTokenSource();
                 using var stopped = stop.Token.Register(() => patience.CancelAfter(1000));
-                await socket.ConnectAsync(new Uri(address), WaitsForIt ? patience.Token : stop.Token).ConfigureAwait(false);
+                var soon = WaitsForIt ? patience.Token : stop.Token;
+                await socket.ConnectAsync(new Uri(address), soon).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
                 closed ??= socket.CloseStatusDescription ?? "the other side has left";
