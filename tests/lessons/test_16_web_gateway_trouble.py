@@ -156,9 +156,9 @@ def test_a_full_gateway_is_not_a_wrong_token(kind, socketio_too, start, client_c
     code = "import door; door.MOST = 0; import server; server.main()"
     program = start(PYTHON, "-c", code, "--endpoint", "http://127.0.0.1:0", PYTHONPATH=str(FOLDER))
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5", *by(kind, socketio_too)))
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "4", *by(kind, socketio_too)))
     assert client.wait() == 1
-    assert f"no reply from {endpoint} within 0.5 s; is the server running? (" in client.output
+    assert f"no reply from {endpoint} within 4 s; is the server running? (" in client.output
     assert "token" not in client.output
     assert ("browsers are here already" if socketio_too else "503") in client.output, client.output
 
