@@ -18,6 +18,7 @@ secure_requester.py and keys.py of lesson 15.
 import argparse
 import asyncio
 import contextlib
+import os
 import signal
 import sys
 from pathlib import Path
@@ -61,13 +62,9 @@ async def serve(options: argparse.Namespace) -> None:
     over_websocket.attach(app, door, [*SERVERS, *PUBLISHERS], opened)
     over_socketio.attach(app, door, [*SERVERS, *PUBLISHERS], opened)
     door.open_at(*await listen(app, options.endpoint, options.token))
-    try:
-        while True:
-            # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-            await asyncio.sleep(0.2)
-    finally:
-        # The sockets of those who are here would be waited for.
-        context.destroy(linger=0)
+    while True:
+        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+        await asyncio.sleep(0.2)
 
 
 # From here on all servers of this kit are the same, as far as they need it.
@@ -87,8 +84,10 @@ def main() -> None:
     for name, endpoint in (SERVERS | PUBLISHERS).items():
         parser.add_argument(f"--{name}", type=behind, default=endpoint, metavar="ENDPOINT", help=f"default: {endpoint}")
     options = parser.parse_args()
-    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does. Both at once: a KeyboardInterrupt
+    # may be caught within Socket.IO, and its tasks do not let themselves be cancelled for ten seconds and more.
+    for each in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(each, lambda *_: os._exit(0))
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
         runner.run(serve(options))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import re
 import struct
@@ -128,6 +129,25 @@ def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):
     while len(list(folder.iterdir())) > before:
         assert time.monotonic() < deadline, "sockets that nobody closes"
         time.sleep(0.05)
+
+
+def test_a_flood_of_requests_holds_up_no_end(gateway):
+    program, endpoint = gateway()
+
+    async def talk(browser, _):
+        with contextlib.suppress(ConnectionError):
+            for i in range(3000):
+                await browser.send_str(f'42{i}["background","Hello"]')
+        await asyncio.to_thread(program.wait_for, "^browser 1 left$")
+        # It is here still, and does not listen. Ten seconds are Socket.IO's own patience.
+        assert await asyncio.to_thread(program.stop, limit=8) == 0
+
+    by_socketio(endpoint, talk)
+    assert program.lines[1:] == [
+        "browser 1 came by Socket.IO",
+        "let a browser go: 64 of its requests, or answers for it, wait",
+        "browser 1 left",
+    ]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of open files for a program")
