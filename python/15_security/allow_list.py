@@ -18,7 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import zmq
-from keys import load
+from keys import key_in, load
 from zmq.utils import z85
 
 DOMAIN = b"lesson"
@@ -31,7 +31,8 @@ class AllowList:
 
     def __init__(self, folder: Path, say: Callable[[str], object] = print) -> None:
         self.public, self.secret = load(folder / "server.key_secret")
-        self.folder, self.say = folder / "allowed", say
+        self.folder, self.say = folder, say
+        self.listed, self.look_again = dict[str, Path](), 0.0
         # Each key that was let in, with its file and what that file was then.
         self.known: dict[str, tuple[Path, int]] = {}
         self.refused: dict[str, int] = {}
@@ -53,29 +54,33 @@ class AllowList:
 
     def name_of(self, frame: zmq.Frame) -> str:
         """Asked with each message: the handshake of a revoked key may have been long ago."""
-        try:
-            return self._name(str(frame.get("User-Id")))
-        except zmq.ZMQError:
-            # Nobody was asked at the handshake.
-            return ""
+        return self.name(self.key_of(frame))
 
-    def _name(self, key: str) -> str:
+    def key_of(self, frame: zmq.Frame) -> str:
+        """Nothing, if nobody was asked at the handshake."""
+        with contextlib.suppress(zmq.ZMQError):
+            return str(frame.get("User-Id"))
+        return ""
+
+    def name(self, key: str) -> str:
         path, stamp = self.known.get(key, (self.folder, 0))
-        try:
+        with contextlib.suppress(OSError):
             if path.stat().st_mtime_ns == stamp:
                 return path.stem
-        except OSError:
-            pass
-        return self._look_up(key)
+        # No key is what a file without one has, too.
+        return self._look_up(key) if key else ""
 
     def _look_up(self, key: str) -> str:
-        self.known.pop(key, None)
-        for path in sorted(self.folder.glob("*.key")):
-            # A file that holds no key, or has just gone, lets nobody in.
-            with contextlib.suppress(ValueError, OSError):
-                if load(path)[0] == key.encode():
-                    self.known[key] = path, path.stat().st_mtime_ns
-                    return path.stem
+        with contextlib.suppress(KeyError, OSError):
+            # Strangers may come by the thousand, and a list be long: a tenth of the time is enough to read it.
+            if (began := time.monotonic()) >= self.look_again:
+                self.listed = {key_in(path): path for path in sorted(self.folder.glob("allowed/*.key"), reverse=True)}
+                self.look_again = time.monotonic() + min(1, 9 * (time.monotonic() - began))
+            # First when, then what: a file that is changed in between is read again.
+            stamp = (path := self.listed[key]).stat().st_mtime_ns
+            if key_in(path) == key:
+                self.known[key] = path, stamp
+                return path.stem
         return ""
 
     def _answer(self, zap: zmq.Socket[bytes]) -> None:
@@ -84,26 +89,27 @@ class AllowList:
                 if zap.poll(1000):
                     version, request, domain, address, _, mechanism, *credentials = zap.recv_multipart()
                     key = z85.encode(credentials[0]).decode() if mechanism == b"CURVE" and domain == DOMAIN else ""
-                    welcome = bool(key and self._name(key))
+                    welcome = bool(key and self.name(key))
                     status = [b"200", b"OK", key.encode()] if welcome else [b"400", b"not on the list", b""]
                     zap.send_multipart([version, request, *status, b""])
                     if not welcome:
-                        self._refuse(key, address.decode())
+                        self.refuse(key, address.decode())
                 if time.monotonic() > self.told + SPAN:
                     self._tell()
 
-    def _refuse(self, key: str, address: str) -> None:
+    def refuse(self, key: str, address: str) -> None:
         """One line for each key. How often it came again is told from time to time: no stranger floods the log."""
         if key in self.refused:
             self.refused[key] += 1
         elif self.named < NAMED:
             self.refused[key], self.named = 0, self.named + 1
-            self.say(f"refused: key {key} from {address} is not in {self.folder}")
+            self.say(f"refused: key {key} from {address} is not in {self.folder / 'allowed'}")
         else:
             self.others += 1
 
     def _tell(self) -> None:
-        for key, times in self.refused.items():
+        # A copy: a gate refuses on a thread of its own.
+        for key, times in list(self.refused.items()):
             if times:
                 self.say(f"refused: key {key} {times} times more")
                 self.refused[key] = 0

@@ -25,23 +25,39 @@ LARGEST, CLIENTS = 64 << 20, 500
 
 def pass_on(context: zmq.Context[zmq.Socket[bytes]], door: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """In and out. What does not fit is dropped, as ROUTER does: nobody may make the others wait."""
-    allowed, inside, poller = options.allowed, dict[bytes, zmq.Socket[bytes]](), zmq.Poller()
+    allowed, poller = options.allowed, zmq.Poller()
+    # Each client's connection to the server, and the key that the client has shown: an address may change hands.
+    inside: dict[bytes, tuple[zmq.Socket[bytes], str]] = {}
+
+    def let_go(way: bytes) -> None:
+        socket, _ = inside.pop(way)
+        poller.unregister(socket)
+        socket.close()
+
     poller.register(door, zmq.POLLIN)
     while True:
         ready = dict(poller.poll(200))
-        for client, socket in inside.items():
-            if socket in ready:
+        for client, (socket, key) in list(inside.items()):
+            if socket not in ready:
+                continue
+            if allowed.name(key):
                 door.send_multipart([client, *socket.recv_multipart(copy=False)], copy=False)
+            else:
+                # Who only listens says nothing by which it could be refused.
+                let_go(client)
         if door in ready:
             way, *frames = door.recv_multipart(copy=False)
-            if not frames or not allowed.name_of(frames[-1]):
-                print("refused: a client that is not on the list any more", flush=True)
+            client, key = way.bytes, allowed.key_of(frames[-1]) if frames else ""
+            welcome = allowed.name(key)
+            if client in inside and (not welcome or inside[client][1] != key):
+                let_go(client)
+            if not welcome:
+                allowed.refuse(key, str(way.get("Peer-Address")))
                 continue
-            if len(inside) == CLIENTS and way.bytes not in inside:
-                poller.unregister(silent := inside.pop(next(iter(inside))))
-                silent.close()
-            socket = inside.pop(way.bytes) if way.bytes in inside else connected(context, options.to, poller)
-            inside[way.bytes] = socket
+            if len(inside) == CLIENTS and client not in inside:
+                let_go(next(iter(inside)))
+            socket = inside.pop(client)[0] if client in inside else connected(context, options.to, poller)
+            inside[client] = socket, key
             with contextlib.suppress(zmq.Again):
                 socket.send_multipart(frames, zmq.NOBLOCK, copy=False)
 

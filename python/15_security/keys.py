@@ -29,21 +29,33 @@ FORMS = {"make": "(server|client)", "rotate": "(server|client)", "enrol": r"([\w
 
 
 def write(path: Path, public: bytes, secret: bytes = b"") -> None:
-    """A new file, or FileExistsError. No other user can read it, not even for a moment, if it holds a secret."""
+    """A new file, or ValueError. No other user can read it, not even for a moment, if it holds a secret."""
     text = f'curve\n    public-key = "{public.decode()}"\n'
     if secret:
         text += f'    secret-key = "{secret.decode()}"\n'
-    path.parent.mkdir(parents=True, exist_ok=True)
-    file = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600 if secret else 0o644)
-    with open(file, "w", encoding="ascii") as new:
-        new.write(text)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600 if secret else 0o644)
+        with open(file, "w", encoding="ascii") as new:
+            new.write(text)
+    except FileExistsError as error:
+        cure = "rotate makes a new pair, revoke frees a name"
+        raise ValueError(f"{error.filename} is there, and is never overwritten; {cure}") from None
+    except OSError as error:
+        raise ValueError(f"cannot write {path}: {error.strerror}; --keys names another folder") from None
 
 
 def make(folder: Path, role: str) -> bytes:
     """A new pair, and its public key."""
     public, secret = zmq.curve_keypair()
-    write(folder / f"{role}.key_secret", public, secret)
-    write(folder / f"{role}.key", public)
+    path = folder / f"{role}.key_secret"
+    write(path, public, secret)
+    try:
+        write(folder / f"{role}.key", public)
+    except ValueError:
+        # A new secret key beside an old public one would be a pair that fits nobody.
+        path.unlink()
+        raise
     return public
 
 
@@ -59,8 +71,9 @@ def load(path: Path) -> tuple[bytes, bytes]:
     """The public key in a file, and the secret one if there is one."""
     try:
         public, secret = zmq.auth.load_certificate(path)
-        return checked(public), checked(secret) if secret else b""
-    except (OSError, ValueError):
+        return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
+    # The last is pyzmq's word for a file that ends in the midst of its line.
+    except (OSError, ValueError, IndexError):
         cure = "keys.py makes keys, and server.key is a copy of the server's"
         raise ValueError(f"no key in {path}; {cure}") from None
 
@@ -68,8 +81,18 @@ def load(path: Path) -> tuple[bytes, bytes]:
 def enrol(folder: Path, name: str, key: str) -> Path:
     """Let in who has this key, or the key in this file."""
     path = folder / "allowed" / f"{name}.key"
-    write(path, checked(key.encode()) if len(key) == 40 and not Path(key).exists() else load(Path(key))[0])
+    public = checked(key.encode()) if len(key) == 40 and not Path(key).exists() else load(Path(key))[0]
+    if others := {old.stem for old in path.parent.glob("*.key") if key_in(old) == public.decode()} - {name}:
+        raise ValueError(f"that key is on the list already, as {others.pop()}, and could be revoked by one name only")
+    write(path, public)
     return path
+
+
+def key_in(path: Path) -> str:
+    """The public key; nothing if the file holds none, is half written, or has just gone."""
+    with contextlib.suppress(ValueError):
+        return load(path)[0].decode()
+    return ""
 
 
 def example(folder: Path) -> None:
@@ -83,14 +106,14 @@ def retire(folder: Path, role: str) -> Path:
     """The secret key of today gets the next free number."""
     old = next(path for n in range(1, 10_000) if not (path := folder / f"{role}.{n}.key_secret").exists())
     (folder / f"{role}.key_secret").rename(old)
-    (folder / f"{role}.key").unlink()
+    (folder / f"{role}.key").unlink(missing_ok=True)
     return old
 
 
 def do(verb: str, words: list[str], folder: Path) -> str:
     if verb == "list":
         allowed = sorted((folder / "allowed").glob("*.key"))
-        return "\n".join(f"{path.stem}: {load(path)[0].decode()}" for path in allowed) or "nobody may come in"
+        return "\n".join(f"{path.stem}: {key_in(path) or 'no key in it'}" for path in allowed) or "nobody may come in"
     if verb == "revoke":
         (folder / "allowed" / f"{words[0]}.key").unlink()
         return f"revoked: {words[0]}"
@@ -110,8 +133,6 @@ def main() -> None:
         parser.error(f"{options.verb} does not take '{options.what}': see the top of {Path(__file__).name}")
     try:
         print(do(options.verb, list(form.groups()), options.keys))
-    except FileExistsError as error:
-        sys.exit(f"{error.filename} is there, and is never overwritten; rotate makes a new pair, revoke frees a name")
     except (OSError, ValueError) as error:
         sys.exit(str(error) if isinstance(error, ValueError) else f"{error.filename}: {error.strerror}")
 

@@ -40,12 +40,12 @@ def keys_for(
     context: zmq.Context[zmq.Socket[bytes]], socket: zmq.Socket[bytes], options: argparse.Namespace
 ) -> AllowList:
     """Before the socket listens: whoever comes first must be asked about already."""
-    if not options.keys.exists():
-        example(options.keys)
-        print(f"keys: made {options.keys}, with this server's and those of one client, alice", flush=True)
     try:
+        if not options.keys.exists():
+            example(options.keys)
+            print(f"keys: made {options.keys}, with this server's and those of one client, alice", flush=True)
         allowed = AllowList(options.keys, functools.partial(print, flush=True))
-    except ValueError as error:
+    except (ValueError, OSError) as error:
         sys.exit(str(error))
     if not options.no_authenticator:
         allowed.answer(context)

@@ -13,6 +13,8 @@ import zmq.asyncio
 
 # A peer that announces more than the largest message is disconnected before it is in memory.
 LARGEST = 4 * 1024 * 1024
+# A million empty frames fit in that, too, and would keep the server busy for seconds.
+MOST_FRAMES = 1000
 
 
 class Requester:
@@ -23,7 +25,9 @@ class Requester:
         self.socket: zmq.asyncio.Socket | None = None
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
-        """The frames of the reply, or TimeoutError."""
+        """The frames of the reply, or TimeoutError; ValueError if the request has too many."""
+        if len(frames) > MOST_FRAMES:
+            raise ValueError(f"more than {MOST_FRAMES} frames; several requests take more")
         self.socket = self.socket or opened(self.context, zmq.REQ, self.endpoint, self.patience)
         try:
             await self.socket.send_multipart(frames or [b""])
@@ -94,3 +98,12 @@ def opened(context: zmq.asyncio.Context, kind: int, endpoint: str, patience: flo
     socket.rcvtimeo = socket.sndtimeo = int(patience * 1000) or -1
     socket.connect(endpoint)
     return socket
+
+
+def more_files() -> None:
+    """A browser takes three: its connection, its ZeroMQ socket, and that one's connection. Often 1024 are allowed."""
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most if 0 < most < 8192 else 8192, most))

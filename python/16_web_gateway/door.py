@@ -7,22 +7,22 @@ Take home: this file.
 """
 
 import argparse
+import contextlib
 import hmac
 import logging
 import os
 import re
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from aiohttp import web
-from aiohttp.http import HttpProcessingError as NOISE
+from aiohttp.http import HttpProcessingError
 
 LOOPBACK = ("127.0.0.1", "localhost")
-# How many browsers may be here at the same time.
-MOST = 1000
+# How many browsers may be here at the same time. Python waits for at most 512 sockets on Windows, and each has two.
+MOST = 200 if os.name == "nt" else 1000
 
 
 class Door:
@@ -42,11 +42,15 @@ class Door:
         if origin is not None and origin not in self.origins:
             return f"the page of {origin[:80]!r} may not come in; if it is yours, start with --origin and its address"
         # Compared in the same time wherever they differ: a token cannot be found out letter by letter.
-        if not hmac.compare_digest(str(token or "").encode(), self.token.encode()):
+        if not hmac.compare_digest(str(token or "").encode(errors="replace"), self.token.encode(errors="replace")):
             return "the token is missing or wrong; it is what the gateway was given as --token"
-        return f"{MOST} browsers are here already" if self.inside >= MOST else ""
+        return ""
 
-    @contextmanager
+    def full(self) -> str:
+        """Whoever may come in may have to wait."""
+        return f"{MOST} browsers are here already; try again later" if self.inside >= MOST else ""
+
+    @contextlib.contextmanager
     def entered(self, how: str) -> Iterator[None]:
         """For as long as a browser is here."""
         self.inside, self.number = self.inside + 1, self.number + 1
@@ -63,7 +67,7 @@ async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, 
     """The host and the port at which this gateway is now."""
     host, port = endpoint.removeprefix("http://").rsplit(":", 1)
     # Our own mistakes it may print; not the noise of a stranger who does not speak HTTP.
-    logging.getLogger("aiohttp.server").addFilter(lambda said: not isinstance((said.exc_info or [None] * 2)[1], NOISE))
+    logging.getLogger("aiohttp.server").addFilter(our_own)
     runner = web.AppRunner(app, access_log=None)
     await runner.setup()
     try:
@@ -78,9 +82,15 @@ async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, 
     return host, port
 
 
+def our_own(said: logging.LogRecord) -> bool:
+    """Strangers speak no HTTP, leave in the midst of a word, or send Engine.IO's empty packet."""
+    error = said.exc_info[1] if said.exc_info else None
+    return not isinstance(error, HttpProcessingError | ConnectionError) and "empty packet" not in str(error)
+
+
 def address(text: str) -> str:
     """Where browsers come to."""
-    port = re.fullmatch(r"http://[\w.*-]+:(\*|\d{1,5})", text, re.ASCII)
+    port = re.fullmatch(r"http://[\w*-]{1,63}(?:\.[\w-]{1,63})*:(\*|\d{1,5})", text, re.ASCII)
     if not port or int(port[1].replace("*", "0")) > 65535:
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like http://127.0.0.1:5566, port 0 to 65535")
     return text
@@ -107,6 +117,6 @@ def keys(folder: str) -> Any:
 
 
 def seconds(text: str) -> float:
-    if not 0 <= float(text) < 86_400:
+    if not 0.001 <= float(text) < 86_400:
         raise ValueError
     return float(text)

@@ -54,22 +54,29 @@ def attach(app: web.Application, door: Door, names: Iterable[str], opened: Calla
     )
     browsers: dict[str, Browser] = {}
 
-    async def come_in(sid: str, environ: dict[str, Any], auth: Any = None) -> None:
+    async def come_in(sid: str, environ: Any = None, auth: Any = None, *_: Any) -> None:
+        # A browser may send an event of this name, too, when it is here already.
+        if sid in browsers:
+            return
         token = auth.get("token") if isinstance(auth, dict) else None
-        if why := door.refusal(environ.get("HTTP_ORIGIN"), token):
+        if why := door.refusal(environ.get("HTTP_ORIGIN"), token) or door.full():
             raise socketio.exceptions.ConnectionRefusedError(why)
         browsers[sid] = Browser()
         browsers[sid].inside.enter_context(door.entered("Socket.IO"))
 
-    async def leave(sid: str, reason: str = "") -> None:
+    async def leave(sid: str, *_: Any) -> None:
         if sid in browsers:
             browsers.pop(sid).close()
 
     async def asked(name: str, sid: str, *frames: Any) -> Any:
-        browser = browsers[sid]
+        # What was asked before it left may be read after that.
+        if not (browser := browsers.get(sid)):
+            return await server.disconnect(sid)
         unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
         if unread > MOST or browser.waiting == MOST:
             print(f"let a browser go: {MOST} of its requests, or answers for it, wait", flush=True)
+            # At once, so that this is said once.
+            await leave(sid)
             await server.disconnect(sid)
             return {"error": "too many requests at once"}
         socket, turn = browser.sockets.setdefault(name, (opened(name), asyncio.Lock()))
@@ -77,6 +84,9 @@ def attach(app: web.Application, door: Door, names: Iterable[str], opened: Calla
         try:
             # A ZeroMQ socket has one request under way.
             async with turn:
+                if sid not in browsers:
+                    # A socket that is opened now nobody would close.
+                    return None
                 return answer(frames, await socket.ask([to_bytes(frame) for frame in frames]))
         except (TimeoutError, ValueError) as error:
             return {"error": str(error)}

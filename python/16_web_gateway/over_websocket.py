@@ -12,7 +12,7 @@ import struct
 from collections.abc import Callable
 
 from aiohttp import WSMessage, WSMsgType, web
-from browser_socket import LARGEST, BrowserSocket
+from browser_socket import LARGEST, MOST_FRAMES, BrowserSocket
 from door import Door
 
 # Seconds until a browser that does not take its answer is let go.
@@ -24,6 +24,8 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         name = request.match_info["name"]
         if why := door.refusal(request.headers.get("Origin"), request.query.get("token")):
             return web.Response(status=403, text=why)
+        if why := door.full():
+            return web.Response(status=503, text=why)
         if name not in names:
             return web.Response(status=404, text=f"behind the gateway there are {', '.join(names)}, no {name[:40]!r}")
         # A browser that was not heard for so long is not there any more.
@@ -66,8 +68,8 @@ def unpack(message: WSMessage) -> list[bytes]:
 
 
 def split(data: bytes) -> list[bytes]:
-    frames, at = [], 0
-    while at < len(data):
+    frames, at = list[bytes](), 0
+    while at < len(data) and len(frames) <= MOST_FRAMES:
         (length,) = struct.unpack_from("<I", data, at)
         frames.append(data[at + 4 : at + 4 + length])
         at += 4 + length

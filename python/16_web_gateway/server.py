@@ -18,6 +18,7 @@ secure_requester.py and keys.py of lesson 15.
 import argparse
 import asyncio
 import contextlib
+import os
 import signal
 import sys
 from pathlib import Path
@@ -28,7 +29,7 @@ try:
     import over_socketio
     import over_websocket
     from aiohttp import web
-    from browser_socket import BrowserSocket, Listener, Requester
+    from browser_socket import BrowserSocket, Listener, Requester, more_files
     from door import Door, address, behind, keys, listen, seconds
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
@@ -44,6 +45,7 @@ PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555
 
 async def serve(options: argparse.Namespace) -> None:
     """The page, WebSocket and Socket.IO on one port, and behind it one ZeroMQ socket for each browser."""
+    more_files()
     context, door, app = zmq.asyncio.Context(), Door(options.origin, options.token), web.Application()
     if options.keys:
         # What a context is given, each new socket of it has.
@@ -82,8 +84,10 @@ def main() -> None:
     for name, endpoint in (SERVERS | PUBLISHERS).items():
         parser.add_argument(f"--{name}", type=behind, default=endpoint, metavar="ENDPOINT", help=f"default: {endpoint}")
     options = parser.parse_args()
-    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does. Both at once: a KeyboardInterrupt
+    # may be caught within Socket.IO, and its tasks do not let themselves be cancelled for ten seconds and more.
+    for each in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(each, lambda *_: os._exit(0))
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
         runner.run(serve(options))

@@ -19,13 +19,15 @@ class SocketIORequester(WebRequester):
         # We try again ourselves: the requests that its own reconnection has lost nobody would hear of.
         self.client, self.gone, said = socketio.AsyncClient(reconnection=False), asyncio.Event(), list[Any]()
         self.client.on("disconnect", lambda *_: self.gone.set())
+        # What only another than a gateway says ends a task of Socket.IO, and the event loop hears of it.
+        asyncio.get_running_loop().set_exception_handler(lambda *_: self.gone.set())
         self.client.on("connect_error", said.append)
         try:
             await self.client.connect(self.endpoint, auth={"token": self.token}, transports=["websocket"])
         except socketio.exceptions.ConnectionError:
             if "token" in str(said):
                 raise PermissionError(REFUSED.format(self.endpoint)) from None
-            raise ConnectionError("it does not answer") from None
+            raise ConnectionError(said[0] if said else "it does not answer") from None
 
     async def ask(self, *texts: str) -> Any:
         asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.patience))

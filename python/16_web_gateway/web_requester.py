@@ -15,7 +15,7 @@ from typing import Any, Self
 import aiohttp
 
 # What it looks like when nobody is there, when somebody else is, and when somebody leaves.
-GONE = (OSError, aiohttp.ClientError, TypeError, ValueError)
+GONE = (OSError, aiohttp.ClientError, TypeError, ValueError, KeyError, RecursionError)
 REFUSED = "{} does not let this client in: its token is missing or wrong"
 
 
@@ -37,16 +37,16 @@ class WebRequester:
                             await self.connect()
                         self.connected = True
                         answer = await self.ask(*texts)
-                        if isinstance(answer, list):
-                            return [str(text) for text in answer]
+                        if isinstance(answer, list) and all(isinstance(text, str) for text in answer):
+                            return answer
                         self.trouble = f": {answer['error']}"
                     except PermissionError:
                         raise
                     except GONE as error:
                         self.trouble = f"; is the server running? ({error})"
                         await self.close()
-                        # A new try takes the time of a connection at least.
-                        await asyncio.sleep(0.1)
+                    # Whatever it was, it is not over at once.
+                    await asyncio.sleep(0.1)
         except TimeoutError:
             # The one that was under way may still be answered.
             await self.close()
@@ -80,7 +80,8 @@ class WebSocketRequester(WebRequester):
             # It is there, and no patience would help.
             if error.status == 403:
                 raise PermissionError(REFUSED.format(self.endpoint)) from None
-            raise
+            # Its own text has the address in it, and so the token.
+            raise ConnectionError(f"it says {error.status}") from None
 
     async def ask(self, *texts: str) -> Any:
         await self.socket.send_str(json.dumps(texts))

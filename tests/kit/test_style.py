@@ -49,6 +49,8 @@ LONGER = {
     # Four options more: which keys, and three ways to be refused. And its keys, before it listens.
     "python/15_security/client.py": 64,
     "python/15_security/server.py": 71,
+    # What can be wrong with a key, or with its file, is named here for all who read it.
+    "python/15_security/keys.py": 92,
     # A person or a hand, with one client; and where the server finds them.
     "python/20_body_tracking/client.py": 62,
     "python/20_body_tracking/server.py": 67,

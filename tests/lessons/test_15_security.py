@@ -245,7 +245,7 @@ def test_who_is_revoked_is_not_passed_on_any_more(folder, serve, start, connect)
         assert alice.recv() == b"World"
     assert ran("revoke", "alice", folder=folder)[0] == 0
     alice.send(b"Hello")
-    gate.wait_for("^refused: a client that is not on the list any more$")
+    gate.wait_for("^refused: key .* is not in ")
     assert not alice.poll(500)
 
 
@@ -354,7 +354,7 @@ def test_a_flood_of_new_keys_is_no_flood_of_lines(folder):
     said = []
     allowed = AllowList(folder, said.append)
     for _ in range(3000):
-        allowed._refuse(zmq.curve_keypair()[0].decode(), "192.0.2.1")
+        allowed.refuse(zmq.curve_keypair()[0].decode(), "192.0.2.1")
     allowed._tell()
     assert len(said) == 11
     assert said[-1] == "refused: other keys, 2990 times"

@@ -273,6 +273,48 @@ def test_a_saved_recording_plays_without_a_server(opened, tmp_path, open_page):
     assert seen.errors == seen.said == []
 
 
+HOSTILE: list[dict[str, object]] = [
+    {"arrays": 5},
+    {"arrays": [None]},
+    {"arrays": [{"shape": 5}]},
+    {"arrays": [{"dtype": "uint8"}]},
+    {"arrays": [{"dtype": "constructor", "shape": [2, 3]}]},
+    {"arrays": [{"dtype": "uint8", "shape": ["a", None, 3]}]},
+    {"values": {"a": {"toString": 1}}},
+    {"id": {"toString": 1}},
+]
+
+
+def test_a_header_of_any_shape_hides_no_other_message(tap, context, open_page):
+    with context.socket(zmq.ROUTER) as router, context.socket(zmq.DEALER) as dealer:
+        router.linger = dealer.linger = 0
+        _, endpoint, page = tap(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}")
+        dealer.connect(endpoint)
+        for header in HOSTILE:
+            dealer.send_multipart([json.dumps({"kind": "x", **header}).encode(), b"abcdef"])
+            assert router.poll(20_000) and router.recv_multipart()
+    seen = open_page(page)
+    seen.wait_for(f"{ARROWS}.length === {len(HOSTILE)}")
+    seen.evaluate(f"{ARROWS}.forEach(arrow => arrow.click())")
+    seen.wait_for(f"document.querySelectorAll('.frame').length === {2 * len(HOSTILE)}")
+    assert seen.errors == seen.said == []
+
+
+@pytest.mark.parametrize("damage", ["none", "cut", "changed"])
+def test_a_recording_that_holds_nothing_says_so(damage, tap, tmp_path, open_page):
+    _, _, page = tap("tcp://127.0.0.1:1")
+    with urlopen(f"{page}recording.html", timeout=20) as answer:
+        text = answer.read().decode()
+    before, _, after = text.partition(BEGIN)
+    packed, _, after = after.partition(END)
+    packed = {"none": packed, "cut": packed[:40], "changed": "AAAA" + packed}[damage]
+    (tmp_path / "recording.html").write_text(before + BEGIN + packed + END + after, encoding="utf-8")
+    seen = open_page((tmp_path / "recording.html").as_uri())
+    seen.wait_for("document.querySelector('#state').innerText === 'no recording'")
+    assert "This file holds no messages" in seen.text("#empty")
+    assert seen.errors == []
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "img").glob("*_watched.html")), ids=lambda path: path.name)
 def test_a_kept_recording_is_the_page_as_it_is_now(path, open_page):
     text = path.read_text(encoding="utf-8")

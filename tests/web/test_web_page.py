@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import threading
+import time
 
 import pytest
 import zmq
@@ -102,7 +103,10 @@ def test_a_gateway_that_is_killed(serve, open_page):
     say(page, "hello", "Hello")
     before = page.text("#pose")
     serve(KEY, endpoint=endpoint)
+    back = time.monotonic()
     page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
+    # Two seconds are the goal; on a busy machine the time is only printed.
+    print(f"{time.monotonic() - back:.2f} s after the gateway was back the page goes on")
     page.wait_for(f"{POSE} !== {json.dumps(before)} && {state('poses')} === 'connected'")
     assert page.errors == []
 
@@ -118,7 +122,9 @@ def test_a_server_that_is_killed(serve, open_page):
     say(page, "background", "hello")
     page.wait_for(f"{NEWEST} === 'sent hello, received world'")
     serve("01_request_reply", endpoint=behind)
+    back = time.monotonic()
     page.wait_for(f"{NEWEST} === 'sent Hello, received World' && {state('hello')} === 'connected'")
+    print(f"{time.monotonic() - back:.2f} s after the server was back the page goes on")
 
 
 @pytest.mark.parametrize("dark", [False, True])

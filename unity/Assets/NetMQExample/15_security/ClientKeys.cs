@@ -32,11 +32,18 @@ namespace NetMQExample
             var (open, secret) = (Path.Combine(folder, "server.key"), Path.Combine(folder, "client.key_secret"));
             if (serverKey != "" && !Regex.IsMatch(serverKey, $"^{Key}$"))
                 throw new ArgumentException($"no key: '{serverKey}'; a key has 40 characters, as in server.key");
-            if (serverKey == "") serverKey = Read(open, "public");
-            server = Certificate(open, () => NetMQCertificate.FromPublicKey(serverKey));
-            if (!File.Exists(secret)) Make(folder, secret);
-            var (secretKey, publicKey) = (Read(secret, "secret"), Read(secret, "public"));
-            own = Certificate(secret, () => new NetMQCertificate(secretKey, publicKey));
+            try
+            {
+                if (serverKey == "") serverKey = Read(open, "public");
+                server = Certificate(open, () => NetMQCertificate.FromPublicKey(serverKey));
+                if (!File.Exists(secret)) Make(folder, secret);
+                var (secretKey, publicKey) = (Read(secret, "secret"), Read(secret, "public"));
+                own = Certificate(secret, () => new NetMQCertificate(secretKey, publicKey));
+            }
+            catch (Exception e) when (e is IOException || e is UnauthorizedAccessException)
+            {
+                throw new ArgumentException($"cannot keep keys in {folder}: {e.Message}; name another folder");
+            }
         }
 
         private ClientKeys(NetMQCertificate server, NetMQCertificate own) => (this.server, this.own) = (server, own);
@@ -61,20 +68,24 @@ namespace NetMQExample
 
         private static void Make(string folder, string secret)
         {
-            var pair = new NetMQCertificate();
+            var (pair, open) = (new NetMQCertificate(), Path.Combine(folder, "client.key"));
+            if (File.Exists(open))
+                throw new ArgumentException(
+                    $"{open} is there, and is never overwritten; rotate makes a new pair, revoke frees a name");
             Directory.CreateDirectory(folder);
             // Nobody else may read it, not even for a moment: first its mode, then what it holds.
             using (new FileStream(secret, FileMode.CreateNew)) { }
             OnlyMine(secret);
             File.WriteAllText(secret, $"{Public(pair)}    secret-key = \"{pair.SecretKeyZ85}\"\n");
-            File.WriteAllText(Path.Combine(folder, "client.key"), Public(pair));
+            File.WriteAllText(open, Public(pair));
         }
 
         private static string Public(NetMQCertificate pair) => $"curve\n    public-key = \"{pair.PublicKeyZ85}\"\n";
 
         private static string Read(string path, string kind)
         {
-            var found = Regex.Match(File.Exists(path) ? File.ReadAllText(path) : "", $"{kind}-key = \"{Key}\"");
+            var line = $"(?m)^\\s*{kind}-key *= *[\"']{Key}[\"']";
+            var found = Regex.Match(File.Exists(path) ? File.ReadAllText(path) : "", line);
             return found.Success ? found.Groups[1].Value : throw NoKey(path);
         }
 

@@ -31,7 +31,7 @@ namespace NetMQExample
         public DotNetConnection(string address)
         {
             // On Unity's own thread everything after an await would wait for the next frame.
-            Task.Run(() => Run(new Uri(address)));
+            Task.Run(() => Run(address));
         }
 
         /// <inheritdoc/>
@@ -60,7 +60,7 @@ namespace NetMQExample
         /// <summary>Leaves at once. What is under way is dropped.</summary>
         public void Dispose() => stop.Cancel();
 
-        private async Task Run(Uri address)
+        private async Task Run(string address)
         {
             try
             {
@@ -68,7 +68,8 @@ namespace NetMQExample
                 socket.Options.Proxy = null;
                 using var patience = new CancellationTokenSource();
                 using var stopped = stop.Token.Register(() => patience.CancelAfter(1000));
-                await socket.ConnectAsync(address, WaitsForIt ? patience.Token : stop.Token).ConfigureAwait(false);
+                var soon = WaitsForIt ? patience.Token : stop.Token;
+                await socket.ConnectAsync(new Uri(address), soon).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
                 closed ??= socket.CloseStatusDescription ?? "the other side has left";

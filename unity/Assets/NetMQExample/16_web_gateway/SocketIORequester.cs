@@ -45,7 +45,9 @@ namespace NetMQExample
             bool Begins(string with) => text.StartsWith(with, StringComparison.Ordinal);
             if (Begins("0")) Say("40" + new JObject { ["token"] = token }.ToString(Formatting.None));
             else if (Begins("40")) ready = true;
-            else if (Begins("44")) throw GiveUp(Refused);
+            // It says why: with another reason than that one it may let us in later.
+            else if (Begins("44") && text.Contains("token")) throw GiveUp(Refused);
+            else if (Begins("44")) Again(text.Substring(2));
             else if (text == "2") Say("3");
             else if (Begins(reply + "["))
             {

@@ -9,6 +9,7 @@
 // neither NetMQ nor a thread. The Python side is python/16_web_gateway/server.py.
 using System;
 using System.Diagnostics;
+using System.Linq;
 using System.Text.RegularExpressions;
 using Newtonsoft.Json.Linq;
 
@@ -21,7 +22,7 @@ namespace NetMQExample
         /// <summary>What the gateway says to a wrong token.</summary>
         protected const string Refused = "its token is missing or wrong";
         private static readonly TimeSpan Pause = TimeSpan.FromSeconds(0.1);
-        private readonly Stopwatch waited = new Stopwatch(), sinceClosed = new Stopwatch();
+        private readonly Stopwatch waited = new Stopwatch(), sinceTrouble = new Stopwatch();
         private readonly string endpoint;
         private readonly TimeSpan patience;
         private IWebConnection connection;
@@ -78,10 +79,12 @@ namespace NetMQExample
             frames = null;
             if (disposed) return false;
             if (connection?.Closed is string why) Again(why);
-            if (connection == null && (!sinceClosed.IsRunning || sinceClosed.Elapsed > Pause))
+            // Whatever it was, it is not over at once.
+            var calm = !sinceTrouble.IsRunning || sinceTrouble.Elapsed > Pause;
+            if (connection == null && calm)
                 connection = WebConnection.To("ws" + endpoint.Substring(4) + Path);
             while (connection != null && answer == null && connection.TryReceive(out var text)) Read(text);
-            if (answer == null && !sent && connection?.IsOpen == true && IsReady)
+            if (answer == null && !sent && calm && connection?.IsOpen == true && IsReady)
             {
                 sent = true;
                 Say(Write(asked));
@@ -120,9 +123,14 @@ namespace NetMQExample
         /// <param name="reply">A list of frames, or an object that says as <c>error</c> why there is none.</param>
         protected void Answer(JToken reply)
         {
-            if (reply is JArray list) answer = list.ToObject<string[]>();
+            if (reply is JArray list && list.All(each => each.Type == JTokenType.String))
+            {
+                answer = list.ToObject<string[]>();
+                return;
+            }
             // The server behind is away: the connection will do for the next try.
-            else (trouble, sent) = ($": {WebText.Printable($"{((JObject)reply)["error"]}")}", false);
+            (trouble, sent) = ($": {WebText.Printable($"{(reply as JObject)?["error"] ?? WebText.NoGateway}")}", false);
+            sinceTrouble.Restart();
         }
 
         /// <summary>Why no patience would help, or that it has ended.</summary>
@@ -136,12 +144,14 @@ namespace NetMQExample
                 refused == "" ? late + trouble : $"{endpoint} does not let this client in: {refused}");
         }
 
-        private void Again(string why)
+        /// <summary>A new connection, a moment later.</summary>
+        /// <param name="why">What was wrong with this one.</param>
+        protected void Again(string why)
         {
             if (why.Contains("403")) throw GiveUp(Refused);
-            trouble = $"; is the server running? ({why})";
+            trouble = $"; is the server running? ({WebText.Printable(why)})";
             Close();
-            sinceClosed.Restart();
+            sinceTrouble.Restart();
         }
 
         private void Close()

@@ -12,6 +12,9 @@ namespace NetMQExample
     /// <summary>What a stranger may have written.</summary>
     public static class WebText
     {
+        /// <summary>What is said of an answer that is none.</summary>
+        public const string NoGateway = "what answers there is no gateway";
+
         /// <summary>Reads JSON.</summary>
         /// <param name="text">Whatever came.</param>
         /// <returns>A list, or an object; one that says so as <c>error</c> if it is neither.</returns>
@@ -25,7 +28,7 @@ namespace NetMQExample
                 if (JToken.ReadFrom(reader) is JContainer found) return found;
             }
             catch (JsonException) { /* The same as a lone number. */ }
-            return new JObject { ["error"] = "what answers there is no gateway" };
+            return new JObject { ["error"] = NoGateway };
         }
 
         /// <summary>As NetMQLifetime's, which a WebGL build does not have: no control characters, and not too
