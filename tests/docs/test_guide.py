@@ -19,7 +19,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from kitlib.docs import guide, pictures, terminal_picture
+from kitlib.docs import guide, lesson_map, pictures, terminal_picture
 from kitlib.lessons import find, lessons
 from kitlib.setup import dotnet
 from kitlib.terminal import COLOURS
@@ -422,6 +422,10 @@ def test_every_lesson_has_a_diagram_and_a_row_in_the_readme():
 def test_every_picture_is_what_its_command_draws():
     drawn = (ROOT / "img" / "architecture.svg").read_text(encoding="utf-8")
     assert drawn == pictures.architecture(), "python3 -m kitlib.docs.pictures draws it"
+    drawn = (ROOT / "img" / "lessons.svg").read_text(encoding="utf-8")
+    assert drawn == lesson_map.picture(), "python3 -m kitlib.docs.lesson_map draws it"
+    on_it = {lesson_map.FIRST, *(number for *_, numbers, last in lesson_map.PATHS for number in (*numbers, last))}
+    assert on_it == {lesson.key[:2] for lesson in lessons()}
 
 
 @pytest.mark.timeout(300)
