@@ -40,15 +40,11 @@ namespace NetMQExample
         public EnvironmentClient(string endpoint, TimeSpan patience, Action<string> report)
         {
             (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
-            connection = new NetMQConnection(endpoint, () =>
+            connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                var socket = new DealerSocket();
-                // Nothing can be sent while there is no connection: so it is known whether there is one.
-                socket.Options.DelayAttachOnConnect = true;
-                // A pulled cable tells nobody. So a silent peer is asked, and taken for gone after a second.
-                socket.Options.HeartbeatInterval = Try / 2;
-                socket.Options.HeartbeatTimeout = Try;
-                return socket;
+                // Nothing can be sent while there is no connection: so it is known whether there is one. And a pulled
+                // cable tells nobody. So a silent peer is asked, and taken for gone after a second.
+                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try / 2, HeartbeatTimeout = Try },
             }, 4 * Message.Limit);
         }
 
@@ -122,7 +118,7 @@ namespace NetMQExample
             frames.Append(message.Header());
             foreach (var array in message.Arrays) frames.Append(array.Data.ToArray());
             if (!NetMQConnection.Slices(limit, stop).Any(s => connection.Socket.TrySendMultipartMessage(s, frames)))
-                throw new TimeoutException("no connection");
+                throw new TimeoutException(Nothing);
             connection.Show(true, frames);
         }
 
