@@ -15,9 +15,9 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5567");
             var (find, folder) = (arguments.Whole("find", 0), arguments.Text("keys", ""));
-            var (build, count) = (arguments.Text("build", "1"), arguments.Whole("count", 0));
-            var patience = arguments.Seconds("patience", 30);
+            var (count, patience) = (arguments.Whole("count", 0), arguments.Seconds("patience", 30));
             var (crashAfter, delay) = (arguments.Whole("crash-after", 0), arguments.Seconds("delay", 0));
+            var build = arguments.Text("build", "1");
             arguments.RefuseTheRest();
 
             var keys = folder == "" ? null : new ClientKeys(folder);
@@ -31,6 +31,7 @@ namespace NetMQExample.Terminal
                 Environment.Exit(1);
             };
             using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            client.Idle = FleetSimulator.Idle;
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");

@@ -11,11 +11,11 @@ ABOUT = (
     " or packs them into one file."
 )
 EXAMPLES = [
-    "unity ../MyGame                   the whole package",
-    "unity ../MyGame --lesson 4        only what lesson 04 takes home",
-    "unity ../MyGame --scripts-only    NetMQ comes from elsewhere",
-    "unity ../MyGame --dlls ../NetMQ   its DLLs are in this folder; NuGet is not asked",
-    "unity --package Kit.unitypackage  all in one file, for Assets > Import Package",
+    "unity ../MyGame                    the whole package",
+    "unity ../MyGame --lesson 4         only what lesson 04 takes home",
+    "unity ../MyGame --scripts-only     NetMQ comes from elsewhere",
+    "unity ../MyGame --dlls ../NetMQ    its DLLs are in this folder; NuGet is not asked",
+    "unity --package Kit.unitypackage   all in one file, for Assets > Import Package",
 ]
 CURE = 'a path with a space in it goes between quotation marks: unity "../My Game"'
 

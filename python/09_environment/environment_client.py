@@ -31,9 +31,11 @@ class EnvironmentClient:
         patience: float,
         report: Callable[[str], None] = print,
         prepare: Callable[[zmq.Socket[bytes]], object] = lambda socket: None,
+        idle: float = IDLE,
     ) -> None:
         """`prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`."""
         self.endpoint, self.patience, self.report, self.prepare = endpoint, patience, report, prepare
+        self.idle = idle
         # When it last was in an environment, and why it is in none since then.
         self.heard, self.why = 0.0, NOTHING
 
@@ -74,7 +76,7 @@ class EnvironmentClient:
             raise MessageError("no-welcome", "hello had another answer")
         self.report(f"simulating {simulator.name} for {self.endpoint}")
         try:
-            while (request := self.receive(socket, IDLE)).kind != "close":
+            while (request := self.receive(socket, self.idle)).kind != "close":
                 if request.kind == "reset" and 0 < count <= simulator.episodes:
                     return
                 socket.send_multipart(simulator.answer(request))

@@ -12,6 +12,7 @@ secure_requester.py and keys.py of 15; cart_pole.py of 09 stands for your simula
 """
 
 import argparse
+import functools
 import re
 import sys
 from pathlib import Path
@@ -22,7 +23,7 @@ sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_me
 try:
     from cart_pole import CartPole
     from environment_client import EnvironmentClient
-    from fleet_simulator import FleetSimulator, way_to_hub
+    from fleet_simulator import IDLE, FleetSimulator, way_to_hub
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 17 installs it")
 except KeyboardInterrupt:
@@ -73,7 +74,8 @@ def main() -> None:
         place, keys = way_to_hub(options)
         print(f"asking {place}", flush=True)
         simulator = FleetSimulator(CartPole(), options.build, options.crash_after, options.delay)
-        client = EnvironmentClient(place, options.patience, lambda line: print(printable(line), flush=True), keys)
+        said = functools.partial(print, flush=True)
+        client = EnvironmentClient(place, options.patience, lambda line: said(printable(line)), keys, IDLE)
         client.run(simulator, options.count)
     except ValueError as error:
         parser.error(str(error))

@@ -139,16 +139,31 @@ def test_who_trained_and_died_leaves_the_simulators_to_the_next(serve, simulator
 def test_a_hub_that_was_killed_gets_all_its_simulators_back(kind, serve, simulators, train):
     place = f"tcp://127.0.0.1:{steady_port()}"
     hub, endpoint = serve(KEY, endpoint=place)
-    fleet = simulators(endpoint, kind, kind)
+    simulators(endpoint, kind, kind)
     trainer = train(endpoint, 2, 100_000)
     hub.wait_for("^2 simulators, 0 free, 1 trainers")
     hub.kill()
     assert played(trainer, code=1) == []
     assert trainer.lines[-1] == "gave up: the simulator is gone"
-    serve(KEY, endpoint=place)
-    for simulator in fleet:
-        simulator.wait_for("^trouble: the environment is gone, or silent$")
+    serve(KEY, endpoint=place)[0].wait_for("^2 simulators, 2 free")
     assert played(train(endpoint, 2, 6)) == returns(6)
+
+
+@each_client
+def test_who_hears_nothing_says_hello_again(kind, context, start, client_command):
+    """A hub that was started anew is silent to who did not notice."""
+    with context.socket(zmq.ROUTER) as silent:
+        silent.linger = 0
+        port = silent.bind_to_random_port("tcp://127.0.0.1")
+        start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}"))
+        peers = set()
+        for _ in range(2):
+            assert silent.poll(30_000), "no hello"
+            peer, *hello = silent.recv_multipart()
+            assert messages.read(hello).kind == "hello"
+            silent.send_multipart([peer, *messages.Message("welcome").frames()])
+            peers.add(peer)
+        assert len(peers) == 2
 
 
 def test_who_has_no_work_is_sent_home(serve, simulators):

@@ -19,8 +19,8 @@ namespace NetMQExample
     /// on Unity's main thread: it waits for requests.</summary>
     public sealed class EnvironmentClient : IDisposable
     {
-        // For a connection, and then for the answer to hello; and without a request, until it says hello again.
-        private static readonly TimeSpan Try = TimeSpan.FromSeconds(1), Idle = TimeSpan.FromHours(1);
+        // For a connection, and then for the answer to hello.
+        private static readonly TimeSpan Try = TimeSpan.FromSeconds(1);
 
         private const string Nothing = "no connection";
 
@@ -42,11 +42,14 @@ namespace NetMQExample
             (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                // Nothing can be sent while there is no connection: so it is known whether there is one. And a pulled
-                // cable tells nobody. So a silent peer is asked, and taken for gone after a second.
-                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try / 2, HeartbeatTimeout = Try },
+                // Nothing can be sent while there is no connection: so it is known whether there is one. A pulled cable
+                // tells nobody: so a silent peer is asked after a second, and taken for gone after another one.
+                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try },
             }, 4 * Message.Limit);
         }
+
+        /// <summary>How long it waits for a request until it says hello again.</summary>
+        public TimeSpan Idle { get; set; } = TimeSpan.FromHours(1);
 
         /// <summary>Serves until it is closed.</summary>
         /// <param name="simulator">What answers.</param>
@@ -83,8 +86,7 @@ namespace NetMQExample
         private void Talk(
             SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
         {
-            var limit = patience < Try ? patience : Try;
-            var hello = perform(simulator.Hello);
+            var (limit, hello) = (patience < Try ? patience : Try, perform(simulator.Hello));
             Send(hello, limit, stop);
             var request = Receive(limit, stop);
             if (request.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
