@@ -66,8 +66,9 @@ def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
     environment = {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all", "DOTNET_EnableWriteXorExecute": "0"}
     started: list[Program] = []
 
-    def start(program: str, *words: str) -> Program:
-        started.append(Program([str(WINE), programs / program, *words], stdin=subprocess.PIPE, **environment))
+    def start(program: str, *words: str, folder: Path = ROOT) -> Program:
+        command = [str(WINE), programs / program, *words]
+        started.append(Program(command, folder=folder, stdin=subprocess.PIPE, **environment))
         return started[-1]
 
     yield start
@@ -81,12 +82,16 @@ def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
 
 @pytest.mark.parametrize("unity", [False, True], ids=["twin", "unity"])
 @pytest.mark.parametrize("key", KEYS)
-def test_a_client(key: str, unity: bool, wine: Callable[..., Program], serve: Callable[..., Any]) -> None:
+def test_a_client(
+    key: str, unity: bool, wine: Callable[..., Program], serve: Callable[..., Any], tmp_path: Path
+) -> None:
     endpoint = serve(key, endpoint=two_ports())[1]
     client = wine(
         "csharp-console.exe",
         key,
         *(["--unity", "--set", f"endpoint={endpoint}"] if unity else ["--endpoint", endpoint]),
+        # The server's, which has made keys there.
+        folder=tmp_path,
     )
     assert client.wait(400) == 0, client.output
     assert not [line for line in client.lines if "gave up" in line], client.output
