@@ -91,9 +91,10 @@ class Game:
         views = {name: (width, height) for name, (width, height) in zip(names, sizes.numpy().tolist(), strict=True)}
         if len(views) < len(names) or not all(min(one) > 0 and 3 * math.prod(one) <= LIMIT for one in views.values()):
             raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
-        if self.send("welcome", hello.id, peer=peer):
-            self.forget()
-            self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
+        self.forget()
+        self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
+        # Said last: by then it can be filmed. One that is gone already is forgotten with the first silence.
+        self.send("welcome", hello.id)
 
     def forget(self) -> None:
         self.peer, self.views = b"", {}

@@ -63,12 +63,13 @@ def attempt(do: Callable[..., object], *what: Any) -> None:
     try:
         do(*what)
     except (OSError, ValueError, MessageError) as error:
-        print(f"trouble: {str(error)!a:.200}", flush=True)
+        # In one piece with its end: another thread prints as well.
+        print(f"trouble: {str(error)!a:.200}\n", end="", flush=True)
 
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """One game after the other."""
-    with SlowFilms(socket=socket, report=lambda line: print(line, flush=True)) as films:
+    with SlowFilms(socket=socket, report=lambda line: print(f"{line}\n", end="", flush=True)) as films:
         films.slow = options.slow
         while True:
             films.wait(float("inf"))
