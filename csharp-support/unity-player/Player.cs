@@ -47,6 +47,12 @@ namespace UnityPlayer
             set => Application.Mobile = value;
         }
 
+        /// <summary>Whether the scripts are to think that this is the editor.</summary>
+        public static bool Editor
+        {
+            set => Application.Editor = value;
+        }
+
         /// <summary>No graphics card, as with -nographics.</summary>
         public static bool NoGraphics
         {

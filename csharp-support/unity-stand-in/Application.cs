@@ -42,7 +42,9 @@ namespace UnityEngine
 
         internal static bool Mobile { get; set; }
 
-        public static bool isEditor => false;
+        internal static bool Editor { get; set; }
+
+        public static bool isEditor => Editor;
 
         public static bool isMobilePlatform => Mobile;
 

@@ -29,10 +29,14 @@ class SourceError(Exception):
 
 
 def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
+    """The persons of each picture, with its time: `watch` and `play` know of no times."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)
         for seconds, people in pictures:
+            # What `watch` yields is a pair too: of it nothing would be written.
+            if not isinstance(seconds, int | float):
+                raise TypeError("a picture is (seconds, people), such as (time.monotonic(), people)")
             for person, body in enumerate(people):
                 numbers = [f"{number:.3f}" for landmark in body for number in landmark]
                 writer.writerow([f"{seconds:.3f}", person, *(numbers or [""] * 4 * LANDMARKS)])
@@ -46,10 +50,12 @@ def read(path: Path) -> Pictures:
             rows = list(csv.reader(file))
     except (OSError, ValueError, csv.Error) as error:
         raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}") from None
-    if len(rows) < 2 or rows[0] != HEADER:
+    if rows[:1] != [HEADER]:
         raise SourceError(
             f"{path.name!r:.80} is no recording: it must begin with the line seconds,person,x0,y0,z0,v0,…"
         )
+    if len(rows) < 2:
+        raise SourceError(f"{path.name!r:.80} is a recording of nothing: below its first line there is no person")
     pictures = []
     for seconds, lines in itertools.groupby(enumerate(rows[1:], start=2), key=lambda line: line[1][:1]):
         people = [read_body(number, row, person) for person, (number, row) in enumerate(lines)]

@@ -27,6 +27,7 @@ from people import Landmark, Pictures, SourceError, play, read
 
 # What listeners send are subscriptions, and those are short.
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5570", zmq.PUB, 1000
+MODEL = Path("pose_landmarker_lite.task")
 
 
 def pose(topic: str, number: int, seconds: float, landmarks: list[Landmark]) -> str:
@@ -40,9 +41,9 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     """Send never waits: whoever is not there yet, or listens too slowly, does not get it."""
     try:
         if options.camera is not None:
-            source = watch(options.camera, options.model, options.persons, options.hands)
-        elif options.hands:
-            raise SourceError("--hands needs --camera: in a recording there are only bodies")
+            source = watch(options.camera, options.model or MODEL, options.persons, options.hands)
+        elif options.hands or options.model:
+            raise SourceError("--model and --hands need --camera: without it a recording is played")
         else:
             source = play(options.recording or read(Path(__file__).with_name("walk.csv")))
         for number, (people, hands) in enumerate(source, 1):
@@ -62,7 +63,7 @@ def recording(text: str) -> Pictures:
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--recording", type=recording, help="the persons that are played; if left out, walk.csv")
     parser.add_argument("--camera", type=int, nargs="?", const=0, help="a webcam instead; 0 is the first one")
-    parser.add_argument("--model", type=Path, default=Path("pose_landmarker_lite.task"), help="for --camera")
+    parser.add_argument("--model", type=Path, help=f"for --camera; if left out, {MODEL}")
     parser.add_argument("--persons", type=int, choices=range(1, 10), default=2, help="for --camera: how many at most")
     parser.add_argument("--hands", type=Path, help="for --camera: a model, to look for hands too")
 

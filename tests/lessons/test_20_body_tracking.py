@@ -133,6 +133,7 @@ HEADER = ",".join(people.HEADER) + "\n"
         (b"\xff\xfe", "cannot read 'mine.csv': .*decode"),
         (b"", "'mine.csv' is no recording: it must begin with the line seconds,person,x0,y0,z0,v0"),
         (b"a,b\n1,2\n", "'mine.csv' is no recording"),
+        (HEADER.encode(), "'mine.csv' is a recording of nothing: below its first line there is no person"),
         ((HEADER + "0.0,0,1\n").encode(), "line 2 of the recording must be seconds, person 0 and 132 numbers"),
         ((HEADER + "0.0,1" + ",1" * 132 + "\n").encode(), "line 2 of the recording must be seconds, person 0"),
         ((HEADER + "x,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
@@ -140,7 +141,7 @@ HEADER = ",".join(people.HEADER) + "\n"
         ((HEADER + "inf,0" + ",1" * 132 + "\n").encode(), "line 2 of the recording"),
         ((HEADER + "0.0,0" + ",1e300" * 132 + "\n").encode(), "line 2 of the recording"),
     ],
-    ids=["missing", "no text", "empty", "another table", "short", "order", "time", "nan", "inf", "huge"],
+    ids=["missing", "no text", "empty", "another table", "nothing", "short", "order", "time", "nan", "inf", "huge"],
 )
 def test_what_is_no_recording_is_said_in_one_line(content, says, start, tmp_path):
     if content is not None:
@@ -363,6 +364,31 @@ def webcam(start, tmp_path):
         return start(*command, "--model", tmp_path / "model.task", PYTHONPATH=str(tmp_path))
 
     return begin
+
+
+def test_a_webcam_is_recorded_as_the_page_says(webcam, start, tmp_path):
+    """The program on the page, with fewer pictures; and what `watch` yields is no picture with its time."""
+    webcam().kill()
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    (program,) = re.findall("```python\n(import itertools.*?)```", page, re.DOTALL)
+    assert "pose_landmarker_lite.task" in program and " 300)" in program
+    (tmp_path / "mine.py").write_text(program.replace("pose_landmarker_lite", "model").replace(" 300)", " 7)"))
+    for name in ("camera.py", "people.py"):
+        shutil.copy(LESSON / name, tmp_path)
+    recorder = start(PYTHON, "mine.py", folder=tmp_path)
+    assert recorder.wait() == 0, recorder.output
+    recorded = people.read(tmp_path / "mine.csv")
+    assert [[len(body) for body in there] for _, there in recorded] == [[33, 33 * (i != 4)] for i in range(7)]
+    assert sorted(recorded) == recorded and recorded[0][0] < recorded[-1][0]
+    with pytest.raises(TypeError, match="a picture is"):
+        people.write(tmp_path / "mine.csv", people.play(WALK))
+
+
+def test_a_model_without_a_camera_is_wrong(start):
+    for words in (["--model", "pose.task"], ["--hands", "hands.task"]):
+        server = start(PYTHON, LESSON / "server.py", "--endpoint", "tcp://127.0.0.1:0", *words)
+        assert server.wait() == 1
+        assert server.lines[-1].startswith("no poses: --model and --hands need --camera"), server.output
 
 
 def test_who_stands_where_in_the_picture_keeps_the_topic(webcam):

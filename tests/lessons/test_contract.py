@@ -45,6 +45,8 @@ FREE_TEXT = {
 }
 # What speaks to no stranger: the peers of this file get keys there as well.
 KEYED = {"15_security"}
+# A component that goes on until Stop, as one who adds it to a scene wants it.
+ENDLESS = {("20_body_tracking", "unity"): ["--count", "10"]}
 # How many there are at least is one.
 NEVER_ZERO = {"--tries", "--window", "--workers", "--queue"}
 
@@ -307,7 +309,7 @@ def test_a_server_ends_at_once_and_leaves_its_ports(key, how, serve):
 @each_client
 def test_a_client_with_its_defaults_ends_by_itself(key, kind, serve, start, client_command):
     server, endpoint = serve(key)
-    client = start(*client_command(kind, key, endpoint, *others(server)))
+    client = start(*client_command(kind, key, endpoint, *others(server), *ENDLESS.get((key, kind), [])))
     ended(client, 0, limit=240)
 
 

@@ -190,6 +190,13 @@ def test_a_character_whose_bones_are_hidden_is_named_with_its_cure(play: Callabl
     assert "NullReference" not in program.output
 
 
+def test_an_avatar_without_a_character_says_so(play: Callable[..., Program]) -> None:
+    """Once, and where one can drag a character into the field: in the editor."""
+    program = play(".net", "endpoint=tcp://127.0.0.1:9", "character=none", "patience=0.3", "tries=1")
+    assert program.wait() == 1
+    assert program.lines.count("PoseAvatar: drag a character into its field") == 1, program.output
+
+
 def test_a_restart_of_the_server_makes_no_jump(
     play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
 ) -> None:

@@ -188,8 +188,10 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(
 ) -> None:
     """A kit without .venv, and on the PATH one Python, without packages."""
     kit = tmp_path / "kit"
-    (kit / "python" / "05_messages").mkdir(parents=True)
-    for name in ("kit.py", "pyproject.toml", "python/05_messages/server.py"):
+    for key in ("05_messages", "20_body_tracking"):
+        (kit / "python" / key).mkdir(parents=True)
+        shutil.copy(ROOT / "python" / key / "server.py", kit / "python" / key)
+    for name in ("kit.py", "pyproject.toml"):
         shutil.copy(ROOT / name, kit / name)
     bare = tmp_path / "bare"
     bare.mkdir()
@@ -205,6 +207,10 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(
     assert error.startswith("Error: python3 has no pyzmq: run the pip line in a terminal; or kit.py run 1")
     unity.do("press Copy the pip line")
     assert unity.do("clipboard") == ['python3 -m pip install "pyzmq>=24" "numpy>=1.24"']
+    # And what its webcam needs.
+    unity.do("type Lesson=20_body_tracking")
+    unity.do("press Copy the pip line")
+    assert re.search(r' "pyzmq\S+" "mediapipe\S+" "opencv-python\S+"$', unity.do("clipboard")[0])
     python.unlink()
     unity.do("press Start the server")
     (error,) = [line for line in unity.do("draw") if line.startswith("Error:")]

@@ -3,6 +3,7 @@
 //     numbers=FILE          no Play: of each message of the file the landmarks, the right knee, and what the filter makes
 //     frames=1000           prints what so many frames cost
 //     bones=hidden          the character is human, and shows none of its bones
+//     character=none        the field is empty, in the editor
 //     endpoint=tcp://127.0.0.1:5570 …     and the serialized fields, for a Play to its end with a character in its T-pose
 //
 // At the end of a Play it prints how each limb of the character points and its trunk looks, and how fast a joint of the
@@ -53,6 +54,8 @@ namespace NetMQExample.PlayTest
             if (told.Remove("numbers", out var file)) return Numbers(file);
             var frames = told.Remove("frames", out var many) ? int.Parse(many, CultureInfo.InvariantCulture) : 0;
             var hidden = told.Remove("bones");
+            var bare = told.Remove("character");
+            Player.Editor = bare;
             var player = new Player(typeof(NetMQLifetime).Assembly);
             var bones = new Dictionary<HumanBodyBones, Transform>();
             GameObject thing = null;
@@ -65,7 +68,7 @@ namespace NetMQExample.PlayTest
                 var scripts = new MonoBehaviour[]
                     { thing.AddComponent<BodyTracker>(), thing.AddComponent<PoseAvatar>(), thing.AddComponent<PoseSkeleton>() };
                 foreach (var setting in told) Inspector.Set(scripts, setting.Key, setting.Value);
-                Field(scripts[1], "character").SetValue(scripts[1], character);
+                if (!bare) Field(scripts[1], "character").SetValue(scripts[1], character);
                 thing.SetActive(true);
             });
             var cost = new FrameCost(Math.Max(frames, 1));

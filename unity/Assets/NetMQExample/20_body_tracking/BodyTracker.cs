@@ -15,7 +15,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5570";
         [SerializeField, Min(0), Tooltip("Which person; they count from 0")] private int person;
         [SerializeField, Tooltip("left or right: a hand, and no person")] private string hand = "";
-        [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count = 150;
+        [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 25;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
         [SerializeField, Min(1), Tooltip("Times in a row to wait without a pose")] private int tries = 20;

@@ -24,6 +24,7 @@ namespace NetMQExample
             Transform Find(HumanBodyBones bone) => character.GetBoneTransform(bone);
             var human = character != null && character.isHuman && Find(HumanBodyBones.Hips) != null;
             enabled = human && !tracker.IsHand;
+            if (character == null && Application.isEditor) Debug.Log("PoseAvatar: drag a character into its field");
             if (character != null && tracker.IsHand)
                 Debug.LogWarning("an avatar needs a person: leave the field Hand of BodyTracker empty");
             if (character != null && !human)

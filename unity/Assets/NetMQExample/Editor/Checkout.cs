@@ -84,7 +84,9 @@ namespace NetMQExample.Editor
         public string PipLine(string python, string key)
         {
             var project = File.ReadAllText(Path.Combine(Root, "pyproject.toml"));
-            var lists = Regex.Matches(project, $"^(?:dependencies|{key}) = \\[(.*)\\]", RegexOptions.Multiline);
+            // With what application 20's webcam needs.
+            var names = $"dependencies|{key}(?:_camera)?";
+            var lists = Regex.Matches(project, $"^(?:{names}) = \\[(.*)\\]", RegexOptions.Multiline);
             // PowerShell takes what is in quotation marks for a text, and no command.
             var command = python.Contains(" ") ? $"\"{python}\"" : python;
             return $"{command} -m pip install {string.Join(" ", lists.Select(list => Words(list.Groups[1].Value)))}";
