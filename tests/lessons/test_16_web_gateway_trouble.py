@@ -86,6 +86,24 @@ def test_words_that_are_none_make_no_traceback(gateway):
     assert "Traceback" not in program.output and "Error" not in program.output
 
 
+def test_a_name_that_nobody_has_is_answered_too(gateway):
+    """Who waits for it would believe that the server is slow."""
+    program, endpoint = gateway()
+
+    async def talk(browser, _):
+        for number, name in enumerate(["nobody", 7, ""], 1):
+            await browser.send_str(f"42{number}{json.dumps([name, 'Hello'])}")
+            said = f"behind the gateway there are hello, background, poses, pictures, no {name!r}"
+            assert await browser.receive_str(timeout=LIMIT) == f"43{number}" + json.dumps(
+                [{"error": said}], separators=(",", ":")
+            )
+        await browser.send_str('429["hello","Hello"]')
+        assert await browser.receive_str(timeout=LIMIT) == '439["World"]'
+
+    by_socketio(endpoint, talk)
+    assert program.stop() == 0 and "Traceback" not in program.output
+
+
 def test_a_million_frames_are_too_many(gateway):
     """Each is nothing, and all of them together would keep the server behind busy for seconds."""
     _, endpoint = gateway()
