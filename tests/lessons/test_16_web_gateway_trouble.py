@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import PYTHON
+from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.test_16_web_gateway import ABSENT, HELLO, KEY, asked, by, each_kind, each_way, in_browser
 from tests.programs import LIMIT, ROOT
 
@@ -188,7 +188,9 @@ def test_more_browsers_than_a_system_lets_a_program_open_files(serve, start):
 
 
 @each_way
-@each_kind
+@pytest.mark.parametrize(
+    "kind", [kind if kind == "python" else pytest.param(kind, marks=pytest.mark.long) for kind in CLIENTS]
+)
 def test_a_full_gateway_is_not_a_wrong_token(kind, socketio_too, start, client_command):
     """Whoever has the right token would look for the mistake there."""
     code = "import door; door.MOST = 0; import server; server.main()"
