@@ -190,6 +190,25 @@ def test_the_keys_of_either_side_are_rotated_and_never_overwritten(folder, serve
     assert client.lines[-2] == "1: sent Hello, received Hello alice-2"
 
 
+def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, connect):
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    code = next(
+        block for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if "import" in block
+    )
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        endpoint = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    assert code.count("tcp://127.0.0.1:5565") == 1
+    program = start(
+        PYTHON, "-c", code.replace("tcp://127.0.0.1:5565", endpoint), folder=tmp_path, PYTHONPATH=str(FOLDER)
+    )
+    program.wait_for("^listening$")
+    live = connect(endpoint)
+    assert ask(live) == "Hello alice"
+    assert ran("revoke", "alice", folder=folder)[0] == 0
+    assert ask(live) == "error: your key is not on the list"
+
+
 def test_keys_py_says_in_one_line_what_is_wrong(folder):
     for arguments, cause in {
         ("enrol", "bob"): "enrol does not take 'bob'",
