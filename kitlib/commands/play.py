@@ -36,4 +36,5 @@ def do(options: argparse.Namespace) -> int:
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)
     scripts = dotnet.build(python, engine, dotnet.SUPPORT / "own-scripts", files)
-    return alone(["dotnet", player, scripts, "--unity", *options.words])
+    # What a script keeps in a file, it keeps where its owner is, and not in the kit.
+    return alone(["dotnet", player, scripts, "--unity", *options.words], Path.cwd())

@@ -31,7 +31,8 @@ class AllowList:
 
     def __init__(self, folder: Path, say: Callable[[str], object] = print) -> None:
         self.public, self.secret = load(folder / "server.key_secret")
-        self.folder, self.say = folder, say
+        # In full: there may be more than one folder `keys`, and who enrols into the wrong one is to see it.
+        self.folder, self.say = folder.absolute(), say
         self.listed, self.look_again = dict[str, Path](), 0.0
         # Each key that was let in, with its file and what that file was then.
         self.known: dict[str, tuple[Path, int]] = {}

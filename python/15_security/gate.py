@@ -12,6 +12,7 @@ Take home: this file, server.py, allow_list.py and keys.py.
 
 import argparse
 import contextlib
+import re
 import signal
 import sys
 from pathlib import Path
@@ -62,6 +63,14 @@ def pass_on(context: zmq.Context[zmq.Socket[bytes]], door: zmq.Socket[bytes], op
                 socket.send_multipart(frames, zmq.NOBLOCK, copy=False)
 
 
+def behind(text: str) -> str:
+    """Where to connect to, and not to listen: it may be any machine; who is on the way there reads along."""
+    port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", text, re.ASCII)
+    if not port or not 0 < int(port[1]) < 65536:
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5554, port 1 to 65535")
+    return text
+
+
 def connected(context: zmq.Context[zmq.Socket[bytes]], where: str, poller: zmq.Poller) -> zmq.Socket[bytes]:
     socket = context.socket(zmq.DEALER)
     socket.linger, socket.maxmsgsize = 0, LARGEST
@@ -73,7 +82,7 @@ def connected(context: zmq.Context[zmq.Socket[bytes]], where: str, poller: zmq.P
 def main() -> None:
     parser = argparse.ArgumentParser(description="Lets those in whose keys are on the list, to a server without keys.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="where clients come; port 0: a free one")
-    parser.add_argument("--to", type=endpoint, required=True, help="the server behind it: tcp://127.0.0.1:5554")
+    parser.add_argument("--to", type=behind, required=True, help="the server behind it: tcp://127.0.0.1:5554")
     parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="the server's pair, and allowed/")
     parser.set_defaults(no_authenticator=False, any_domain=False)
     options = parser.parse_args()

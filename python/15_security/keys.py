@@ -26,6 +26,7 @@ import zmq.auth
 from zmq.utils import z85
 
 FORMS = {"make": "(server|client)", "rotate": "(server|client)", "enrol": r"([\w-]{1,40})=(.+)", "revoke": r"([\w-]+)"}
+THEIRS = "enrol takes the path of a client's client.key, or the 40 characters in it"
 
 
 def write(path: Path, public: bytes, secret: bytes = b"") -> None:
@@ -67,21 +68,20 @@ def checked(key: bytes) -> bytes:
     raise ValueError(f"no key: {key.decode(errors='replace')!r:.60}; a key has 40 characters, as in server.key")
 
 
-def load(path: Path) -> tuple[bytes, bytes]:
+def load(path: Path, cure: str = "keys.py makes keys, and server.key is a copy of the server's") -> tuple[bytes, bytes]:
     """The public key in a file, and the secret one if there is one."""
     try:
         public, secret = zmq.auth.load_certificate(path)
         return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
     # The last is pyzmq's word for a file that ends in the midst of its line.
     except (OSError, ValueError, IndexError):
-        cure = "keys.py makes keys, and server.key is a copy of the server's"
         raise ValueError(f"no key in {path}; {cure}") from None
 
 
 def enrol(folder: Path, name: str, key: str) -> Path:
     """Let in who has this key, or the key in this file."""
     path = folder / "allowed" / f"{name}.key"
-    public = checked(key.encode()) if len(key) == 40 and not Path(key).exists() else load(Path(key))[0]
+    public = checked(key.encode()) if len(key) == 40 and not Path(key).exists() else load(Path(key), THEIRS)[0]
     if others := {old.stem for old in path.parent.glob("*.key") if key_in(old) == public.decode()} - {name}:
         raise ValueError(f"that key is on the list already, as {others.pop()}, and could be revoked by one name only")
     write(path, public)
@@ -132,7 +132,7 @@ def main() -> None:
     if not (form := re.fullmatch(FORMS.get(options.verb, "()"), options.what)):
         parser.error(f"{options.verb} does not take '{options.what}': see the top of {Path(__file__).name}")
     try:
-        print(do(options.verb, list(form.groups()), options.keys))
+        print(do(options.verb, list(form.groups()), options.keys.absolute()))
     except (OSError, ValueError) as error:
         sys.exit(str(error) if isinstance(error, ValueError) else f"{error.filename}: {error.strerror}")
 

@@ -6,23 +6,21 @@ programs than browsers say what they like. Whom the Origin cannot keep out a tok
 Take home: this file.
 """
 
-import argparse
 import contextlib
 import hmac
 import logging
 import os
-import re
 import sys
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
+from collections.abc import Awaitable, Callable, Iterator
 
 from aiohttp import web
 from aiohttp.http import HttpProcessingError
 
-LOOPBACK = ("127.0.0.1", "localhost")
+LOOPBACK, EVERYWHERE = ("127.0.0.1", "localhost"), ("0.0.0.0", "*")
 # How many browsers may be here at the same time. Python waits for at most 512 sockets on Windows, and each has two.
 MOST = 200 if os.name == "nt" else 1000
+# So many pages of strangers are named: no stranger floods the log.
+NAMED = 20
 
 
 class Door:
@@ -31,16 +29,33 @@ class Door:
     def __init__(self, origins: list[str], token: str) -> None:
         self.origins, self.token = origins, token
         self.inside = self.number = 0
+        self.everywhere, self.named = False, set[str]()
 
     def open_at(self, host: str, port: int) -> None:
         """The gateway's own page may always come in, by the names that this machine has for itself."""
         names = LOOPBACK if host in LOOPBACK else (host,)
         self.origins += [f"http://{name}:{port}" for name in names]
+        self.everywhere = host in EVERYWHERE
 
-    def refusal(self, origin: str | None, token: object) -> str:
+    @web.middleware
+    async def look(
+        self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+    ) -> web.StreamResponse:
+        """Before all else: whose page is it?"""
+        origin = request.headers.get("Origin")
+        # There this machine has more names than it knows: its own page comes from the one that it asks for. So would
+        # a page of a stranger who gives this machine's number to a name of his own; he does not know the token.
+        own = f"http://{request.host}" if self.everywhere else None
+        if origin is None or origin == own or origin in self.origins:
+            return await handler(request)
+        why = f"the page of {origin[:80]!r} may not come in; if it is yours, start with --origin and its address"
+        if why not in self.named and len(self.named) < NAMED:
+            self.named.add(why)
+            print(f"refused: {why}", flush=True)
+        return refused(403, why)
+
+    def refusal(self, token: object) -> str:
         """Why not; nothing for those who may."""
-        if origin is not None and origin not in self.origins:
-            return f"the page of {origin[:80]!r} may not come in; if it is yours, start with --origin and its address"
         # Compared in the same time wherever they differ: a token cannot be found out letter by letter.
         if not hmac.compare_digest(str(token or "").encode(errors="replace"), self.token.encode(errors="replace")):
             return "the token is missing or wrong; it is what the gateway was given as --token"
@@ -61,6 +76,11 @@ class Door:
         finally:
             self.inside -= 1
             print(f"browser {number} left", flush=True)
+
+
+def refused(status: int, why: str) -> web.Response:
+    """With the header without which a browser keeps the reason from a page that is not the gateway's own."""
+    return web.Response(status=status, text=why, headers={"Access-Control-Allow-Origin": "*"})
 
 
 async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, int]:
@@ -86,37 +106,3 @@ def our_own(said: logging.LogRecord) -> bool:
     """Strangers speak no HTTP, leave in the midst of a word, or send Engine.IO's empty packet."""
     error = said.exc_info[1] if said.exc_info else None
     return not isinstance(error, HttpProcessingError | ConnectionError) and "empty packet" not in str(error)
-
-
-def address(text: str) -> str:
-    """Where browsers come to."""
-    port = re.fullmatch(r"http://[\w*-]{1,63}(?:\.[\w-]{1,63})*:(\*|\d{1,5})", text, re.ASCII)
-    if not port or int(port[1].replace("*", "0")) > 65535:
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like http://127.0.0.1:5566, port 0 to 65535")
-    return text
-
-
-def behind(text: str) -> str:
-    """A server behind the gateway; libzmq itself takes port 99999 without a word, and waits."""
-    port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", text, re.ASCII)
-    if not port or not 0 < int(port[1]) < 65536:
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5551")
-    return text
-
-
-def keys(folder: str) -> Any:
-    """Lesson 15's ClientKeys: a gateway is one client, whoever comes through it."""
-    # In its own lesson's folder; at home it lies beside this file.
-    sys.path.append(str(Path(__file__).resolve().parents[1] / "15_security"))
-    from secure_requester import ClientKeys
-
-    try:
-        return ClientKeys(Path(folder))
-    except (ValueError, OSError) as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def seconds(text: str) -> float:
-    if not 0.001 <= float(text) < 86_400:
-        raise ValueError
-    return float(text)

@@ -8,9 +8,8 @@ Take home: this file, browser_socket.py and door.py.
 """
 
 import asyncio
-import functools
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
 
@@ -37,16 +36,16 @@ class Browser:
             socket.close()
 
 
-def attach(app: web.Application, door: Door, names: Iterable[str], opened: Callable[[str], BrowserSocket]) -> None:
+def attach(app: web.Application, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
     # With more than 16 requests at once by HTTP, python-socketio would drop them all without a word.
     Payload.max_decode_packets = LARGEST
     # What it reports are the mistakes of strangers, each with a traceback.
     noise = logging.getLogger("noise")
     noise.setLevel(logging.CRITICAL)
-    # It looks at the Origin itself. A browser that was not heard for both times is not there any more.
+    # The door has looked at the Origin. A browser that was not heard for both times is not there any more.
     server = socketio.AsyncServer(
         async_mode="aiohttp",
-        cors_allowed_origins=door.origins,
+        cors_allowed_origins="*",
         max_http_buffer_size=LARGEST,
         ping_interval=10,
         ping_timeout=10,
@@ -59,7 +58,7 @@ def attach(app: web.Application, door: Door, names: Iterable[str], opened: Calla
         if sid in browsers:
             return
         token = auth.get("token") if isinstance(auth, dict) else None
-        if why := door.refusal(environ.get("HTTP_ORIGIN"), token) or door.full():
+        if why := door.refusal(token) or door.full():
             raise socketio.exceptions.ConnectionRefusedError(why)
         browsers[sid] = Browser()
         browsers[sid].inside.enter_context(door.entered("Socket.IO"))
@@ -79,6 +78,8 @@ def attach(app: web.Application, door: Door, names: Iterable[str], opened: Calla
             await leave(sid)
             await server.disconnect(sid)
             return {"error": "too many requests at once"}
+        if name not in names:
+            return {"error": f"behind the gateway there are {', '.join(names)}, no {name!r:.40}"}
         socket, turn = browser.sockets.setdefault(name, (opened(name), asyncio.Lock()))
         browser.waiting += 1
         try:
@@ -95,8 +96,8 @@ def attach(app: web.Application, door: Door, names: Iterable[str], opened: Calla
 
     server.on("connect", come_in)
     server.on("disconnect", leave)
-    for name in names:
-        server.on(name, functools.partial(asked, name))
+    # Whatever it is called: a name that nobody has is to be answered, too.
+    server.on("*", asked)
     server.attach(app)
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from aiohttp import WSMessage, WSMsgType, web
 from browser_socket import LARGEST, MOST_FRAMES, BrowserSocket
-from door import Door
+from door import Door, refused
 
 # Seconds until a browser that does not take its answer is let go.
 SLOW = 10
@@ -22,12 +22,12 @@ SLOW = 10
 def attach(app: web.Application, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
     async def come_in(request: web.Request) -> web.StreamResponse:
         name = request.match_info["name"]
-        if why := door.refusal(request.headers.get("Origin"), request.query.get("token")):
-            return web.Response(status=403, text=why)
+        if why := door.refusal(request.query.get("token")):
+            return refused(403, why)
         if why := door.full():
-            return web.Response(status=503, text=why)
+            return refused(503, why)
         if name not in names:
-            return web.Response(status=404, text=f"behind the gateway there are {', '.join(names)}, no {name[:40]!r}")
+            return refused(404, f"behind the gateway there are {', '.join(names)}, no {name[:40]!r}")
         # A browser that was not heard for so long is not there any more.
         browser = web.WebSocketResponse(heartbeat=20, max_msg_size=LARGEST)
         await browser.prepare(request)

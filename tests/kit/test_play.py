@@ -18,6 +18,8 @@ public class MyOwn : MonoBehaviour
     private int unused = 3;
     private Greeting greeting;
 
+    // Where it keeps files: beside itself, and not in the kit.
+    void Awake() { Debug.Log(Application.persistentDataPath); }
     void OnEnable() { greeting = new Greeting(endpoint); }
     void Update() { int alsoUnused; Debug.Log(greeting.Ask()); Application.Quit(); }
     void OnDisable() { greeting.Dispose(); }
@@ -35,8 +37,8 @@ ITS_CLASS = """class Greeting : System.IDisposable
 
 @pytest.fixture
 def play(console, engine, start):
-    def play(*words):
-        program = start(PYTHON, ROOT / "kit.py", "play", "--engine", engine.name, *words)
+    def play(*words, folder=ROOT):
+        program = start(PYTHON, ROOT / "kit.py", "play", "--engine", engine.name, *words, folder=folder)
         return program.wait(300), [line for line in program.lines if not line.startswith("kit    | building")]
 
     return play
@@ -50,11 +52,12 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     # What lies beside them is not asked for.
     (folder / "Other.cs").write_text("no C#", encoding="utf-8")
     endpoint = serve("01_request_reply")[1]
-    assert play(folder / "MyOwn.cs", folder / "Greeting.cs", "--endpoint", endpoint) == (0, ["World"])
+    ours = play("MyOwn.cs", "Greeting.cs", "--endpoint", endpoint, folder=folder)
+    assert ours == (0, [str(folder), "World"])
     (folder / "Greeting.cs").write_text(ITS_CLASS.replace('"Hello"', '"Bye"'), encoding="utf-8")
     code, lines = play(folder / "MyOwn.cs", folder / "Greeting.cs", "--endpoint", endpoint)
     assert code == 0
-    assert lines[0].startswith("error: expected Hello")
+    assert lines[1].startswith("error: expected Hello")
 
 
 def test_what_cannot_be_played_is_named(play, tmp_path):

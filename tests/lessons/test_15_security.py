@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 import zmq
@@ -189,11 +190,30 @@ def test_the_keys_of_either_side_are_rotated_and_never_overwritten(folder, serve
     assert client.lines[-2] == "1: sent Hello, received Hello alice-2"
 
 
+def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, connect):
+    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
+    code = next(
+        block for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if "import" in block
+    )
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        endpoint = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    assert code.count("tcp://127.0.0.1:5565") == 1
+    program = start(
+        PYTHON, "-c", code.replace("tcp://127.0.0.1:5565", endpoint), folder=tmp_path, PYTHONPATH=str(FOLDER)
+    )
+    program.wait_for("^listening$")
+    live = connect(endpoint)
+    assert ask(live) == "Hello alice"
+    assert ran("revoke", "alice", folder=folder)[0] == 0
+    assert ask(live) == "error: your key is not on the list"
+
+
 def test_keys_py_says_in_one_line_what_is_wrong(folder):
     for arguments, cause in {
         ("enrol", "bob"): "enrol does not take 'bob'",
         ("enrol", "../bob=" + NOBODY): "enrol does not take",
-        ("enrol", "bob=nowhere.key"): "no key in nowhere.key",
+        ("enrol", "bob=nowhere.key"): "no key in nowhere.key; enrol takes the path of a client's client.key",
         ("enrol", "bob=" + "~" * 40): "no key: ",
         ("revoke", "bob"): "bob.key: No such file",
         ("rotate", "clients"): "rotate does not take 'clients'",
@@ -201,6 +221,24 @@ def test_keys_py_says_in_one_line_what_is_wrong(folder):
         code, said = ran(*arguments, folder=folder)
         assert code in (1, 2) and cause in said.splitlines()[-1], said
     assert ran("list", folder=folder) == (0, f"alice: {keys.load(folder / 'client.key')[0].decode()}\n")
+
+
+def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_path, start):
+    """The server has its folder in one place, and keys.py its own in another."""
+    for place in "ab":
+        (tmp_path / place).mkdir()
+        keys.example(tmp_path / place / "keys")
+    enrol = [PYTHON, FOLDER / "keys.py", "enrol", f"bob={zmq.curve_keypair()[0].decode()}"]
+    said = subprocess.run(enrol, cwd=tmp_path / "a", capture_output=True, text=True, timeout=60).stdout
+    assert said == f"enrolled: bob, in {tmp_path / 'a' / 'keys' / 'allowed' / 'bob.key'}\n"
+    told = []
+    before = os.getcwd()
+    try:
+        os.chdir(tmp_path / "b")
+        AllowList(Path("keys"), told.append).refuse("x", "127.0.0.1")
+    finally:
+        os.chdir(before)
+    assert told == [f"refused: key x from 127.0.0.1 is not in {tmp_path / 'b' / 'keys' / 'allowed'}"]
 
 
 def test_a_file_that_is_no_key_lets_nobody_in_and_keeps_nobody_out(folder, serve, connect):

@@ -122,6 +122,22 @@ def test_a_server_says_in_one_line_that_it_cannot_make_its_keys(program, tmp_pat
     assert "; --keys names another folder" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("to", "said"),
+    [
+        ("tcp://192.168.1.5:5554", "no key in "),
+        ("tcp://127.0.0.1:0", "bad endpoint 'tcp://127.0.0.1:0': write it like"),
+        ("tcp://127.0.0.1:99999", "bad endpoint 'tcp://127.0.0.1:99999': write it like"),
+    ],
+)
+def test_a_gate_may_stand_before_another_machine(to, said, tmp_path):
+    """It connects there; only where it listens is a matter of who may come in."""
+    (tmp_path / "keys").write_text("it gets no further than this")
+    words = [PYTHON, FOLDER / "gate.py", "--endpoint", "tcp://127.0.0.1:0", "--to", to]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, said in done.stderr) == (1 if said.startswith("no key") else 2, True), done.stderr
+
+
 def test_a_pair_is_made_whole_or_not_at_all(tmp_path):
     """A secret key beside the public one of another pair: the client would be refused, and nobody would see why."""
     public, _ = zmq.curve_keypair()

@@ -173,7 +173,7 @@ def test_many_browsers_are_answered_once_each(browsers, requests, socketio_too, 
 
 
 def test_a_page_of_a_stranger_does_not_come_in(serve, start):
-    _, endpoint = serve(KEY, "--origin", "https://mine.example", *ABSENT)
+    gateway, endpoint = serve(KEY, "--origin", "https://mine.example", *ABSENT)
     port = endpoint.rpartition(":")[2]
     may = [None, endpoint, f"http://localhost:{port}", "https://mine.example"]
     may_not = [
@@ -194,12 +194,20 @@ def test_a_page_of_a_stranger_does_not_come_in(serve, start):
         async with aiohttp.ClientSession() as session:
             where = f"{endpoint}/socket.io/?EIO=4&transport=polling"
             async with session.get(where, headers={} if origin is None else {"Origin": origin}) as reply:
+                # Else the browser would not show the page of a stranger why, and it may be its reader's own.
+                assert reply.status == 200 or reply.headers["Access-Control-Allow-Origin"] == "*"
+                assert reply.status == 200 or "start with --origin" in await reply.text()
                 return reply.status
 
     for origin in [*may, *may_not]:
-        # Without its Origin python-socketio takes it for no browser.
-        if origin != "":
-            assert asyncio.run(by_socket_io(origin)) == (200 if origin in may else 400), origin
+        assert asyncio.run(by_socket_io(origin)) == (200 if origin in may else 403), origin
+    why = "refused: the page of {!r} may not come in; if it is yours, start with --origin and its address"
+    gateway.wait_for(re.escape(why.format(may_not[-1])))
+    assert [line for line in gateway.lines if line.startswith("refused")] == [why.format(page) for page in may_not]
+    for number in range(50):
+        assert status(endpoint, headers={"Origin": f"http://{number}.example"}) == 403
+    assert gateway.stop() == 0
+    assert len([line for line in gateway.lines if line.startswith("refused")]) == 20, "a flood of lines"
 
 
 def test_others_than_this_machine_need_a_token(start):
@@ -210,7 +218,15 @@ def test_others_than_this_machine_need_a_token(start):
     with_token = start(*server, "--token", "secret")
     port = with_token.wait_for(r"^listening on http://0\.0\.0\.0:(\d+)$")[1]
     assert status(f"http://127.0.0.1:{port}") == 403
-    assert status(f"http://127.0.0.1:{port}", params={"token": "secret"}) == 101
+    own = f"http://127.0.0.1:{port}"
+    # Its own page comes by whatever name this machine has there.
+    for host, page, code in [
+        (f"127.0.0.1:{port}", own, 101),
+        (f"my-machine:{port}", f"http://my-machine:{port}", 101),
+        (f"my-machine:{port}", own, 403),
+        (f"my-machine:{port}", "http://evil.example", 403),
+    ]:
+        assert status(own, params={"token": "secret"}, headers={"Host": host, "Origin": page}) == code, page
 
 
 @pytest.mark.parametrize("program", ["server", "client"])

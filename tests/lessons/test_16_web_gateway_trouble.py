@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import PYTHON
+from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.test_16_web_gateway import ABSENT, HELLO, KEY, asked, by, each_kind, each_way, in_browser
 from tests.programs import LIMIT, ROOT
 
@@ -84,6 +84,24 @@ def test_words_that_are_none_make_no_traceback(gateway):
     by_socketio(endpoint, says, '40{"token":"secret"}')
     assert program.stop() == 0
     assert "Traceback" not in program.output and "Error" not in program.output
+
+
+def test_a_name_that_nobody_has_is_answered_too(gateway):
+    """Who waits for it would believe that the server is slow."""
+    program, endpoint = gateway()
+
+    async def talk(browser, _):
+        for number, name in enumerate(["nobody", 7, ""], 1):
+            await browser.send_str(f"42{number}{json.dumps([name, 'Hello'])}")
+            said = f"behind the gateway there are hello, background, poses, pictures, no {name!r}"
+            assert await browser.receive_str(timeout=LIMIT) == f"43{number}" + json.dumps(
+                [{"error": said}], separators=(",", ":")
+            )
+        await browser.send_str('429["hello","Hello"]')
+        assert await browser.receive_str(timeout=LIMIT) == '439["World"]'
+
+    by_socketio(endpoint, talk)
+    assert program.stop() == 0 and "Traceback" not in program.output
 
 
 def test_a_million_frames_are_too_many(gateway):
@@ -170,7 +188,9 @@ def test_more_browsers_than_a_system_lets_a_program_open_files(serve, start):
 
 
 @each_way
-@each_kind
+@pytest.mark.parametrize(
+    "kind", [kind if kind == "python" else pytest.param(kind, marks=pytest.mark.long) for kind in CLIENTS]
+)
 def test_a_full_gateway_is_not_a_wrong_token(kind, socketio_too, start, client_command):
     """Whoever has the right token would look for the mistake there."""
     code = "import door; door.MOST = 0; import server; server.main()"

@@ -154,6 +154,15 @@ def test_the_page_with_a_token(serve, open_page):
     page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
 
 
+def test_its_own_page_comes_in_by_any_name_of_the_machine(serve, open_page):
+    """At 0.0.0.0 the gateway does not know what it is called by those who come."""
+    _, endpoint = serve(KEY, "--token", "secret", endpoint="http://0.0.0.0:0")
+    page = open_page(endpoint.replace("0.0.0.0", "127.0.0.1") + "/?token=secret")
+    page.wait_for(f"{state('hello')} === 'connected'")
+    say(page, "hello", "Hello")
+    page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
+
+
 # What a page of any address may do: open a WebSocket to this machine, and ask.
 STRANGER = """new Promise(resolve => {{
     const socket = new WebSocket({address});
@@ -168,6 +177,9 @@ def test_the_page_of_a_stranger_does_not_come_in(serve, open_page, elsewhere):
     page = open_page(elsewhere)
     address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
     assert page.evaluate(STRANGER.format(address=address)) == "refused"
+    # It may be the reader's own, which says why.
+    why = page.evaluate(f"fetch('{endpoint}/ws/hello').then(said => said.text(), String)")
+    assert why == f"the page of '{elsewhere}' may not come in; if it is yours, start with --origin and its address"
     # And his who may come in does.
     _, endpoint = serve(KEY, "--origin", elsewhere)
     address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
