@@ -11,7 +11,7 @@ import time
 from hub import Hub
 
 # So many simulators have a row, if the terminal is that high; and so many lines a second are printed.
-ROWS, LINES = 15, 20
+ROWS, LINES = 15, 200
 
 
 class Board:

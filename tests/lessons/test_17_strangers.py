@@ -212,12 +212,10 @@ def test_names_that_nobody_has_any_more_take_no_memory(serve, peer):
 def test_a_flood_of_bad_messages_makes_no_flood_of_lines(serve, peer):
     hub, endpoint = serve(KEY)
     stranger = peer(endpoint)
-    for number in range(300):
+    for number in range(3000):
         stranger.say("hello", {"name": "World", "build": f"other {number}"}, [SEEN])
-    for _ in range(300):
-        stranger.hear("error")
     hub.wait_for(r"^\d+ lines more$")
-    assert len(hub.lines) < 100
+    assert len(hub.lines) < 1500
 
 
 def test_keys_without_a_folder_let_nobody_in(start):
