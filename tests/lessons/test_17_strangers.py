@@ -42,7 +42,8 @@ class Peer:
 
     def hear(self, *kinds):
         """The next message of one of these kinds; what the hub repeats is passed over."""
-        while self.socket.poll(5_000):
+        end = time.monotonic() + 20
+        while time.monotonic() < end and self.socket.poll(20_000):
             message = messages.read(self.socket.recv_multipart())
             if message.kind in kinds and (message.id > self.asked or not message.id):
                 self.asked = message.id
