@@ -9,6 +9,7 @@ Where there are keys, `prepare` is what lesson 15's secure_requester.py has: Cli
 Take home: this file, with messages.py of lesson 05.
 """
 
+import re
 import sys
 import time
 from collections.abc import Callable
@@ -30,6 +31,9 @@ class FleetSocket:
     """`prepare` gets each new socket before it connects."""
 
     def __init__(self, endpoint: str, name: str, areas: int, prepare: Callable[[Any], object] | None = None) -> None:
+        port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", endpoint, re.ASCII)
+        if not port or not 0 < int(port[1]) < 65536:
+            raise ValueError(f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5567, port 1 to 65535")
         self.endpoint, self.join = endpoint, Message("join", 0, {"name": name, "areas": areas})
         self.context, self.prepare = zmq.Context(), prepare
         self.socket = self.context.socket(zmq.DEALER)
