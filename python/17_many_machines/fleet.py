@@ -6,7 +6,8 @@
 That environment expects a bound ROUTER socket, to which a simulator comes. Here a DEALER socket goes to the hub, says
 `join` {name, areas}, and looks like one: what it receives is of a peer named `hub`.
 Where there are keys, `prepare` is what lesson 15's secure_requester.py has: ClientKeys(folder).apply.
-Take home: this file, with messages.py of lesson 05.
+Take home: this file, with messages.py of lesson 05. And for that environment vector.py, remote_areas.py and infos.py
+of lesson 10, with environment.py, connection.py, simulators.py, launched.py and spaces.py of lesson 09.
 """
 
 import re
