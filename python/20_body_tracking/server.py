@@ -45,7 +45,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
         elif options.hands or options.model:
             raise SourceError("--model and --hands need --camera: without it a recording is played")
         else:
-            source = play(options.recording or read(Path(__file__).with_name("walk.csv")))
+            source = play(options.recording)
         for number, (people, hands) in enumerate(source, 1):
             for topic, landmarks in [*((f"pose/{i}", body) for i, body in enumerate(people)), *hands.items()]:
                 socket.send_string(pose(topic, number, time.monotonic(), landmarks))
@@ -61,7 +61,8 @@ def recording(text: str) -> Pictures:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--recording", type=recording, help="the persons that are played; if left out, walk.csv")
+    walk = str(Path(__file__).with_name("walk.csv"))
+    parser.add_argument("--recording", type=recording, default=walk, help="the persons; if left out, walk.csv")
     parser.add_argument("--camera", type=int, nargs="?", const=0, help="a webcam instead; 0 is the first one")
     parser.add_argument("--model", type=Path, help=f"for --camera; if left out, {MODEL}")
     parser.add_argument("--persons", type=int, choices=range(1, 10), default=2, help="for --camera: how many at most")

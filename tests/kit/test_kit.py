@@ -572,7 +572,7 @@ def test_a_lesson_says_what_else_is_started(prepared, start):
     program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0")
     assert program.wait(120) == 0, program.output
     second = program.lines.index("second | listening on tcp://127.0.0.1:1")
-    assert "second | told --port 0" in program.lines
+    assert program.wait_for(r"^second \| told --port 0 --endpoint tcp://127\.0\.0\.1:\d+$")
     asked = next(i for i, line in enumerate(program.lines) if line.startswith("client | asking"))
     assert second < asked, "the client is the last to start"
 

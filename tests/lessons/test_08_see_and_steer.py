@@ -30,7 +30,8 @@ from tests.programs import ROOT, free_port, steady_port
 
 KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
-sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
+# In front: lesson 09 has a train.py, too.
+sys.path[:0] = [str(LESSON), str(ROOT / "python" / "05_messages")]
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 Image = pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
 driver, train, world, recorder, pixels, messages = map(

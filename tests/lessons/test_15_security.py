@@ -345,8 +345,9 @@ def asked(asker, seconds):
 
 
 # What comes to the server, and the seconds in which the honest client's requests are counted.
+# A rate beside a rate: what else the machine does, as beside other tests, is in both.
 CROWDS = [
-    pytest.param("half handshakes", 0.5, id="half"),
+    pytest.param("half handshakes", 0.5, marks=pytest.mark.long, id="half"),
     # Their handshakes alone keep two cores busy for a moment: with them is compared what is asked in three seconds.
     pytest.param("strangers", 3, marks=pytest.mark.long, id="strangers"),
 ]

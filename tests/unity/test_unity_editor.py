@@ -149,6 +149,7 @@ def test_a_server_speaks_also_where_a_program_is_given_no_output(
     unity.draw_until("argument --endpoint: bad endpoint 'x'")
     if runtime == "mono":
         # As Unity is. .NET closes a quotation mark by itself.
+        unity.draw_until(r"^\[Start the server\]$")
         unity.do('type Options of its server=--endpoint "x')
         unity.do("press Start the server")
         said = 'Error: could not start with the options --endpoint "x: is each " and \' closed?'
