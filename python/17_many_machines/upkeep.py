@@ -31,7 +31,8 @@ def tick(hub: Hub) -> None:
             hub.lose(peer, f"nothing to do for {hub.options.idle:g} s" if idle else f"no answer for {DEAF:g} s")
     for peer, trainer in list(hub.trainers.items()):
         if now > trainer.told + AGAIN:
-            trainer.tell(Message("alive"))
+            # Its hello, until it asks for something: that may have gone to a connection that is no more.
+            trainer.tell(trainer.kept if trainer.request.kind == "join" else Message("alive"))
         if trainer.there:
             serve(hub, trainer, now)
         else:
@@ -47,7 +48,7 @@ def serve(hub: Hub, trainer: Trainer, now: float) -> None:
     if not trainer.admitted and trainer.areas <= members - taken:
         hello = hub.hellos[trainer.name]
         trainer.admitted = True
-        trainer.tell(Message("hello", 0, {**hello.values, "areas": trainer.areas}, hello.arrays))
+        trainer.answer(Message("hello", 0, {**hello.values, "areas": trainer.areas}, hello.arrays))
     for episode in trainer.under_way():
         if not episode.runs and now > episode.since + hub.options.patience:
             text = f"no simulator for an episode within {hub.options.patience:g} s: {members} are here, start more"
