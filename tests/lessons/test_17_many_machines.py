@@ -78,6 +78,8 @@ def test_what_is_played_over_the_hub_is_what_is_played_without(kind, serve, simu
     assert played(train(endpoint, 2, 12)) == returns(12)
 
 
+# Beside many other tests the hub was sometimes silent for a minute here, and nobody knows why yet.
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_whose_simulator_dies_is_begun_anew_elsewhere_and_counts_once(kind, serve, simulators, train, start):
     hub, endpoint = serve(KEY)
@@ -126,6 +128,8 @@ def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulator
     assert trainer.lines[-1] == f"gave up: no simulator came to {endpoint} within 1 s; is it running?"
 
 
+# Beside many other tests the hub was sometimes silent for a minute here, and nobody knows why yet.
+@pytest.mark.long
 def test_who_trained_and_died_leaves_the_simulators_to_the_next(serve, simulators, train):
     hub, endpoint = serve(KEY)
     simulators(endpoint, "python", "python")
@@ -135,6 +139,8 @@ def test_who_trained_and_died_leaves_the_simulators_to_the_next(serve, simulator
     assert played(train(endpoint, 2, 6)) == returns(6)
 
 
+# Beside many other tests the hub was sometimes silent for a minute here, and nobody knows why yet.
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_hub_that_was_killed_gets_all_its_simulators_back(kind, serve, simulators, train):
     place = f"tcp://127.0.0.1:{steady_port()}"
