@@ -35,8 +35,8 @@ from kitlib.unity.project import (
 
 # Said once, for the C# projects and for this.
 NETMQ = re.findall(r'"NetMQ" Version="\[(.+?)\]"', (ROOT / "Directory.Build.targets").read_text(encoding="utf-8"))[0]
-# NetMQ inside Unity, with what it needs and Unity does not have: package, version, and the file in it.
 DOTNET = "lib/netstandard2.0/System."
+# NetMQ inside Unity, with what it needs and Unity does not have: package, version, and the file in it.
 LIBRARIES = (
     ("NetMQ", NETMQ, "lib/netstandard2.1/NetMQ.dll"),
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
@@ -44,6 +44,7 @@ LIBRARIES = (
     ("System.Collections.Immutable", "10.0.7", f"{DOTNET}Collections.Immutable.dll"),
     ("System.Runtime.CompilerServices.Unsafe", "6.1.2", f"{DOTNET}Runtime.CompilerServices.Unsafe.dll"),
 )
+ALONE = "the scripts alone: they need NetMQ.dll and the DLLs that it needs"
 # Unity's own package of Newtonsoft.Json, which lesson 05 reads its headers with.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
 NUGET = "https://api.nuget.org/v3-flatcontainer"
@@ -115,7 +116,7 @@ def install(
     check_moved(root, files)
     there = has_netmq(root, all_packages(root, manifest))
     if scripts_only:
-        say("the scripts alone: they need NetMQ.dll and the DLLs that it needs")
+        say(ALONE)
     elif there:
         say("NetMQ is in this project already: its DLLs are left as they are")
     else:
@@ -125,7 +126,7 @@ def install(
             if not elsewhere(root, Path(name.removesuffix(".meta")).name)
         }
     write(root, files, force)
-    if any(b"using Newtonsoft.Json" in data for name, data in files.items() if name.endswith(".cs")):
+    if needs_json(files):
         add_json(root, all_packages(root, manifest))
     for line in advice(root):
         say(line)
@@ -165,6 +166,10 @@ def take_home(folder: Path) -> list[Path]:
     chosen += [path for folder in folders if folder.name[:1].isdigit() for path in folder.glob("*.asmdef")]
     # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
     return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml", PACKAGE / "NetMQExample.asmdef"]
+
+
+def needs_json(files: dict[str, bytes]) -> bool:
+    return any(b"using Newtonsoft.Json" in data for name, data in files.items() if name.endswith(".cs"))
 
 
 def add_json(root: Path, packages: set[str]) -> None:

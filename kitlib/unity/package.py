@@ -16,7 +16,7 @@ from pathlib import Path
 
 from kitlib.lessons import KitError
 from kitlib.terminal import say
-from kitlib.unity.install import JSON, libraries, notices, replace, scripts
+from kitlib.unity.install import ALONE, JSON, libraries, needs_json, notices, replace, scripts
 
 # In this entry Unity's own tools write the packages that an import adds to the project's manifest.
 MANIFEST = "packagemanagermanifest/asset"
@@ -41,7 +41,7 @@ def write_package(path: Path, lesson: str | None, force: bool, scripts_only: boo
     count = sum(name.endswith("/asset") and name != MANIFEST for name in found)
     say(f"wrote {path}: {count} files, {path.stat().st_size / 1e6:.1f} MB")
     if scripts_only:
-        say("the scripts alone: they need NetMQ.dll and the DLLs that it needs")
+        say(ALONE)
     say("next, in Unity: Assets, Import Package, Custom Package")
 
 
@@ -60,7 +60,7 @@ def entries(files: dict[str, bytes]) -> dict[str, bytes]:
             found[f"{folder}/asset"] = files[path]
         found[f"{folder}/asset.meta"] = files[name]
         found[f"{folder}/pathname"] = path.encode()
-    if any(b"using Newtonsoft.Json" in data for name, data in files.items() if name.endswith(".cs")):
+    if needs_json(files):
         found[MANIFEST] = json.dumps({"dependencies": dict([JSON])}).encode()
     return found
 
