@@ -75,17 +75,23 @@ def form(hello: Message) -> tuple[Any, ...]:
     return *(hello.values.get(name) for name in ("dt", "observation", "action")), *spaces
 
 
-def fits(answer: Message, form: tuple[Any, ...]) -> bool:
-    """Whether this is an observation as the hello has announced it. A discrete one is a number."""
-    expected = form[3][:2] if form[1] == "box" else ("int64", ())
-    return [(array.dtype, tuple(array.shape)) for array in answer.arrays] == [expected]
+def fits(answer: Message, kind: str, hello: Message) -> bool:
+    """Whether it answers this kind of request, as the hello has announced it. A discrete observation is a number."""
+    if kind == "render" or answer.kind == "error":
+        return answer.kind == "error" or (answer.kind == "picture" and len(answer.arrays) == 1)
+    box = hello.values.get("observation") == "box"
+    expected = (hello.arrays[0].dtype, hello.arrays[0].shape) if box else ("int64", ())
+    seen = [(array.dtype, array.shape) for array in answer.arrays] == [expected]
+    return answer.kind == "state" and seen and type(answer.values.get("reward", 0)) in (int, float)
 
 
-def accept(hello: Message, build: str, form_here: Any) -> None:
+def accept(hello: Message, build: str, hello_here: Message | None) -> None:
     """Of this build, and like those of its name that are here; MessageError says why it is refused."""
+    if not hello.arrays:
+        raise MessageError("no-spaces", "a hello has the arrays of its spaces")
     name, other = hello.values["name"], hello.values.get("build", "1")
     if other != build:
         text = f"{name!a:.40} of build {other!a:.20}, this hub takes {build!a:.20}"
         raise MessageError("other-build", f"{text}: use one build everywhere")
-    if form_here and form_here != form(hello):
+    if hello_here and form(hello_here) != form(hello):
         raise MessageError("other-spaces", f"{name!a:.40} has another dt here, or other spaces")

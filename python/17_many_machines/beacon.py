@@ -51,7 +51,7 @@ def find(port: int, key: bytes, patience: float) -> str:
             with contextlib.suppress(TimeoutError):
                 datagram, (address, _) = ear.recvfrom(65_536)
                 told = re.fullmatch(rb"NMQX1 (\d{1,5}) ([0-9a-f]{16}|-)", datagram)
-                if told and told[2].decode() == fingerprint(key):
+                if told and told[2].decode() == fingerprint(key) and 0 < int(told[1]) < 65536:
                     return f"tcp://{address}:{int(told[1])}"
                 others = f", only of another key, {address}" if told else others
     cure = "is the hub started with --announce, on this network?"

@@ -4,18 +4,19 @@ Take home: this file, hub.py, trainers.py, episode.py and batch.py, with message
 """
 
 import os
+import shutil
 import sys
 import time
 
 from hub import Hub
 
-# So many simulators have a row; a terminal has no more.
-ROWS = 15
+# So many simulators have a row, if the terminal is that high; and so many lines a second are printed.
+ROWS, LINES = 15, 200
 
 
 class Board:
     def __init__(self) -> None:
-        self.terminal, self.drawn = sys.stdout.isatty(), 0
+        self.terminal, self.drawn, self.lines = sys.stdout.isatty(), 0, 0
         self.shown, self.messages = time.monotonic(), 0
         self.said = "0 0 0 begun anew, 0 asked elsewhere"
         if self.terminal and os.name == "nt":
@@ -23,8 +24,10 @@ class Board:
             os.system("")
 
     def say(self, line: str) -> None:
-        """A line for good, above the table."""
-        print(f"{self.erased()}{line}", flush=True)
+        """A line for good, above the table. Strangers who come by the thousand make no flood of lines."""
+        self.lines += 1
+        if self.lines <= LINES:
+            print(f"{self.erased()}{line}", flush=True)
 
     def show(self, hub: Hub) -> None:
         """Once a second; in a file only what has changed but for the numbers that always grow."""
@@ -33,11 +36,17 @@ class Board:
         count = hub.count
         rate, self.messages = (count["messages"] - self.messages) / since, count["messages"]
         self.shown += since
+        if self.lines > LINES:
+            print(f"{self.erased()}{self.lines - LINES} lines more", flush=True)
+        self.lines = 0
         free = sum(member.free() for member in hub.members.values())
         people = f"{len(hub.members)} simulators, {free} free, {len(hub.trainers)} trainers"
         trouble = f"{count['begun anew']} begun anew, {count['asked elsewhere']} asked elsewhere"
         if self.terminal:
             rows = [f"{people}, {count['episodes']} episodes, {trouble}, {rate:,.0f} messages/s", *rows_of(hub)]
+            # A row that is cut is one row: a longer one would be two, and not all of them taken off again.
+            width, height = shutil.get_terminal_size()
+            rows = [row[: width - 1] for row in rows[: height - 1]]
             print(self.erased() + "\n".join(rows), flush=True)
             self.drawn = len(rows)
         elif (now := f"{len(hub.members)} {len(hub.trainers)} {trouble}") != self.said:

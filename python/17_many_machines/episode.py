@@ -25,8 +25,8 @@ class Episode:
     def __init__(self, reset: Message, ready: Callable[[], object]) -> None:
         self.requests, self.ready, self.runs = [reset], ready, list["Member"]()
         self.answer: Message | None = None
-        self.seen: list[Array] = []
-        self.leased = False
+        self.leased, self.lost, self.seen = False, 0, list[Array]()
+        # Of its last request, or of the loss of who was to answer it.
         self.since = time.monotonic()
 
     def ask(self, request: Message) -> None:
@@ -48,6 +48,16 @@ class Episode:
             by.done -= 1
         self.ready()
 
+    def differs(self, done: int, answer: Message) -> bool:
+        """Whether who does it again, and has come to what was seen last, sees something else."""
+        again = done + 2 == len(self.requests)
+        return again and [bytes(array.data) for array in answer.arrays] != [bytes(array.data) for array in self.seen]
+
+    def lost_by(self, run: "Member") -> None:
+        self.runs.remove(run)
+        run.episode = None
+        self.lost, self.since = self.lost + 1, time.monotonic()
+
     def release(self) -> None:
         for run in self.runs:
             run.episode = None
@@ -62,7 +72,7 @@ class Member:
         self.episode: Episode | None = None
         # How many of its episode's requests it has done, and whether one is under way.
         self.done, self.busy, self.last = 0, False, Message("welcome")
-        self.heard = self.told = self.asked = self.free_since = time.monotonic()
+        self.heard = self.told = self.asked = self.free_since = self.wanted = time.monotonic()
         self.there = send(self.last)
 
     def free(self) -> bool:
@@ -89,11 +99,12 @@ class Member:
         """The last request, or welcome, perhaps once more."""
         self.told, self.there = time.monotonic(), self.send(self.last)
 
-    def take(self, answer: Message) -> None:
+    def hears(self, answer: Message) -> bool:
+        """Another id is one that came twice: it says no more than that the simulator is there."""
         self.heard = time.monotonic()
-        # Another id is one that came twice: it says no more than that the simulator is there.
-        if not self.busy or answer.id != self.last.id:
-            return
+        return self.busy and answer.id == self.last.id
+
+    def take(self, answer: Message) -> None:
         self.busy, self.free_since = False, self.heard
         if self.episode:
             self.done += 1

@@ -10,6 +10,7 @@ Take home: this file, with messages.py of lesson 05. And for that environment ve
 of lesson 10, with environment.py, connection.py, simulators.py, launched.py and spaces.py of lesson 09.
 """
 
+import re
 import sys
 import time
 from collections.abc import Callable
@@ -31,6 +32,9 @@ class FleetSocket:
     """`prepare` gets each new socket before it connects."""
 
     def __init__(self, endpoint: str, name: str, areas: int, prepare: Callable[[Any], object] | None = None) -> None:
+        port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", endpoint, re.ASCII)
+        if not port or not 0 < int(port[1]) < 65536:
+            raise ValueError(f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5567, port 1 to 65535")
         self.endpoint, self.join = endpoint, Message("join", 0, {"name": name, "areas": areas})
         self.context, self.prepare = zmq.Context(), prepare
         self.socket = self.context.socket(zmq.DEALER)

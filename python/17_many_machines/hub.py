@@ -20,7 +20,7 @@ import zmq
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from batch import accept, fits, form
+from batch import accept, fits
 from episode import Member
 from messages import Message, MessageError, read, take
 from trainers import Trainer
@@ -32,8 +32,8 @@ class Hub:
     def __init__(self, socket: zmq.Socket[bytes], options: Any, say: Callable[[str], object]) -> None:
         self.socket, self.options, self.say, self.ticked = socket, options, say, 0.0
         self.members, self.trainers = dict[bytes, Member](), dict[bytes, Trainer]()
-        # Of each name a hello, and what all of them have alike.
-        self.hellos, self.forms = dict[str, Message](), dict[str, Any]()
+        # One of each name that is here: the others have the same spaces.
+        self.hellos = dict[str, Message]()
         self.count = Counter[str]()
 
     def take(self, peer: bytes, frames: list[Any]) -> None:
@@ -41,24 +41,29 @@ class Hub:
         try:
             message = read(frames)
             if member := self.members.get(peer):
-                self.answered(peer, member, message)
+                if member.hears(message):
+                    self.answered(peer, member, message)
                 return
             if message.kind == "hello":
                 self.welcome(peer, message)
             elif message.kind == "join":
                 self.join(peer, message)
-            elif trainer := self.trainers.get(peer):
+            elif (trainer := self.trainers.get(peer)) and trainer.admitted:
                 trainer.take(message)
             elif message.kind not in ("closed", "error"):
-                raise MessageError("unknown-peer", "say hello again", message.id)
+                raise MessageError("unknown-peer", "say hello or join, and wait for the answer", message.id)
         except MessageError as error:
+            if error.code in ("no-spaces", "other-build", "other-spaces"):
+                self.say(f"refused: {error}")
             self.send(peer, Message("error", error.id, {"code": error.code, "text": error.text}))
         self.lease()
 
     def answered(self, peer: bytes, member: Member, answer: Message) -> None:
-        if answer.kind == "state" and not fits(answer, self.forms[member.name]):
-            self.lose(peer, "its observation is not what it has announced")
+        if not fits(answer, member.last.kind, self.hellos[member.name]):
+            self.lose(peer, "its answer is not what it has announced")
         else:
+            if member.episode and member.episode.differs(member.done, answer):
+                self.say(f"simulator {member.number} goes another way than the one before it: use one build everywhere")
             member.take(answer)
         # In the middle of an episode nobody has to be looked for.
         if member.free() or peer not in self.members:
@@ -66,13 +71,8 @@ class Hub:
 
     def welcome(self, peer: bytes, hello: Message) -> None:
         name = take(hello.values, "name", str)
-        here = name in [*(one.name for one in self.members.values()), *(one.name for one in self.trainers.values())]
-        try:
-            accept(hello, self.options.build, self.forms.get(name) if here else None)
-        except MessageError as error:
-            self.say(f"refused: {error}")
-            raise
-        self.hellos[name], self.forms[name] = hello, form(hello)
+        accept(hello, self.options.build, self.hellos.get(name))
+        self.hellos[name] = hello
         self.count["came"] += 1
         self.members[peer] = Member(self.count["came"], name, partial(self.send, peer))
 
@@ -98,7 +98,7 @@ class Hub:
     def lose(self, peer: bytes, why: str) -> None:
         member = self.members.pop(peer)
         if episode := member.episode:
-            episode.runs.remove(member)
+            episode.lost_by(member)
         self.say(f"simulator {member.number} is gone: {why}")
 
     def send(self, peer: bytes, message: Message) -> bool:

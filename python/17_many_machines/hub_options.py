@@ -17,9 +17,12 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "15_security"))
 from allow_list import AllowList
 
 
-def keys_for(context: zmq.Context[zmq.Socket[bytes]], socket: zmq.Socket[bytes], folder: str) -> AllowList | None:
+def keys_for(
+    context: zmq.Context[zmq.Socket[bytes]], socket: zmq.Socket[bytes], folder: str | None
+) -> AllowList | None:
     """Lesson 15's, before the socket listens: whoever comes first must be asked about already."""
-    if not folder:
+    # An empty one, as of a variable that is not set, is a mistake, and opens nothing.
+    if folder is None:
         return None
     try:
         allowed = AllowList(Path(folder), functools.partial(print, flush=True))

@@ -7,7 +7,7 @@
 From other machines, with lesson 15's keys; client.py --find 5567 --keys keys finds it in its network:
     python python/17_many_machines/server.py --endpoint tcp://0.0.0.0:5567 --keys keys --announce 255.255.255.255:5567
 
-A simulator without work for 15 seconds is sent home; see --idle.
+A simulator without work is sent home 15 seconds after the last trainer has left; see --idle.
 Bytes: messages of lesson 05; simulators speak as in lesson 09, trainers as in 10: see hub.py.
 Trouble on command: client.py --crash-after 200, --delay 8, --build 2; or Ctrl-Z, or pull the cable.
 What kit.py run starts as well, so that there are three simulators, one of which dies:

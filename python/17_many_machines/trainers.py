@@ -40,6 +40,8 @@ class Trainer:
         if request.kind == "close":
             self.release()
             self.answer(Message("closed", request.id))
+            # Its simulators are for others, also while it stays connected.
+            self.there = False
             return
         try:
             parts = {area: part for area, part in enumerate(split(request, self.areas)) if part}

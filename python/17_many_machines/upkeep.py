@@ -13,6 +13,8 @@ from trainers import Trainer
 
 # Seconds of silence until the last message is sent again, and until a simulator without an answer is given up.
 AGAIN, DEAF = 0.5, 60.0
+# So many simulators may be lost in one episode: what ends each of them must not go round.
+LOST = 10
 
 
 def tick(hub: Hub) -> None:
@@ -20,10 +22,16 @@ def tick(hub: Hub) -> None:
     if (now := time.monotonic()) < hub.ticked + 0.1:
         return
     hub.ticked = now
+    wanted = {trainer.name for trainer in hub.trainers.values()}
+    here = wanted | {member.name for member in hub.members.values()}
+    hub.hellos = {name: hello for name, hello in hub.hellos.items() if name in here}
     for peer, member in list(hub.members.items()):
         if member.there and now > max(member.heard, member.told) + AGAIN:
             member.tell()
-        idle = member.free() and now > member.free_since + hub.options.idle
+        if member.name in wanted:
+            # It may be needed yet: to begin at all, or when another one dies.
+            member.wanted = now
+        idle = member.free() and now > max(member.free_since, member.wanted) + hub.options.idle
         if not member.there:
             hub.lose(peer, "its connection is")
         elif idle or now > member.heard + DEAF:
@@ -50,6 +58,10 @@ def serve(hub: Hub, trainer: Trainer, now: float) -> None:
         trainer.admitted = True
         trainer.answer(Message("hello", 0, {**hello.values, "areas": trainer.areas}, hello.arrays))
     for episode in trainer.under_way():
+        if episode.lost >= LOST:
+            request = f"the last ones in request {len(episode.requests)} of it"
+            trainer.give_up(f"{LOST} simulators were lost in one episode, {request}: see what they say")
+            return
         if not episode.runs and now > episode.since + hub.options.patience:
             text = f"no simulator for an episode within {hub.options.patience:g} s: {members} are here, start more"
             trainer.give_up(text)

@@ -240,7 +240,7 @@ def test_a_simulator_that_answers_nonsense_is_let_go_and_its_episode_goes_elsewh
             pass
         wrong = messages.Array("float32", (3,), bytes(12))
         liar.send_multipart(messages.Message("state", request.id, {}, [wrong]).frames())
-        hub.wait_for("^simulator 1 is gone: its observation is not what it has announced$")
+        hub.wait_for("^simulator 1 is gone: its answer is not what it has announced$")
         simulators(endpoint, "python")
         assert played(trainer) == returns(3)
 

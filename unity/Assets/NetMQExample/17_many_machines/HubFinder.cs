@@ -8,6 +8,7 @@
 // Take home: this file.
 using System;
 using System.Diagnostics;
+using System.Globalization;
 using System.Linq;
 using System.Net;
 using System.Net.Sockets;
@@ -48,7 +49,8 @@ namespace NetMQExample
                 var told = Regex.Match(
                     Encoding.ASCII.GetString(datagram, 0, length), "^NMQX1 ([0-9]{1,5}) ([0-9a-f]{16}|-)$");
                 var address = ((IPEndPoint)sender).Address;
-                if (told.Success && told.Groups[2].Value == own) return $"tcp://{address}:{told.Groups[1].Value}";
+                var place = told.Success ? int.Parse(told.Groups[1].Value, CultureInfo.InvariantCulture) : 0;
+                if (place > 0 && place < 65536 && told.Groups[2].Value == own) return $"tcp://{address}:{place}";
                 if (told.Success) others = $", only of another key, {address}";
             }
             throw new TimeoutException(FormattableString.Invariant(
