@@ -18,7 +18,7 @@ class Board:
     def __init__(self) -> None:
         self.terminal, self.drawn, self.lines = sys.stdout.isatty(), 0, 0
         self.shown, self.messages = time.monotonic(), 0
-        self.said = "0 0 0 begun anew, 0 asked elsewhere"
+        self.said = "0 0 0 0 begun anew, 0 asked elsewhere"
         if self.terminal and os.name == "nt":
             # Windows takes the signs that move the cursor only after this.
             os.system("")
@@ -40,7 +40,8 @@ class Board:
             print(f"{self.erased()}{self.lines - LINES} lines more", flush=True)
         self.lines = 0
         free = sum(member.free() for member in hub.members.values())
-        people = f"{len(hub.members)} simulators, {free} free, {len(hub.trainers)} trainers"
+        at_work = sum(any(trainer.episodes) for trainer in hub.trainers.values())
+        people = f"{len(hub.members)} simulators, {free} free, {len(hub.trainers)} trainers, {at_work} at work"
         trouble = f"{count['begun anew']} begun anew, {count['asked elsewhere']} asked elsewhere"
         if self.terminal:
             rows = [f"{people}, {count['episodes']} episodes, {trouble}, {rate:,.0f} messages/s", *rows_of(hub)]
@@ -49,7 +50,7 @@ class Board:
             rows = [row[: width - 1] for row in rows[: height - 1]]
             print(self.erased() + "\n".join(rows), flush=True)
             self.drawn = len(rows)
-        elif (now := f"{len(hub.members)} {len(hub.trainers)} {trouble}") != self.said:
+        elif (now := f"{len(hub.members)} {len(hub.trainers)} {at_work} {trouble}") != self.said:
             self.said = now
             print(f"{people}, {count['episodes']} episodes, {trouble}", flush=True)
 

@@ -39,7 +39,7 @@ class Episode:
         """The first answer counts; whoever else was asked is free again once it has answered too."""
         for run in self.runs:
             run.episode = self if run is by else None
-        self.runs, self.answer = [by], answer
+        self.runs, self.answer, self.lost = [by], answer, 0
         if answer.kind == "state":
             self.seen = answer.arrays
         elif len(self.requests) > 1:

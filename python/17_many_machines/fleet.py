@@ -21,7 +21,7 @@ import zmq
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from messages import LIMIT, Message
+from messages import LIMIT, Message, read, take
 
 PEER = b"hub"
 # Whoever asks, asks again each second: who has said nothing for so long waits for a simulator, and says so to the hub.
@@ -38,19 +38,35 @@ class FleetSocket:
         self.endpoint, self.join = endpoint, Message("join", 0, {"name": name, "areas": areas})
         self.context, self.prepare = zmq.Context(), prepare
         self.socket = self.context.socket(zmq.DEALER)
-        self.said = 0.0
+        # When it has said something; and what the hub has told of a trainer that waits.
+        self.said, self.waits, self.told = 0.0, True, ""
 
     def recv_multipart(self) -> list[bytes]:
         if time.monotonic() > self.said + SILENCE:
             self.open()
-        return [PEER, *self.socket.recv_multipart()]
+        frames = self.socket.recv_multipart()
+        if self.waits and (message := read(frames)).kind == "alive":
+            self.said = time.monotonic()
+            self.tell(message)
+            raise zmq.Again
+        return [PEER, *frames]
 
     def send_multipart(self, frames: list[Any], flags: int = 0) -> None:
-        self.said = time.monotonic()
+        self.said, self.waits = time.monotonic(), False
         self.socket.send_multipart(frames[1:], flags)
+
+    def tell(self, alive: Message) -> None:
+        """What is missing, whenever that has changed."""
+        here, taken = take(alive.values, "simulators", int), take(alive.values, "taken", int)
+        name, areas = self.join.values["name"], self.join.values["areas"]
+        text = f"the hub has {here} simulators of '{name}', of which {taken} are taken: {areas} are needed"
+        if text != self.told:
+            self.told = text
+            print(text, flush=True)
 
     def open(self) -> None:
         """A new socket each time: one that was refused once never tries again."""
+        self.waits = True
         self.socket.close()
         self.socket = self.context.socket(zmq.DEALER)
         # Nothing can be sent while there is no connection: so it is known whether there is one.

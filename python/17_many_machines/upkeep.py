@@ -13,7 +13,7 @@ from trainers import Trainer
 
 # Seconds of silence until the last message is sent again, and until a simulator without an answer is given up.
 AGAIN, DEAF = 0.5, 60.0
-# So many simulators may be lost in one episode: what ends each of them must not go round.
+# So many simulators may be lost at one request: what ends each of them must not go round.
 LOST = 10
 
 
@@ -57,10 +57,12 @@ def serve(hub: Hub, trainer: Trainer, now: float) -> None:
         hello = hub.hellos[trainer.name]
         trainer.admitted = True
         trainer.answer(Message("hello", 0, {**hello.values, "areas": trainer.areas}, hello.arrays))
+    elif not trainer.admitted:
+        trainer.kept = Message("alive", 0, {"simulators": members, "taken": taken})
     for episode in trainer.under_way():
         if episode.lost >= LOST:
-            request = f"the last ones in request {len(episode.requests)} of it"
-            trainer.give_up(f"{LOST} simulators were lost in one episode, {request}: see what they say")
+            where = f"request {len(episode.requests)} of an episode"
+            trainer.give_up(f"{LOST} simulators, one after the other, were lost at {where}: see what they say")
             return
         if not episode.runs and now > episode.since + hub.options.patience:
             text = f"no simulator for an episode within {hub.options.patience:g} s: {members} are here, start more"

@@ -187,13 +187,21 @@ def test_a_python_that_is_silent_for_longer_is_waited_for(start, console, engine
     player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--patience", "1")
     silence = f"^no word from {endpoint} within 1 s; is the server running. It is tried again and again$"
     player.wait_for(silence)
-    parameters, stats = EnvironmentParametersChannel(), StatsSideChannel()
+    parameters, stats = [], StatsSideChannel()
+
+    def welcome() -> SideChannelManager:
+        # Each has its own: the first that is heard here may be a socket that the player has replaced meanwhile.
+        parameters.append(EnvironmentParametersChannel())
+        parameters[-1].set_float_parameter("wind", 1)
+        return SideChannelManager([parameters[-1], stats])
+
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
         socket.linger, socket.rcvtimeo = 0, 20
         socket.bind(endpoint)
-        carrier = Carrier(socket, lambda: SideChannelManager([parameters, stats]), print)
-        for wind in ("1", "2"):
-            parameters.set_float_parameter("wind", float(wind))
+        carrier = Carrier(socket, welcome, print)
+        for wind in (1, 2):
+            if parameters:
+                parameters[-1].set_float_parameter("wind", wind)
             while f"wind {wind}" not in player.lines:
                 assert player.process.poll() is None, player.output
                 carrier.exchange()

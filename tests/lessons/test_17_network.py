@@ -187,7 +187,7 @@ def test_a_thousand_episodes_while_a_simulator_is_killed_every_half_second(machi
     alive, killed = simulators(6), 0
     trainer = train(2, 1000, "--wait", "120")
     trainer.wait_for("^waiting for a simulator")
-    server.wait_for(r"^\d+ simulators, \d+ free, 1 trainers, [1-9]")
+    server.wait_for(r"^\d+ simulators, \d+ free, 1 trainers, 1 at work, [1-9]")
     while trainer.process.poll() is None:
         alive.pop(0).kill()
         killed += 1

@@ -173,7 +173,7 @@ def test_an_episode_that_ends_each_simulator_is_given_up(serve, peer):
     error = trainer.hear("error")
     assert error.values == {
         "code": "no-simulator",
-        "text": "10 simulators were lost in one episode, the last ones in request 1 of it: see what they say",
+        "text": "10 simulators, one after the other, were lost at request 1 of an episode: see what they say",
     }
 
 
