@@ -5,6 +5,7 @@ using System.ComponentModel;
 using System.Diagnostics;
 using System.Globalization;
 using System.IO;
+using System.Threading;
 
 namespace NetMQExample.Editor
 {
@@ -112,9 +113,16 @@ namespace NetMQExample.Editor
             // The shell's own kill, which says SIGTERM.
             if (Path.DirectorySeparatorChar == '/') Process.Start("/bin/sh", $"-c \"kill {process.Id}\"")?.Dispose();
             else process.Kill();
-            if (process.WaitForExit((int)Patience.TotalMilliseconds)) return;
+            if (Ended()) return;
             process.Kill();
-            process.WaitForExit((int)Patience.TotalMilliseconds);
+            Ended();
+        }
+
+        // Mono's WaitForExit does not wait for what another editor has started.
+        private bool Ended()
+        {
+            for (var waited = Stopwatch.StartNew(); Running && waited.Elapsed < Patience;) Thread.Sleep(20);
+            return !Running;
         }
 
         private static string Note(string log) => $"{log}.pid";
