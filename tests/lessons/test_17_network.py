@@ -57,10 +57,14 @@ class Machines:
     def cable(self, role, state):
         assert run("ip", "-n", self.names[role], "link", "set", "eth0", state).returncode == 0
 
-    def netem(self, role, *words):
-        made = run("tc", "-n", self.names[role], "qdisc", "replace", "dev", "eth0", "root", "netem", *words)
-        if made.returncode:
-            pytest.skip(f"no netem here: {made.stderr.strip()}")
+    def lose(self, role, percent):
+        """So many of a hundred packets, of those that come and of those that go."""
+        if not shutil.which("nft"):
+            pytest.skip("this system has no `nft` to lose packets with")
+        for hook in ("input", "output"):
+            rules = f"add table ip kit; add chain ip kit {hook} {{ type filter hook {hook} priority 0; }};"
+            rules += f"add rule ip kit {hook} numgen random mod 100 < {percent} drop"
+            assert (made := run(*self.inside(role), "nft", rules)).returncode == 0, made.stderr
 
 
 @pytest.fixture
@@ -140,7 +144,7 @@ def test_an_episode_goes_on_after_the_cable_of_its_simulators_was_pulled(machine
     server = hub()
     simulators(2, "python", "--delay", "0.01")
     trainer = train(2, 12)
-    server.wait_for("^2 simulators, 0 free, 1 trainers")
+    server.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work")
     told = len(server.lines)
     machines.cable("simulators", "down")
     server.wait_for("^0 simulators", start=told)
@@ -153,7 +157,7 @@ def test_a_trainer_whose_cable_was_pulled_leaves_its_simulators_to_others(machin
     server = hub()
     simulators(2)
     first = train(2, 100_000)
-    server.wait_for("^2 simulators, 0 free, 1 trainers")
+    server.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work")
     told = len(server.lines)
     machines.cable("trainer", "down")
     assert played(first, code=1) == []
@@ -168,15 +172,45 @@ def test_the_hub_is_found_in_its_network(machines, hub, start):
     client.wait_for(f"^simulating CartPole for tcp://{HUB}:{PORT}$")
 
 
+# Hands on what comes, 20 ms later. A kernel could do that too, and many have not got what it takes.
+LATER = """
+import asyncio, sys
+async def hand_on(reader, writer):
+    while data := await reader.read(65_536):
+        await asyncio.sleep(0.02)
+        writer.write(data)
+    writer.close()
+async def come(reader, writer):
+    other = await asyncio.open_connection(sys.argv[1], int(sys.argv[2]))
+    await asyncio.gather(hand_on(reader, other[1]), hand_on(other[0], writer), return_exceptions=True)
+async def main():
+    server = await asyncio.start_server(come, sys.argv[1], int(sys.argv[3]))
+    print("ready", flush=True)
+    await server.serve_forever()
+asyncio.run(main())
+"""
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("words", [("delay", "20ms"), ("loss", "20%")], ids=lambda words: words[0])
-def test_a_slow_or_lossy_network_changes_no_result(words, machines, hub, simulators, train):
-    machines.netem("simulators", *words)
+def test_a_slow_network_changes_no_result(machines, hub, start, client_command, train):
     hub("--patience", "120")
+    start(*machines.inside("hub"), PYTHON, "-c", LATER, HUB, str(PORT), "5568").wait_for("^ready$")
+    command = client_command("python", KEY, f"tcp://{HUB}:5568", "--patience", "60")
+    for _ in range(2):
+        start(*machines.inside("simulators"), *command)
+    assert played(train(2, 4, "--wait", "120")) == returns(4)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(600)
+def test_a_lossy_network_changes_no_result(machines, hub, simulators, train):
+    server = hub("--patience", "120")
+    machines.lose("simulators", 20)
     simulators(2)
     trainer = train(2, 4, "--wait", "120")
-    assert trainer.wait(280) == 0, trainer.output
+    assert trainer.wait(500) == 0, trainer.output
     assert played(trainer) == returns(4)
+    print(f"with 20 % of packets lost: {count(server)}")
 
 
 @pytest.mark.long
