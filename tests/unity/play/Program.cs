@@ -41,6 +41,8 @@ namespace NetMQExample.PlayTest
 
         private static int Main(string[] words)
         {
+            // Mono 6.8: when two threads make the first writers of a program at the same moment, one may lack its line end.
+            _ = Console.Out;
             switch (words[0])
             {
                 case "api": Api.Print(typeof(Object).Assembly); return 0;
