@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import uuid
+from collections import deque
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,9 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+RESERVED: deque[socket.socket] = deque()
+
+
 def steady_port() -> int:
     """A free port outside the range from which the system takes those of outgoing connections.
 
@@ -36,13 +40,21 @@ def steady_port() -> int:
     is then connected to itself.
     """
     for port in random.sample(range(20_000, 30_000), 100):
-        with socket.socket() as probe:
-            try:
-                probe.bind(("127.0.0.1", port))
-            except OSError:
-                continue
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            reserve(port)
             return port
     raise AssertionError("no free port")
+
+
+def reserve(port: int) -> None:
+    """OSError if another test has just been given it: on Linux a name without a file says so, to all processes."""
+    if sys.platform == "linux":
+        name = socket.socket(socket.AF_UNIX)
+        RESERVED.append(name)
+        name.bind(f"\0netmqexample-test-{port}")
+        if len(RESERVED) > 50:
+            RESERVED.popleft().close()
 
 
 def two_ports() -> str:

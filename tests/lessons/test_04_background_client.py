@@ -456,6 +456,7 @@ def test_a_retry_is_answered_from_memory(start, context):
     for _ in range(2):
         assert ask(context, endpoint, b"x", b"boom") == [b"x", b"error: IndexError('list index out of range')"]
     assert ask(context, endpoint, b"y", b"") == [b"y", b"1103"]
+    server.wait_for("sent b'1103'$")
     assert server.output.count("Traceback") == 1
 
 

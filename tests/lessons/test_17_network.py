@@ -223,6 +223,8 @@ def test_a_thousand_episodes_while_a_simulator_is_killed_every_half_second(machi
     trainer.wait_for("^waiting for a simulator")
     server.wait_for(r"^\d+ simulators, \d+ free, 1 trainers, 1 at work, [1-9]")
     while trainer.process.poll() is None:
+        # Only one that was in the fleet has died.
+        alive[0].wait_for("^simulating CartPole")
         alive.pop(0).kill()
         killed += 1
         alive += simulators(1)

@@ -30,7 +30,7 @@ import keys
 
 # All waits of a Stop share 200 ms. A busy machine wakes it later than that; a wait that they do not share is longer.
 STOP_LIMIT = 400.0
-# It waits at most two seconds for what Stop did not. On a busy machine all takes longer; a hang has no end.
+# It waits at most five seconds for what Stop did not. On a busy machine all takes longer; a hang has no end.
 UNLOAD_LIMIT = 10_000.0
 RUNTIMES = ("mono", ".net")
 MODES = ("reload", "keep")
@@ -161,7 +161,10 @@ class Editor:
         while (left := self.left()) != (0, 0) and time.monotonic() < deadline:
             time.sleep(0.01)
         self.row.threads, self.row.sockets = left
-        assert left == (0, 0), f"after Play {self.row.plays} there are left {left[0]} threads and {left[1]} sockets"
+        assert left == (0, 0), (
+            f"after Play {self.row.plays} there are left {left[0]} threads and {left[1]} sockets; "
+            f"stops took {self.row.stops}, unloads {self.row.unloads} ms; printed:\n{self.program.output[-3000:]}"
+        )
 
     def milliseconds_without_a_core(self) -> float:
         """How long the main thread has been ready to run and could not, since it was started."""

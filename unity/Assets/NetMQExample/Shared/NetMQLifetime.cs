@@ -33,13 +33,13 @@ namespace NetMQExample
 
         // An assembly reload aborts the threads of its domain. NetMQ's leave sockets open when that hits them at work,
         // and now and then Mono itself ends. What Stop's 200 ms were too short for is waited for here; most often that
-        // is nothing.
+        // is nothing. On a machine that is too busy for anything else, more than two seconds were seen.
         static NetMQLifetime() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
         {
             lock (Gate)
             {
                 var waited = Stopwatch.StartNew();
-                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < Patience) Monitor.Wait(Gate, 50);
+                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 5000) Monitor.Wait(Gate, 50);
             }
         };
 
