@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kitlib.docs.pictures import CARD, LINE, PROCESS, box, text
+from kitlib.docs.pictures import PROCESS, box, card, text
 from kitlib.lessons import ROOT, find
 
 WIDTH, HEIGHT = 840, 344
@@ -45,19 +45,8 @@ def picture() -> str:
         for i, number in enumerate(numbers):
             stations += station(106 + STEP * i, y, number)
         stations += station(right, y, last)
-    return "\n".join(
-        [
-            f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH} {HEIGHT}' width='{WIDTH}' role='img' "
-            "font-family='ui-sans-serif, system-ui, sans-serif'>",
-            f"<title>{title}</title>",
-            f"<rect x='.5' y='.5' width='{WIDTH - 1}' height='{HEIGHT - 1}' rx='10' fill='{CARD}' stroke='{LINE}'/>",
-            text(right + BROAD, 30, "when others come in", anchor="end"),
-            *lines,
-            *stations,
-            "</svg>",
-            "",
-        ]
-    )
+    last_column = text(right + BROAD, 30, "when others come in", anchor="end")
+    return card(WIDTH, HEIGHT, title, last_column, *lines, *stations)
 
 
 def main() -> None:

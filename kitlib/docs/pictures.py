@@ -45,14 +45,20 @@ def to_and_fro(x: float, y: float, down: str, up: str) -> list[str]:
     return [*there, *arrow(x + 14, y + 43, 0, -40), text(x + 28, y + 28, up, anchor="start")]
 
 
+def card(width: int, height: int, title: str, *parts: str) -> str:
+    """The SVG of a picture. A card of its own colour reads in a light and in a dark page."""
+    head = f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' width='{width}' role='img' {FONT}>"
+    back = f"<rect x='.5' y='.5' width='{width - 1}' height='{height - 1}' rx='10' fill='{CARD}' stroke='{LINE}'/>"
+    return "\n".join([head, f"<title>{escape(title)}</title>", back, *parts, "</svg>", ""])
+
+
 def architecture() -> str:
     """Two processes, their threads, and the one connection between them."""
     title = "Unity's main thread hands a request to a network thread; NetMQ's I/O thread carries it over TCP to Python"
-    parts = [
-        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH} {HEIGHT}' width='{WIDTH}' role='img' {FONT}>",
-        f"<title>{escape(title)}</title>",
-        # A card of its own colour reads in a light and in a dark page.
-        f"<rect x='.5' y='.5' width='{WIDTH - 1}' height='{HEIGHT - 1}' rx='10' fill='{CARD}' stroke='{LINE}'/>",
+    return card(
+        WIDTH,
+        HEIGHT,
+        title,
         box(20, 20, 400, 378, PROCESS),
         text(220, 47, "Unity process: it connects", 17),
         *thread(
@@ -99,8 +105,7 @@ def architecture() -> str:
         text(596, 55, "code that you see and change", anchor="start"),
         box(566, 76, 20, 20, THEIRS),
         text(596, 91, "the library's own", anchor="start"),
-    ]
-    return "\n".join([*parts, "</svg>", ""])
+    )
 
 
 def main() -> None:

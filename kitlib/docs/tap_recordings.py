@@ -7,14 +7,13 @@ each message down so that an eye can follow. In lesson 02 it drops a reply.
 from __future__ import annotations
 
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from kitlib.lessons import ROOT, find
-from kitlib.programs import Program
+from kitlib.programs import Program, ask_to_end
 from kitlib.watch import tap_command
 
 # What the client and the tap are told.
@@ -25,23 +24,21 @@ RECORDINGS = {
 }
 
 
-def record(number: str, client_words: str, tap_words: str, folder: str) -> Path:
-    """Run the lesson behind a tap; the tap writes what it saw when it ends."""
+def record(number: str, client_words: str, tap_words: str, folder: str, page: Path) -> None:
+    """Run the lesson in this folder, behind a tap, which writes the page that shows what it saw when it ends."""
     lesson, free = find(number), ("--endpoint", "tcp://127.0.0.1:0")
-    picture = ROOT / "img" / f"{number}_watched.html"
     started = [Program([sys.executable, lesson.python / "server.py", *free], folder=Path(folder))]
     try:
         server = started[0].endpoints()["endpoint"]
-        tap = Program([*tap_command(lesson, sys.executable), *tap_words.split(), "--record", picture, server])
-        started.append(tap)
-        words = ["--endpoint", tap.endpoints()["endpoint"], *client_words.split()]
-        Program([sys.executable, lesson.python / "client.py", *words]).wait_for("^done")
-        tap.process.send_signal(signal.SIGTERM)
-        tap.process.wait(60)
+        started.append(Program([*tap_command(lesson, sys.executable), *tap_words.split(), "--record", page, server]))
+        words = ["--endpoint", started[1].endpoints()["endpoint"], *client_words.split()]
+        started.append(Program([sys.executable, lesson.python / "client.py", *words]))
+        started[2].wait_for("^done")
+        ask_to_end(started[1].process)
+        started[1].process.wait(60)
     finally:
         for program in started:
             program.end()
-    return picture
 
 
 def take_picture(page: Path, picture: Path, folder: str) -> None:
@@ -60,7 +57,8 @@ def take_picture(page: Path, picture: Path, folder: str) -> None:
 def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number, words in RECORDINGS.items():
-            picture = record(number, *words, folder)
+            picture = ROOT / "img" / f"{number}_watched.html"
+            record(number, *words, folder, picture)
             print(f"recorded {picture.relative_to(ROOT).as_posix()}, {picture.stat().st_size:,} bytes")
         take_picture(ROOT / "img" / "02_watched.html", ROOT / "img" / "16_watched.png", folder)
 

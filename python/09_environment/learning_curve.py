@@ -13,8 +13,9 @@ def plot(means: list[float], goal: float, most: float, path: str) -> None:
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(figsize=(8.4, 3.6), layout="constrained")
-    axes.plot(range(1, len(means) + 1), means, marker="o", color="#0550ae")
+    axes.plot(range(1, len(means) + 1), means, marker="o", color="#0550ae", label="mean of a generation")
     axes.axhline(goal, color="#8c959f", linestyle="--", label="good enough")
-    axes.set(xlabel="generation", ylabel="steps until the pole falls", ylim=(0, most))
+    # A little more than the most, or else its point is cut in half.
+    axes.set(xlabel="generation", ylabel="steps until the pole falls", ylim=(0, 1.05 * most))
     axes.legend()
     figure.savefig(path, format="svg", metadata={"Date": None})
