@@ -1,6 +1,6 @@
 """A page of lesson 16's tap without a screen, for the performance lab: it takes everything, and draws nothing.
 
-    python lab/contenders/page.py http://127.0.0.1:PORT/
+python lab/contenders/page.py http://127.0.0.1:PORT/
 """
 
 from __future__ import annotations
