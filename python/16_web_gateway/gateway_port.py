@@ -62,6 +62,7 @@ async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, 
     app.middlewares.insert(0, silence.hear)
     runner = web.AppRunner(app, access_log=None, keepalive_timeout=REST)
     await runner.setup()
+    assert runner.server
     try:
         if host not in LOOPBACK and not token:
             raise OSError(None, "everybody in the network could come in; give --token, a word that they must know")
