@@ -57,17 +57,38 @@ def test_a_quick_run_measures_everything_that_can_run_here(quick):
         "echo of 2 MB",
         "one way, frames of 230,400 B",
         "a picture of 230,400 B, an action back",
+        report.TAP,
         "publish 32 B to 100",
         "100 clients, 32 B",
         "a server that takes 10 ms",
     ):
         assert labels(results, title), output
+    for contender in (contest.BY_WEBSOCKET, contest.BY_SOCKETIO):
+        assert (contender.label in labels(results, report.GATEWAY)) != (contender.label in skipped), output
     for contender in contest.STEPS:
         assert (contender.label in labels(results, "steps of CartPole")) != (contender.label in skipped), output
     assert {row["label"] for row in results["first"]} >= {"program: C# client", "connection: lesson 01"}
     assert results["frames"][0]["label"] == ".NET"
     assert not [what for what in results["skipped"] if "(" in what], "something failed on the way"
     assert re.search(r"^took \d+ s$", output, re.MULTILINE)
+
+
+def test_the_goals_have_what_the_run_has(quick):
+    """Lesson 16 is not in each kept run; and its goals are ratios to lesson 01 beside it."""
+    _, results, _ = quick
+
+    def goals(found):
+        return [line.split("  ")[0] for line in report.goals(found) if " by " in line]
+
+    without = {**results, "works": [each for each in results["works"] if each["title"] != report.GATEWAY]}
+    assert goals(without) == []
+    assert len(goals(results)) == len(report.between(results))
+    row = {"rate": [1.0, 400.0, 9.0], "latency": {"p50": 900.0}}
+    direct = {**row, "label": "lesson 01", "rate": [1.0, 1000.0, 9.0], "latency": {"p50": 400.0}}
+    works = [{"title": title, "rows": [direct, {**row, "label": "by X"}]} for title in (report.GATEWAY, report.TAP)]
+    ratio = ("lesson 01 by X, to lesson 01", "0.40")
+    added = ("lesson 01 by X: ms added, half below", "0.50")
+    assert [(line[0], line[2]) for line in report.between({"works": works})] == [ratio, added, ratio]
 
 
 @finds_processes
