@@ -18,6 +18,10 @@ from lab.contest import (
     BARE,
     BARE_ACTION,
     BUSY,
+    BY_SOCKETIO,
+    BY_TAP,
+    BY_WATCHED_TAP,
+    BY_WEBSOCKET,
     CURVE,
     FAST,
     GRPC,
@@ -50,7 +54,8 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     """Run everything, print the tables, keep the results and draw them."""
     if not dotnet.sdk():
         raise KitError(f"the lab's clients are C#, and there is {dotnet.DOWNLOAD}")
-    python = python_setup.interpreter("tests", optional=("05_messages", "08_see_and_steer", "09_environment", "bench"))
+    lessons = ("05_messages", "08_see_and_steer", "09_environment", "16_web_gateway")
+    python = python_setup.interpreter("tests", optional=(*lessons, "bench"))
     started = time.monotonic()
     lab = Lab(python, engines(engine), *((2, 0.04) if quick else (9, 0.2)), free=free)
     busy = machine.busy()
@@ -129,10 +134,12 @@ def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
         if size in (32, PICTURE):
             line = f"echo {{name}} {{endpoint}} {size} {lab.moment}"
             found.append(lab.work(f"with keys, echo of {title}", [BARE, CURVE], line))
+    echo = f"echo {{name}} {{endpoint}} 32 {lab.moment}"
+    found.append(lab.work(report.GATEWAY, [HELLO, BY_WEBSOCKET, BY_SOCKETIO], echo))
+    found.append(lab.work(report.TAP, [HELLO, BY_TAP, BY_WATCHED_TAP], echo))
     for count in (1, 10, 100):
         publish = f"publish {{name}}@{count} {{endpoint}} 32 {(500 if quick else 10000) // count} {count}"
         found.append(lab.work(f"publish 32 B to {count}", [TCP, SUBSCRIBER, WEBSOCKET], publish))
-    echo = f"echo {{name}} {{endpoint}} 32 {lab.moment}"
     for count in (1, 10, 100) if quick else (1, 10, 100, 1000):
         found.append(lab.work(f"{count} clients, 32 B", [TCP, HELLO, BARE, WEBSOCKET, HTTP], f"{echo} {count}"))
     found.append(lab.work("a server that takes 10 ms", [HELLO, BUSY], echo, "--delay", "0.01"))

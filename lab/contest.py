@@ -15,9 +15,15 @@ from typing import Any
 
 from kitlib.lessons import ROOT, KitError
 from kitlib.setup import dotnet, python_setup
-from lab.programs import PINS, Client, Server, halves
+from lab.programs import PINS, Client, Program, Server, halves
 
 LAB = ROOT / "lab" / "contenders"
+# Programs of lesson 16, and what comes before the endpoint of lesson 01's server behind them.
+BETWEEN = {
+    "gateway": ("server.py", "--endpoint", "http://127.0.0.1:0", "--hello"),
+    "tap": ("tap.py", "--endpoint", "tcp://127.0.0.1:0"),
+    "watched": ("tap.py", "--endpoint", "tcp://127.0.0.1:0"),
+}
 
 
 @dataclass(frozen=True)
@@ -44,6 +50,11 @@ POOLED = Contender("lesson 05, pooled", "dotnet", "pooled", "05_messages")
 STEER = Contender("lesson 08", "dotnet", "steer", "steer")
 BARE_ACTION = Contender(BARE.label, "dotnet", "bare@200", "zmq")
 CURVE = Contender("NetMQ with CURVE", "dotnet", "curve", "curve")
+# Lesson 16 between lesson 01's client and its server: what it costs to stand there.
+BY_WEBSOCKET = Contender("by WebSocket", "dotnet", "gateway", "gateway", "python-socketio")
+BY_SOCKETIO = Contender("by Socket.IO", "dotnet", "gateway@1", "gateway", "python-socketio")
+BY_TAP = Contender("by a tap", "dotnet", "hello", "tap", "aiohttp")
+BY_WATCHED_TAP = Contender("by a tap, and a page looks on", "dotnet", "hello", "watched", "aiohttp")
 HTTP = Contender("HTTP, aiohttp", "dotnet", "http", "http", "aiohttp")
 WEBSOCKET = Contender("WebSocket, websockets", "dotnet", "websocket", "websocket", "websockets")
 GRPC = Contender("gRPC, Python both sides", "grpc", "grpc", "grpc", "grpcio")
@@ -134,6 +145,8 @@ class Lab:
         self.installed: dict[str, bool] = {}
         self.servers: dict[str, Server] = {}
         self.clients: dict[str, Client] = {}
+        # Who looks on. They end by themselves when what they look at does.
+        self.pages: list[Program] = []
 
     def program(self, name: str) -> Client:
         """A client program, started when it is first needed."""
@@ -155,11 +168,22 @@ class Lab:
         """A server with these options, started when it is first needed. Lessons' servers print no line per reply."""
         key = " ".join([name, *options])
         if key not in self.servers:
-            lesson = name[:2].isdigit()
-            script = ROOT / "python" / name / "server.py" if lesson else LAB / f"{name}_server.py"
-            given = ["--endpoint", "tcp://127.0.0.1:0"] if lesson else []
-            quiet = ["--quiet"] if name in (HELLO.server, POOLED.server) else []
-            self.servers[key] = Server(self.python, script, [*given, *quiet, *options], self.server_cores)
+            words = list(options)
+            if name in BETWEEN:
+                program, *given = BETWEEN[name]
+                script = ROOT / "python" / "16_web_gateway" / program
+                words = [*given, self.server(HELLO.server).endpoint]
+            elif name[:2].isdigit():
+                script = ROOT / "python" / name / "server.py"
+                quiet = ["--quiet"] if name in (HELLO.server, POOLED.server) else []
+                words = ["--endpoint", "tcp://127.0.0.1:0", *quiet, *options]
+            else:
+                script = LAB / f"{name}_server.py"
+            self.servers[key] = server = Server(self.python, script, words, self.server_cores)
+            if name == "watched":
+                page = server.wait_for(r"^page at (\S+)")[1]
+                self.pages.append(Program([str(self.python), str(LAB / "page.py"), page], self.client_cores))
+                server.wait_for("^a page looks on$")
         return self.servers[key]
 
     def here(self, *contenders: Contender) -> list[Contender]:
@@ -219,7 +243,7 @@ class Lab:
 
     def end(self) -> None:
         """End every program."""
-        for process in [*self.clients.values(), *self.servers.values()]:
+        for process in [*self.pages, *self.clients.values(), *self.servers.values()]:
             process.end()
 
 

@@ -47,7 +47,8 @@ namespace NetMQExample.Lab
 
         public static Contender Make(string name, string endpoint, int size)
         {
-            // many@64 has 64 in flight, hello@200 looks for its reply for 200 us before it sleeps, subscriber@10 is one of ten.
+            // many@64 has 64 in flight, hello@200 looks for its reply for 200 us before it sleeps, subscriber@10 is one of ten,
+            // gateway@1 speaks Socket.IO.
             var parts = name.Split('@');
             var number = parts.Length > 1 ? int.Parse(parts[1], CultureInfo.InvariantCulture) : 0;
             // Where the server has two, the second is that of its publisher.
@@ -59,6 +60,7 @@ namespace NetMQExample.Lab
                 case "json": return new JsonLines(endpoint, size);
                 case "http": return new Http(endpoint, size);
                 case "websocket": return new WebSockets(endpoint, size);
+                case "gateway": return new Gateway(endpoint, size, number > 0);
                 case "hello": return number > 0 ? new Spinning(endpoint, size, number) : (Contender)new Hello(endpoint, size);
                 case "busy": return new BusyWait(endpoint, size);
                 case "naive": return new Messages(endpoint, size, false);

@@ -8,13 +8,10 @@ Take home: this file.
 
 import contextlib
 import hmac
-import logging
 import os
-import sys
 from collections.abc import Awaitable, Callable, Iterator
 
 from aiohttp import web
-from aiohttp.http import HttpProcessingError
 
 LOOPBACK, EVERYWHERE = ("127.0.0.1", "localhost"), ("0.0.0.0", "*")
 # How many browsers may be here at the same time. Python waits for at most 512 sockets on Windows, and each has two.
@@ -81,28 +78,3 @@ class Door:
 def refused(status: int, why: str) -> web.Response:
     """With the header without which a browser keeps the reason from a page that is not the gateway's own."""
     return web.Response(status=status, text=why, headers={"Access-Control-Allow-Origin": "*"})
-
-
-async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, int]:
-    """The host and the port at which this gateway is now."""
-    host, port = endpoint.removeprefix("http://").rsplit(":", 1)
-    # Our own mistakes it may print; not the noise of a stranger who does not speak HTTP.
-    logging.getLogger("aiohttp.server").addFilter(our_own)
-    runner = web.AppRunner(app, access_log=None)
-    await runner.setup()
-    try:
-        if host not in LOOPBACK and not token:
-            raise OSError(None, "everybody in the network could come in; give --token, a word that they must know")
-        await web.TCPSite(runner, host, int(port.replace("*", "0"))).start()
-    except OSError as error:
-        why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror
-        sys.exit(f"cannot listen on {endpoint}: {why}; try --endpoint http://127.0.0.1:0, which takes a free port")
-    port = runner.addresses[0][1]
-    print(f"listening on http://{host}:{port}", flush=True)
-    return host, port
-
-
-def our_own(said: logging.LogRecord) -> bool:
-    """Strangers speak no HTTP, leave in the midst of a word, or send Engine.IO's empty packet."""
-    error = said.exc_info[1] if said.exc_info else None
-    return not isinstance(error, HttpProcessingError | ConnectionError) and "empty packet" not in str(error)

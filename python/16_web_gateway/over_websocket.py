@@ -28,8 +28,9 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
             return refused(503, why)
         if name not in names:
             return refused(404, f"behind the gateway there are {', '.join(names)}, no {name[:40]!r}")
-        # A browser that was not heard for so long is not there any more.
-        browser = web.WebSocketResponse(heartbeat=20, max_msg_size=LARGEST)
+        # A browser that was not heard for so long is not there any more. All of them offer to compress; small texts and
+        # pictures become no smaller, and an exchange would take a tenth longer.
+        browser = web.WebSocketResponse(heartbeat=20, max_msg_size=LARGEST, compress=False)
         await browser.prepare(request)
         with door.entered("WebSocket"), contextlib.closing(opened(name)) as socket:
             await talk(browser, socket)

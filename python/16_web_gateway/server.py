@@ -11,8 +11,8 @@ topic, ["pose/"], and answers with the newest message; [] is: nothing new yet, a
 Socket.IO, at its usual path: emit(NAME, ...frames, callback), and the callback gets the frames of the answer.
 Trouble on command: Ctrl-C, here or in a server behind, and a new start: the page says so, and goes on.
 Started behind it: --hello 01_request_reply --background 04_background_client --poses 03_publish_subscribe
-Take home: this file, browser_socket.py, door.py, gateway_options.py, over_websocket.py, over_socketio.py and page.html;
-for --keys also secure_requester.py and keys.py of lesson 15.
+Take home: this file, browser_socket.py, door.py, gateway_options.py, gateway_port.py, over_websocket.py,
+over_socketio.py and page.html; for --keys also secure_requester.py and keys.py of lesson 15.
 """
 
 import argparse
@@ -30,8 +30,9 @@ try:
     import over_websocket
     from aiohttp import web
     from browser_socket import BrowserSocket, Listener, Requester, more_files
-    from door import Door, listen
+    from door import Door
     from gateway_options import address, behind, keys, seconds
+    from gateway_port import listen
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
 except KeyboardInterrupt:

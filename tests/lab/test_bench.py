@@ -57,11 +57,14 @@ def test_a_quick_run_measures_everything_that_can_run_here(quick):
         "echo of 2 MB",
         "one way, frames of 230,400 B",
         "a picture of 230,400 B, an action back",
+        report.TAP,
         "publish 32 B to 100",
         "100 clients, 32 B",
         "a server that takes 10 ms",
     ):
         assert labels(results, title), output
+    for contender in (contest.BY_WEBSOCKET, contest.BY_SOCKETIO):
+        assert (contender.label in labels(results, report.GATEWAY)) != (contender.label in skipped), output
     for contender in contest.STEPS:
         assert (contender.label in labels(results, "steps of CartPole")) != (contender.label in skipped), output
     assert {row["label"] for row in results["first"]} >= {"program: C# client", "connection: lesson 01"}
@@ -240,6 +243,23 @@ def test_the_kept_run_is_whole():
     assert results["skipped"] == {}
     assert results["machine"]["engine"] == "netmq"
     assert results["seconds"] < 600
+
+
+@pytest.mark.skipif(not KEPT.exists(), reason="no full run is kept")
+def test_the_goals_of_lesson_16_are_shown_once_a_run_has_them():
+    kept = json.loads(KEPT.read_text(encoding="utf-8"))
+
+    def goals(*more):
+        others = [work for work in kept["works"] if work["title"] not in (report.GATEWAY, report.TAP)]
+        shown = report.goals({**kept, "works": [*others, *more]})
+        return [re.split("  +", line.strip())[::2] for line in shown if line.startswith("lesson 01 by ")]
+
+    row = {"rate": [1.0, 400.0, 9.0], "latency": {"p50": 900.0}}
+    direct = {"label": "lesson 01", "rate": [1.0, 1000.0, 9.0], "latency": {"p50": 400.0}}
+    works = [{"title": title, "rows": [direct, {**row, "label": "by X"}]} for title in (report.GATEWAY, report.TAP)]
+    ratio, added = ["lesson 01 by X, to lesson 01", "0.40"], ["lesson 01 by X: ms added, half below", "0.50"]
+    assert goals(*works) == [ratio, added, ratio]
+    assert goals() == []
 
 
 @pytest.mark.skipif(not KEPT.exists(), reason="no full run is kept")

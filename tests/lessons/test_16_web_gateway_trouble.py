@@ -125,6 +125,36 @@ def test_a_million_frames_are_too_many(gateway):
     by_socketio(endpoint, events)
 
 
+def test_who_connects_and_asks_nothing_is_let_go(serve, start):
+    """Or asks half of something. A browser that has asked stays, however silent it is."""
+    _, behind = serve(HELLO)
+    code = "import gateway_port; gateway_port.SILENT = 1; import server; server.main()"
+    words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind]
+    program = start(PYTHON, "-c", code, *words, PYTHONPATH=str(FOLDER))
+    endpoint = program.wait_for(r"^listening on (\S+)")[1]
+    polling = "/socket.io/?EIO=4&transport=polling"
+
+    async def talk(browser):
+        async with aiohttp.ClientSession() as session, session.get(endpoint + polling) as opened:
+            name = json.loads((await opened.text())[1:])["sid"]
+        body = f"POST {polling}&sid={name} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 10\r\n\r\n4"
+        for said in ("", "GET / HTTP/1.1\r\nHos", body):
+            reader, writer = await asyncio.open_connection(*endpoint.removeprefix("http://").split(":"))
+            writer.write(said.encode())
+            with contextlib.suppress(ConnectionError):
+                # To its end, which comes when it is let go.
+                await asyncio.wait_for(reader.read(), LIMIT)
+            writer.close()
+        # Silent itself for three times as long.
+        assert await asked(browser, "Hello") == ["World"]
+
+    in_browser(endpoint, talk)
+    program.wait_for("^browser 1 left$")
+    assert program.stop() == 0
+    said = "let go, since they asked nothing within 1 s: 1"
+    assert program.lines[1:] == ["browser 1 came by WebSocket", said, said, said, "browser 1 left"]
+
+
 def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):
     program, endpoint = gateway()
     folder = Path(f"/proc/{program.process.pid}/fd")

@@ -1,0 +1,82 @@
+"""Lesson 16, the gateway's port: where it listens, and who connects there and says nothing.
+
+To connect costs a stranger nothing, and each connection is one of the open files that a system allows: whoever holds
+thousands of them keeps all others out. So a request has a time to be there, and to be whole.
+Take home: this file and door.py.
+"""
+
+import asyncio
+import logging
+import os
+import sys
+import time
+from collections.abc import Awaitable, Callable
+
+from aiohttp import web
+from aiohttp.http import HttpProcessingError
+from door import LOOPBACK
+
+# Seconds until a request must be there, and seconds that a connection may rest after an answer.
+SILENT, REST = 10, 75
+
+
+class Silence:
+    """Knows the last request of each connection."""
+
+    watching: asyncio.Task[None]
+
+    def __init__(self) -> None:
+        self.asked = dict[object, web.Request]()
+
+    @web.middleware
+    async def hear(
+        self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+    ) -> web.StreamResponse:
+        """Its head is there. Its body may still be on its way."""
+        self.asked[request.protocol] = request
+        return await handler(request)
+
+    async def watch(self, server: web.Server) -> None:
+        """Once a second, so that a thousand strangers at once are one line."""
+        since = dict[web.RequestHandler, float]()
+        while True:
+            now, here = time.monotonic(), server.connections
+            self.asked = {each: self.asked[each] for each in here if each in self.asked}
+            whole = {each for each, request in self.asked.items() if request.content.is_eof()}
+            since = {each: since.get(each, now) for each in here if each.transport and each not in whole}
+            silent = [each for each, then in since.items() if now - then > SILENT]
+            for each in silent:
+                each.force_close()
+            if silent:
+                print(f"let go, since they asked nothing within {SILENT} s: {len(silent)}", flush=True)
+            await asyncio.sleep(1)
+
+
+async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, int]:
+    """The host and the port at which this gateway is now."""
+    host, port = endpoint.removeprefix("http://").rsplit(":", 1)
+    # Our own mistakes it may print; not the noise of a stranger who does not speak HTTP.
+    logging.getLogger("aiohttp.server").addFilter(our_own)
+    silence = Silence()
+    # Before the door: whoever is refused has asked.
+    app.middlewares.insert(0, silence.hear)
+    runner = web.AppRunner(app, access_log=None, keepalive_timeout=REST)
+    await runner.setup()
+    assert runner.server
+    try:
+        if host not in LOOPBACK and not token:
+            raise OSError(None, "everybody in the network could come in; give --token, a word that they must know")
+        await web.TCPSite(runner, host, int(port.replace("*", "0"))).start()
+    except OSError as error:
+        why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror
+        sys.exit(f"cannot listen on {endpoint}: {why}; try --endpoint http://127.0.0.1:0, which takes a free port")
+    silence.watching = asyncio.create_task(silence.watch(runner.server))
+    port = runner.addresses[0][1]
+    print(f"listening on http://{host}:{port}", flush=True)
+    return host, port
+
+
+def our_own(said: logging.LogRecord) -> bool:
+    """Strangers speak no HTTP, leave in the midst of a word, or send Engine.IO's empty packet."""
+    error = said.exc_info[1] if said.exc_info else None
+    return not isinstance(error, HttpProcessingError | ConnectionError) and "empty packet" not in str(error)
