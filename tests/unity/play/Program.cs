@@ -206,8 +206,8 @@ namespace NetMQExample.PlayTest
                     if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:")) field.SetValue(script, endpoint);
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
-                    // It gives up at the first reply that is late, which is no question here.
-                    if (script is HelloWeb && field.Name == "patience") field.SetValue(script, 20f);
+                    // These give up at the first reply that is late, which is no question here.
+                    if ((script is HelloWeb || script is HelloClient) && field.Name == "patience") field.SetValue(script, 20f);
                     // As a rule so many that it is still asking when Stop comes.
                     if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : script is TalkingCharacter ? Math.Min(count, 200) : count);
                 }
