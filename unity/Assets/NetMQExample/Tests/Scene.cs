@@ -54,11 +54,8 @@ namespace NetMQExample.Tests
             Object.DestroyImmediate(client.gameObject);
             // It tells its thread to end, and may wait 200 ms for that.
             Assert.That(busy.ElapsedMilliseconds, Is.LessThan(1000), "it made the main thread wait");
-            return Until(() => Users == 0, "nobody uses NetMQ any more");
+            var users = typeof(NetMQLifetime).GetField("users", BindingFlags.Static | BindingFlags.NonPublic);
+            return Until(() => (int)users.GetValue(null) == 0, "nobody uses NetMQ any more");
         }
-
-        /// <summary>How many threads use NetMQ.</summary>
-        public static int Users => (int)typeof(NetMQLifetime)
-            .GetField("users", BindingFlags.Static | BindingFlags.NonPublic).GetValue(null);
     }
 }
