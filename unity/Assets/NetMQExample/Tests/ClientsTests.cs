@@ -9,6 +9,7 @@ using NetMQ;
 using NetMQExample.SideChannels;
 using NUnit.Framework;
 using UnityEngine;
+using UnityEngine.Events;
 using UnityEngine.TestTools;
 
 namespace NetMQExample.Tests
@@ -67,6 +68,20 @@ namespace NetMQExample.Tests
             }
             Application.logMessageReceived -= Hear;
             yield return Scene.End(client);
+        }
+
+        [UnityTest]
+        public IEnumerator TellsInspectorAndScriptsOfAReply()
+        {
+            var (heard, wired) = (new List<string>(), new UnityEvent<string>());
+            wired.AddListener(heard.Add);
+            using var server = InProcessServer.Answering(WithId("world"));
+            var client = (HelloBackground)Scene.Play(
+                typeof(HelloBackground), null, server.Endpoint, ("count", 1), ("replied", wired));
+            client.Replied += heard.Add;
+            yield return Scene.Until(() => client.Done, "the end");
+            UnityEngine.Object.Destroy(client.gameObject);
+            Assert.That(heard, Is.EqualTo(new[] { "world", "world" }));
         }
 
         [UnityTest]
