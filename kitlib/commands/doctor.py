@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, find, lessons, writable
+from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, Lesson, find, lessons, writable
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import coloured
@@ -51,6 +51,7 @@ def rows(python: Path | None) -> Iterator[Row]:
                 name, there = python_setup.name(need), python_setup.has(python, [need])
                 cure = "" if there else f"; missing: `{KIT} run {lesson.number}` installs it"
                 yield there, name, f"for lesson {lesson.number:02}{cure}"
+            yield from optional_rows(python, lesson)
     yield from csharp_rows()
     mono = quietly(["mono", "--version"], 20)
     yield (
@@ -60,6 +61,18 @@ def rows(python: Path | None) -> Iterator[Row]:
     )
     for lesson in lessons():
         yield port_row(lesson.number)
+
+
+def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
+    """What only a part of a lesson needs, such as a webcam: pyproject.toml's extras with more than its name."""
+    for extra in python_setup.all_extras():
+        part = extra.removeprefix(f"{lesson.key}_")
+        if part in (extra, "tests"):
+            continue
+        packages = [python_setup.name(need) for need in python_setup.needs(extra)[len(python_setup.needs()) :]]
+        missing = python_setup.not_found(python, packages)
+        cure = f"no {', '.join(missing)}; `{python} -m pip install {' '.join(missing)}` installs it"
+        yield True, part, f"optional, for lesson {lesson.number:02}: {cure if missing else 'there'}"
 
 
 def csharp_rows() -> Iterator[Row]:

@@ -30,6 +30,7 @@ IMPORTS = {
     "pillow": "PIL",
     "pyyaml": "yaml",
     "grpcio": "grpc",
+    "opencv-python": "cv2",
     "python-socketio": "socketio",
 }
 # On a Mac /usr/bin/python3 is too old, or opens a window that offers developer tools.
@@ -96,6 +97,14 @@ def lacking(python: Path | str, requirements: list[str]) -> list[str]:
 def has(python: Path | str, requirements: list[str]) -> bool:
     """True if this interpreter is recent enough and has every package, in a version that fits."""
     return not lacking(python, requirements)
+
+
+def not_found(python: Path, packages: list[str]) -> list[str]:
+    """Those that this interpreter has nothing of. To import some, such as MediaPipe, would take seconds."""
+    modules = {package: IMPORTS.get(package, package.replace("-", "_")) for package in packages}
+    code = "import importlib.util, sys; print(*filter(importlib.util.find_spec, sys.argv[1:]))"
+    there = quietly([python, "-c", code, *modules.values()], limit=60).output.split()
+    return [package for package in packages if modules[package] not in there]
 
 
 def requirement(package: str) -> str:

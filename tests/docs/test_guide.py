@@ -180,6 +180,13 @@ def test_a_page_says_how_to_start_python_on_windows(page):
     assert not typed or re.search(r"\bOn\s+Windows\b.{1,20}`py`", page.read_text(encoding="utf-8"), re.DOTALL)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_server_for_other_machines_has_what_it_then_asks_for(page):
+    """Without keys it refuses such an endpoint, unless it is told that anyone may come."""
+    refused = r"--endpoint\s+tcp://0\.0\.0\.0:\w+\b(?! --(?:open-to-anyone|keys )).{20}"
+    assert re.findall(refused, page.read_text(encoding="utf-8")) == []
+
+
 def test_the_notices_name_every_package():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = project["dependencies"] + [each for extra in project["optional-dependencies"].values() for each in extra]

@@ -496,8 +496,20 @@ def test_a_restore_that_hangs_counts_as_unreachable():
 def test_doctor_names_each_thing_once(start):
     program = start(PYTHON, KIT, "doctor")
     assert program.wait(200) == 0, program.output
-    for what in ("Python", "pyzmq", ".NET SDK", "Mono", "port 5551"):
+    for what in ("Python", "pyzmq", ".NET SDK", "Mono", "camera", "port 5551"):
         assert len([line for line in program.lines if re.match(rf"(ok|--)  {re.escape(what)} ", line)]) == 1, what
+
+
+def test_doctor_looks_for_what_a_webcam_needs_and_imports_none_of_it(bare_python, tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    lesson = lessons.find("20")
+    for found, missing in (("mediapipe", "mediapipe, opencv-python"), ("cv2", "opencv-python")):
+        cure = f"no {missing}; `{bare_python} -m pip install {missing.replace(',', '')}` installs it"
+        row = (True, "camera", f"optional, for lesson 20: {cure}")
+        assert list(doctor.optional_rows(bare_python, lesson)) == [row]
+        (tmp_path / found).mkdir()
+        (tmp_path / found / "__init__.py").write_text("raise SystemExit('imported')")
+    assert list(doctor.optional_rows(bare_python, lesson)) == [(True, "camera", "optional, for lesson 20: there")]
 
 
 def test_a_lesson_is_found_by_number_and_name():

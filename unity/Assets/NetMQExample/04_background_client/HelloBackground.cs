@@ -26,6 +26,9 @@ namespace NetMQExample
         private int asked, replies;
         private bool done;
 
+        /// <summary>With each reply, for scripts; the inspector has an event of its own.</summary>
+        public event Action<string> Replied;
+
         /// <summary>For those who want to know how it goes, such as HelloWorldHud.</summary>
         public BackgroundClient Client { get; private set; }
 
@@ -61,6 +64,7 @@ namespace NetMQExample
         {
             Debug.Log($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
             replied.Invoke(reply);
+            Replied?.Invoke(reply);
         }
 
         private void Finish(string why)

@@ -35,13 +35,14 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}");
             using var own = sender = new ViewSender(endpoint, Seconds(patience), Log);
-            if (cameras.Count == 0) throw new ArgumentException("no camera to film: drag some into Cameras");
             var offered = FromUpdate(Offer);
             own.Run(Array.ConvertAll(offered, one => one.View), stop);
         }
 
         private FilmedCamera[] Offer()
         {
+            // In Update, since another component's Awake may come after this one is enabled.
+            if (cameras.Count == 0) throw new ArgumentException("no camera to film: drag some into Cameras");
             OnDestroy();
             return filmed = cameras.ConvertAll(one => new FilmedCamera(one, width, height)).ToArray();
         }

@@ -47,10 +47,12 @@ namespace NetMQExample.Editor
             };
         }
 
+        // Of this file, wherever the package lies.
+        private string Script => AssetDatabase.GetAssetPath(MonoScript.FromScriptableObject(this));
+
         private void OnEnable()
         {
-            var script = AssetDatabase.GetAssetPath(MonoScript.FromScriptableObject(this));
-            kit = Checkout.Find(Path.GetFullPath(script), EditorPrefs.GetString(Kit, ""));
+            kit = Checkout.Find(Path.GetFullPath(Script), EditorPrefs.GetString(Kit, ""));
             lessons = kit?.Lessons;
         }
 
@@ -99,8 +101,7 @@ namespace NetMQExample.Editor
 
         private void DrawScene()
         {
-            var script = AssetDatabase.GetAssetPath(MonoScript.FromScriptableObject(this));
-            var folder = Path.GetDirectoryName(Path.GetDirectoryName(script));
+            var folder = Path.GetDirectoryName(Path.GetDirectoryName(Script));
             var scene = $"{folder}/{lessons[chosen]}/{lessons[chosen]}.unity".Replace('\\', '/');
             // Unity opens no scene of a package, nor one while it plays.
             if (!scene.StartsWith("Assets/") || !File.Exists(scene) || EditorApplication.isPlaying) return;

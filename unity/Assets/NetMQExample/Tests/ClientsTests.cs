@@ -3,10 +3,13 @@ using System;
 using System.Collections;
 using System.Collections.Generic;
 using System.Linq;
+using System.Text;
 using System.Text.RegularExpressions;
 using NetMQ;
+using NetMQExample.SideChannels;
 using NUnit.Framework;
 using UnityEngine;
+using UnityEngine.Events;
 using UnityEngine.TestTools;
 
 namespace NetMQExample.Tests
@@ -26,7 +29,18 @@ namespace NetMQExample.Tests
             new Talk(typeof(HelloBackground), WithId("world"), "^1: sent hello.*, received world$"),
             new Talk(typeof(MessagesClient), Reply("frame", ("x", 7L), ("y", 3L)), "brightest at x 7, y 3$"),
             new Talk(typeof(ManyClient), WithId("0"), "^[0-9]+: sent "),
+            new Talk(typeof(CatchUpFollower), _ => "pose/ a 2 0 0 0 0 0 0 1", "^2: at "),
+            new Talk(typeof(CameraSender), Reply("action", ("throttle", 1.0), ("brake", 0.0), ("steer", 0.0)),
+                "^frame [0-9]+: age ", typeof(DrivenCar)),
+            new Talk(typeof(CartPoleEnvironment), Reply("welcome"), "^simulating CartPole "),
+            new Talk(typeof(PursuitGame), Reply("welcome"), "^simulating "),
+            new Talk(typeof(GymManager), Reply("welcome"), "^simulating Coins"),
+            new Talk(typeof(ViewRecorder), Reply("welcome"), " can film front .*, map ", typeof(FilmedDrive)),
+            new Talk(typeof(SideChannelClient), request => Seen(), "^1: mass "),
             new Talk(typeof(JobRunner), Reply("result", Succeeded), "succeeded"),
+            // Without keys, which would stay on this machine.
+            new Talk(typeof(SecureHello), request => Frames("World"), "^1: sent Hello, received World$"),
+            new Talk(typeof(FleetMember), Reply("welcome"), "^simulating "),
             new Talk(typeof(BodyTracker), number => $"pose/0/ {number} 0.0", "^person 0: pose .*, nobody is there$"),
             new Talk(typeof(TalkingCharacter), Reply("result", Succeeded), "^done: "),
         };
@@ -43,10 +57,13 @@ namespace NetMQExample.Tests
             var lines = new List<string>();
             void Hear(string line, string stack, LogType type) => lines.Add(line);
             Application.logMessageReceived += Hear;
-            ConnectedBehaviour client;
+            MonoBehaviour client;
             using (var server = talk.Serve())
+            // Where lesson 07's asks what the stream begins with.
+            using (var snapshots = InProcessServer.Answering(request => Frames("0 pose/ a 1 0 0 0 0 0 0 1")))
             {
-                client = Scene.Play(talk.Client, server.Endpoint, ("every", 1));
+                client = Scene.Play(talk.Client, talk.Beside, server.Endpoint,
+                    ("every", 1), ("snapshots", snapshots.Endpoint), ("plain", true));
                 yield return Scene.Until(() => lines.Any(talk.Line.IsMatch), $"a line like {talk.Line}");
             }
             Application.logMessageReceived -= Hear;
@@ -54,11 +71,25 @@ namespace NetMQExample.Tests
         }
 
         [UnityTest]
+        public IEnumerator TellsInspectorAndScriptsOfAReply()
+        {
+            var (heard, wired) = (new List<string>(), new UnityEvent<string>());
+            wired.AddListener(heard.Add);
+            using var server = InProcessServer.Answering(WithId("world"));
+            var client = (HelloBackground)Scene.Play(
+                typeof(HelloBackground), null, server.Endpoint, ("count", 1), ("replied", wired));
+            client.Replied += heard.Add;
+            yield return Scene.Until(() => client.Done, "the end");
+            UnityEngine.Object.Destroy(client.gameObject);
+            Assert.That(heard, Is.EqualTo(new[] { "world", "world" }));
+        }
+
+        [UnityTest]
         public IEnumerator StopsAtOnceWithoutAServer([ValueSource(nameof(Clients))] Type type)
         {
             // Some give up at once, as lesson 15's without its keys.
             LogAssert.ignoreFailingMessages = true;
-            var client = Scene.Play(type, "tcp://127.0.0.1:9");
+            var client = Scene.Play(type, null, "tcp://127.0.0.1:9");
             for (var frames = 0; frames < 5; frames++) yield return null;
             yield return Scene.End(client);
         }
@@ -75,21 +106,29 @@ namespace NetMQExample.Tests
             {
                 var asked = Message.Read(request.Select(frame => (ReadOnlyMemory<byte>)frame.ToByteArray()).ToArray());
                 var reply = new Message(kind, asked.Id);
-                // Lesson 14's name a job.
-                if (asked.Values.TryGetValue("job", out var job)) reply.Values["job"] = job;
+                // Lesson 08's is about a picture, and lesson 14's about a job.
+                foreach (var about in new[] { "frame", "job" })
+                    if (asked.Values.TryGetValue(about, out var which)) reply.Values[about] = which;
                 foreach (var (name, value) in values) reply.Values[name] = value;
                 return Frames(reply.Header());
             };
 
-        /// <summary>A client, what its server answers or publishes, and a line that it logs then.</summary>
+        // An exchange of lesson 13, with one message of 12 bytes: the property "seen" is 0, so that round 1 begins.
+        private static NetMQMessage Seen() =>
+            new NetMQMessage(new[] { new FloatPropertiesChannel().ChannelId.ToByteArray()
+                .Concat(Encoding.ASCII.GetBytes("\x0c\0\0\0\x04\0\0\0seen\0\0\0\0")).ToArray() });
+
+        /// <summary>A client, what its server answers or publishes, a line that it logs then, and what it needs beside
+        /// it.</summary>
         public sealed class Talk
         {
-            public readonly Type Client;
+            public readonly Type Client, Beside;
             public readonly Func<InProcessServer> Serve;
             public readonly Regex Line;
 
-            public Talk(Type client, Func<NetMQMessage, NetMQMessage> answer, string line) =>
-                (Client, Serve, Line) = (client, () => InProcessServer.Answering(answer), new Regex(line));
+            public Talk(Type client, Func<NetMQMessage, NetMQMessage> answer, string line, Type beside = null) =>
+                (Client, Serve, Line, Beside) =
+                    (client, () => InProcessServer.Answering(answer), new Regex(line), beside);
 
             public Talk(Type client, Func<int, string> text, string line) =>
                 (Client, Serve, Line) = (client, () => InProcessServer.Publishing(text), new Regex(line));

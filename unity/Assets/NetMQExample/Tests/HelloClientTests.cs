@@ -18,7 +18,7 @@ namespace NetMQExample.Tests
         {
             using var server = InProcessServer.Answering(
                 request => new NetMQMessage(new[] { new NetMQFrame("World") }));
-            var client = Scene.Play(typeof(HelloClient), server.Endpoint, ("count", 3));
+            var client = (HelloClient)Scene.Play(typeof(HelloClient), null, server.Endpoint, ("count", 3));
             LogAssert.Expect(LogType.Log, "3: sent Hello, received World");
             LogAssert.Expect(LogType.Log, "done: 3 replies");
             yield return Scene.Until(() => client.Done, $"the end of Play {play}");
@@ -28,7 +28,7 @@ namespace NetMQExample.Tests
         [UnityTest]
         public IEnumerator SaysWhatIsWrongWithAnEndpoint()
         {
-            var client = Scene.Play(typeof(HelloClient), "127.0.0.1:5551");
+            var client = (HelloClient)Scene.Play(typeof(HelloClient), null, "127.0.0.1:5551");
             LogAssert.Expect(LogType.Error, new Regex("write it like tcp://"));
             yield return Scene.Until(() => client.Done, "an error");
             Assert.That(client.LastError, Does.Contain("write it like tcp://"));

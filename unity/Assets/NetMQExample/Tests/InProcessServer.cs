@@ -34,8 +34,8 @@ namespace NetMQExample.Tests
                 if (!socket.TryReceiveMultipartMessage(Patience, ref request)) return;
                 var envelope = new NetMQMessage();
                 envelope.Append(request.Pop());
-                // A REQ socket puts an empty frame in front of what it asks.
-                if (request.First.IsEmpty) envelope.Append(request.Pop());
+                // A REQ socket puts an empty frame in front of what it asks; lesson 13's asks an empty frame.
+                if (request.First.IsEmpty && request.FrameCount > 1) envelope.Append(request.Pop());
                 socket.SendMultipartMessage(new NetMQMessage(envelope.Concat(answer(request))));
             });
 

@@ -15,12 +15,18 @@ namespace NetMQExample.Tests
             BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
 
         /// <summary>An object with this component, whose every endpoint is the one given.</summary>
-        public static ConnectedBehaviour Play(Type client, string endpoint, params (string Name, object Value)[] fields)
+        /// <param name="client">The component.</param>
+        /// <param name="beside">One that it needs, or null.</param>
+        /// <param name="endpoint">Its server.</param>
+        /// <param name="fields">What else is set, if it has such a field.</param>
+        public static MonoBehaviour Play(
+            Type client, Type beside, string endpoint, params (string Name, object Value)[] fields)
         {
             var thing = new GameObject(client.Name);
             // Switched off, so that the fields are set before the component wakes up.
             thing.SetActive(false);
-            var component = (ConnectedBehaviour)thing.AddComponent(client);
+            var component = (MonoBehaviour)thing.AddComponent(client);
+            if (beside != null) thing.AddComponent(beside);
             for (var type = client; type != typeof(MonoBehaviour); type = type.BaseType)
                 foreach (var field in type.GetFields(Own))
                 {
@@ -42,17 +48,14 @@ namespace NetMQExample.Tests
         }
 
         /// <summary>Removes it at once, and waits until its threads and sockets are gone.</summary>
-        public static IEnumerator End(ConnectedBehaviour client)
+        public static IEnumerator End(MonoBehaviour client)
         {
             var busy = Stopwatch.StartNew();
             Object.DestroyImmediate(client.gameObject);
             // It tells its thread to end, and may wait 200 ms for that.
             Assert.That(busy.ElapsedMilliseconds, Is.LessThan(1000), "it made the main thread wait");
-            return Until(() => Users == 0, "nobody uses NetMQ any more");
+            var users = typeof(NetMQLifetime).GetField("users", BindingFlags.Static | BindingFlags.NonPublic);
+            return Until(() => (int)users.GetValue(null) == 0, "nobody uses NetMQ any more");
         }
-
-        /// <summary>How many threads use NetMQ.</summary>
-        public static int Users => (int)typeof(NetMQLifetime)
-            .GetField("users", BindingFlags.Static | BindingFlags.NonPublic).GetValue(null);
     }
 }
