@@ -11,6 +11,7 @@ import os
 import sys
 import time
 from collections.abc import Awaitable, Callable
+from typing import Any
 
 from aiohttp import web
 from aiohttp.http import HttpProcessingError
@@ -50,6 +51,21 @@ class Silence:
             if silent:
                 print(f"let go, since they asked nothing within {SILENT} s: {len(silent)}", flush=True)
             await asyncio.sleep(1)
+
+
+async def let_go(sockets: dict[str, Any], inside: Callable[[], set[str]]) -> None:
+    """Who has opened a connection of Socket.IO's, answers its pings, and never asks to come in."""
+    before = set[str]()
+    while True:
+        outside = set(sockets) - inside()
+        for name in before & outside:
+            print(f"let go, since it did not ask to come in within {SILENT} s", flush=True)
+            socket = sockets.pop(name)
+            await socket.close(wait=False, abort=True)
+            # It ends what writes to a WebSocket, and so the WebSocket.
+            await socket.queue.put(None)
+        before = outside
+        await asyncio.sleep(SILENT)
 
 
 async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, int]:

@@ -4,7 +4,7 @@
     socket.emit("poses", "pose/", newest => …)         or, if there is none, {error: why}
 
 A text is a frame, and so are bytes. Who sends bytes is answered with bytes.
-Take home: this file, browser_socket.py and door.py.
+Take home: this file, browser_socket.py, door.py and gateway_port.py.
 """
 
 import asyncio
@@ -18,6 +18,7 @@ from aiohttp import web
 from browser_socket import LARGEST, BrowserSocket
 from door import Door
 from engineio.payload import Payload
+from gateway_port import let_go
 
 # So many requests of one browser may wait, and so many answers for it. Socket.IO itself has no limit.
 MOST = 64
@@ -99,6 +100,9 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
     # Whatever it is called: a name that nobody has is to be answered, too.
     server.on("*", asked)
     server.attach(app)
+
+    at_home = server.manager.eio_sid_from_sid
+    server.start_background_task(let_go, server.eio.sockets, lambda: {at_home(sid, "/") for sid in browsers})
 
 
 def to_bytes(frame: Any) -> bytes:

@@ -152,7 +152,45 @@ def test_who_connects_and_asks_nothing_is_let_go(serve, start):
     program.wait_for("^browser 1 left$")
     assert program.stop() == 0
     said = "let go, since they asked nothing within 1 s: 1"
-    assert program.lines[1:] == ["browser 1 came by WebSocket", said, said, said, "browser 1 left"]
+    outside = "let go, since it did not ask to come in within 1 s"
+    lines = [line for line in program.lines[1:] if line != outside]
+    assert lines == ["browser 1 came by WebSocket", said, said, said, "browser 1 left"]
+
+
+def test_who_stays_outside_of_socketio_is_let_go(serve, start):
+    """It opens Engine.IO's connection, goes on talking, and asks for nothing. Who came in stays."""
+    _, behind = serve(HELLO)
+    code = "import gateway_port; gateway_port.SILENT = 1; import server; server.main()"
+    words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind, "--token", "word"]
+    program = start(PYTHON, "-c", code, *words, PYTHONPATH=str(FOLDER))
+    endpoint = program.wait_for(r"^listening on (\S+)")[1]
+
+    async def stay(inside):
+        """Until it is answered; a ping is answered, too."""
+        async for said in inside:
+            if said.data == "2":
+                await inside.send_str("3")
+            elif "World" in said.data:
+                return
+        raise AssertionError("it was let go")
+
+    async def talk():
+        async with aiohttp.ClientSession() as session:
+            url = f"{endpoint}/socket.io/?EIO=4&transport=websocket"
+            async with session.ws_connect(url) as inside, session.ws_connect(url) as outside:
+                await inside.send_str('40{"token":"word"}')
+                staying, deadline = asyncio.create_task(stay(inside)), time.monotonic() + LIMIT
+                while not outside.closed and time.monotonic() < deadline:
+                    with contextlib.suppress(ConnectionError, TimeoutError):
+                        await outside.send_str("3")
+                        await outside.receive(timeout=0.1)
+                assert outside.closed
+                await inside.send_str('421["hello","Hello"]')
+                await asyncio.wait_for(staying, LIMIT)
+
+    asyncio.run(talk())
+    assert program.stop() == 0
+    assert program.lines[1:3] == ["browser 1 came by Socket.IO", "let go, since it did not ask to come in within 1 s"]
 
 
 def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):
