@@ -325,6 +325,16 @@ def test_every_command_explains_itself_with_examples_that_it_takes(name, option,
             commands.parse(command, shlex.split(example))
 
 
+@pytest.mark.parametrize(("words", "own"), [("server 2", "drop"), ("client lazy-pirate", "tries")])
+def test_the_help_of_a_half_ends_with_its_programs_own_options(words, own, start):
+    program = start(PYTHON, KIT, *words.split(), "--help")
+    assert program.wait() == 0
+    ours, theirs = program.output.split(f"options of 02_lazy_pirate/{words.split()[0]}.py:")
+    assert f"--{own} " not in ours.partition("examples:")[0]
+    assert re.search(rf"^ +--{own} \w+ +\w", theirs, re.MULTILINE)
+    assert refused(start, words.split()[0], "99", "--help").startswith("there is no lesson 99")
+
+
 def test_what_comes_after_test_is_for_pytest(start):
     wanted = ["tests/kit/test_kit.py", "-k", "not_a_test or what_comes_after", "--collect-only", "-q"]
     program = start(PYTHON, KIT, "test", *wanted, "--", "--no-header")
