@@ -14,7 +14,7 @@ from kitlib.terminal import say
 ABOUT = "Runs every test that this machine can run, and says what it skipped and why. Other words are pytest's options."
 EXAMPLES = [
     "test                    all of them: a quarter of an hour",
-    "test 4                  what belongs to lesson 04: a minute or two",
+    "test 4                  what belongs to lesson 04: some minutes",
     "test -k request_reply   those with this word in their name",
     "test --long             also those that take minutes each",
     "test -n 0               one after the other; otherwise side by side, with pytest-xdist",
