@@ -1,7 +1,8 @@
 """The words after kit.py: a module for each command, and one line with the cure for a wrong word.
 
 A command's module says what it is for in ABOUT and EXAMPLES, adds its options, if it has some, and does it. A word that
-it does not know is answered with its CURE; or else, where PASSES_ON is true, it is for the program that is started.
+it does not know is answered with its CURE; or else, where PASSES_ON is true, it is for the program that is started,
+whose own options `program_help` may add to the help.
 """
 
 from __future__ import annotations
@@ -76,10 +77,12 @@ def parse(command: ModuleType, words: list[str]) -> argparse.Namespace:
     """The options of these words; what is no option of this command is passed on, or named with its cure."""
     name = command.__name__.rpartition(".")[2]
     passes_on = getattr(command, "PASSES_ON", False)
+    examples = "examples:\n" + "\n".join(f"  {KIT} {example}" for example in command.EXAMPLES)
+    asked = hasattr(command, "program_help") and words[1:] in (["-h"], ["--help"])
     parser = Parser(
         prog=f"{KIT} {name}",
         description=command.ABOUT,
-        epilog="examples:\n" + "\n".join(f"  {KIT} {example}" for example in command.EXAMPLES),
+        epilog=f"{examples}\n\n{command.program_help(words[0])}" if asked else examples,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )

@@ -2,12 +2,12 @@
 
 import argparse
 
-from kitlib.commands.run import add_client, add_folder, client_command
+from kitlib.commands.run import add_client, add_folder, client_command, own_options
 from kitlib.lessons import find
 from kitlib.programs import alone
 from kitlib.setup import python_setup
 
-ABOUT = "Runs a lesson's client in this terminal. Other words than these are its own options."
+ABOUT = "Runs a lesson's client in this terminal. Other words are its own options: `client 2 --help`."
 EXAMPLES = ["client 1 --count 3", "client 4 --client unity   its Unity scripts, played without Unity"]
 PASSES_ON = True
 
@@ -16,6 +16,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON", help="its number or its name")
     add_folder(parser)
     add_client(parser)
+
+
+def program_help(lesson: str) -> str:
+    return own_options(lesson, "client.py")
 
 
 def do(options: argparse.Namespace) -> int:

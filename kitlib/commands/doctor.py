@@ -46,11 +46,8 @@ def rows(python: Path | None) -> Iterator[Row]:
     else:
         code = "import zmq; print(zmq.__version__, 'with libzmq', zmq.zmq_version())"
         yield True, "pyzmq", f"{quietly([python, '-c', code], 20).output.strip()} ({python})"
+        yield from package_rows(python)
         for lesson in lessons():
-            for need in python_setup.needs(lesson.key)[len(python_setup.needs()) :]:
-                name, there = python_setup.name(need), python_setup.has(python, [need])
-                cure = "" if there else f"; missing: `{KIT} run {lesson.number}` installs it"
-                yield there, name, f"for lesson {lesson.number:02}{cure}"
             yield from optional_rows(python, lesson)
     yield from csharp_rows()
     mono = quietly(["mono", "--version"], 20)
@@ -59,8 +56,21 @@ def rows(python: Path | None) -> Iterator[Row]:
         "Mono",
         mono.first("version") if mono.ok else "missing; only the Play/Stop tests use it (Debian: mono-devel)",
     )
+    taken = [row for lesson in lessons() if not (row := port_row(lesson.number))[0]]
+    yield from taken
+    yield True, "ports", f"those of {'the other' if taken else 'all'} lessons are free"
+
+
+def package_rows(python: Path) -> Iterator[Row]:
+    """Each package once, with the lessons that need it."""
+    users: dict[str, list[int]] = {}
     for lesson in lessons():
-        yield port_row(lesson.number)
+        for need in python_setup.needs(lesson.key)[len(python_setup.needs()) :]:
+            users.setdefault(need, []).append(lesson.number)
+    for need, numbers in users.items():
+        there = python_setup.has(python, [need])
+        cure = "" if there else f"; missing: `{KIT} run {numbers[0]}` installs it"
+        yield there, python_setup.name(need), f"needed by {', '.join(f'{number:02}' for number in numbers)}{cure}"
 
 
 def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:

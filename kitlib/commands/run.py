@@ -9,7 +9,7 @@ from pathlib import Path
 
 from kitlib import lessons
 from kitlib.lessons import KitError, Lesson, UsageError, find
-from kitlib.programs import PATIENCE, Program, wait
+from kitlib.programs import PATIENCE, Program, quietly, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import later, uninterrupted
 from kitlib.terminal import say, show
@@ -21,7 +21,7 @@ EXAMPLES = [
     "run lazy-pirate --client unity   its Unity scripts, played without Unity",
     'run 4 --server="--slow-on 3"     the server is late with reply 3',
     'run 1 --options="--count 3"      the client asks three times',
-    "run 2 --watch                    a page shows the messages, and drops one when asked to",
+    'run 2 --watch --options="--count 200000 --patience 2"   a page shows the messages, and drops one by a button',
 ]
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
 
@@ -29,8 +29,8 @@ CURE = 'what the client takes goes into --options="…", what the server takes i
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON", help="its number or its name: 1, 01, request-reply")
     parser.add_argument("--endpoint", help="where the server listens; tcp://127.0.0.1:0 takes a free port")
-    parser.add_argument("--server", default="", metavar="OPTIONS", help="options for the server; its --help has them")
-    parser.add_argument("--options", default="", metavar="OPTIONS", help="options for the client; its --help has them")
+    parser.add_argument("--server", default="", metavar="OPTIONS", help="for the server; `server N --help` has them")
+    parser.add_argument("--options", default="", metavar="OPTIONS", help="for the client; `client N --help` has them")
     parser.add_argument("--watch", action="store_true", help="see the messages pass, in a page of your browser")
     add_folder(parser)
     add_client(parser)
@@ -63,6 +63,15 @@ def do(options: argparse.Namespace) -> int:
     server = [*server_command(lesson, python), *given, *for_server]
     tap = tap_command(lesson, python) if options.watch else []
     return run(lesson.folder(options.folder), server, others, client, behind(lesson, python, for_server), tap)
+
+
+def own_options(name: str, file: str) -> str:
+    """The own options of a lesson's program, as its --help has them; sets up nothing."""
+    lesson = find(name)
+    python = python_setup.found(lesson.key)
+    said = quietly([python, lesson.python / file, "--help"], 20).output if python else ""
+    own = said.partition("options:\n")[2].rstrip()
+    return f"options of {lesson.key}/{file}:\n{own}" if own else f"{file}'s own options are here once `run {name}` ran"
 
 
 def server_command(lesson: Lesson, python: Path) -> list[str]:

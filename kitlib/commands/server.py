@@ -3,13 +3,13 @@
 import argparse
 import socket
 
-from kitlib.commands.run import add_folder, behind, run, server_command
+from kitlib.commands.run import add_folder, behind, own_options, run, server_command
 from kitlib.lessons import find
 from kitlib.programs import alone
 from kitlib.setup import python_setup
 from kitlib.terminal import say
 
-ABOUT = "Runs a lesson's server in this terminal, until Ctrl-C. Other words than these are its own options."
+ABOUT = "Runs a lesson's server in this terminal, until Ctrl-C. Other words are its own options: `server 2 --help`."
 EXAMPLES = ["server 1", "server 2 --drop 3   it loses reply 3"]
 PASSES_ON = True
 
@@ -17,6 +17,10 @@ PASSES_ON = True
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON", help="its number or its name")
     add_folder(parser)
+
+
+def program_help(lesson: str) -> str:
+    return own_options(lesson, "server.py")
 
 
 def do(options: argparse.Namespace) -> int:

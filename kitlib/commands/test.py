@@ -5,7 +5,7 @@ import os
 import re
 from pathlib import Path
 
-from kitlib.lessons import ROOT, find
+from kitlib.lessons import ROOT, Lesson, find
 from kitlib.programs import end, spawn, wait
 from kitlib.setup import python_setup
 from kitlib.signals import later
@@ -14,19 +14,26 @@ from kitlib.terminal import say
 ABOUT = "Runs every test that this machine can run, and says what it skipped and why. Other words are pytest's options."
 EXAMPLES = [
     "test                    all of them: a quarter of an hour",
-    "test 4                  what belongs to lesson 04: a minute or two",
+    "test 4                  what belongs to lesson 04: some minutes",
     "test -k request_reply   those with this word in their name",
     "test --long             also those that take minutes each",
     "test -n 0               one after the other; otherwise side by side, with pytest-xdist",
     "test -- --help          pytest's own options",
 ]
 PASSES_ON = True
+# Where a lesson's own tests are.
+FOLDERS = ("tests/lessons", "tests/docs", "tests/kit", "tests/web")
 
 
 def do(options: argparse.Namespace) -> int:
     """Set up what the tests need, then run them."""
     # What a webcam needs is large, and the tests have none. Ray is large as well, and tested where it is there.
-    optional = tuple(e for e in python_setup.all_extras() if e != "tests" and not e.endswith(("_camera", "_ray")))
+    lesson = lesson_of(options.words)
+    optional = tuple(
+        extra
+        for extra in python_setup.all_extras()
+        if extra != "tests" and not extra.endswith(("_camera", "_ray")) and (not lesson or serves(extra, lesson))
+    )
     python = python_setup.interpreter("tests", optional=optional)
     say(f"testing with {python}")
     words = [*side_by_side(python, options.words), *of_a_lesson(options.words)]
@@ -41,11 +48,27 @@ def do(options: argparse.Namespace) -> int:
             end(pytest, 60)
 
 
+def lesson_of(words: list[str]) -> Lesson | None:
+    """The lesson that the first word names."""
+    if not words or words[0].startswith("-") or Path(words[0].split("::")[0]).exists():
+        return None
+    return find(words[0])
+
+
+def serves(extra: str, lesson: Lesson) -> bool:
+    """Whether the tests of this lesson alone may use what is in the extra: lessons build upon those before."""
+    return extra == "tests_faster" or "00" < extra[:2] <= lesson.key[:2]
+
+
 def of_a_lesson(words: list[str]) -> list[str]:
     """A lesson in front stands for what has its name: its own tests, its cases of the contract, its page."""
-    if not words or words[0].startswith("-") or Path(words[0].split("::")[0]).exists():
+    lesson = lesson_of(words)
+    if not lesson:
         return words
-    return ["-k", find(words[0]).key, "tests/lessons", "tests/docs", "tests/kit", "tests/web", *words[1:]]
+    own = f"test_{lesson.number:02}_"
+    # The other lessons' tests are not even read: they may need packages that this one does not.
+    others = [path for path in ROOT.glob("tests/*/test_[0-9]*.py") if not path.name.startswith(own)]
+    return ["-k", f"{lesson.key} or {own}", *FOLDERS, *(f"--ignore={path}" for path in others), *words[1:]]
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:

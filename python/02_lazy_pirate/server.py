@@ -58,8 +58,8 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--journal", type=Journal, default="lazy_pirate.sqlite3", help="a file, made if there is none")
-    for name in ("crash-on", "drop"):
-        parser.add_argument(f"--{name}", type=int, default=0, metavar="N", help="trouble at request N: see this file")
+    for name, what in (("crash-on", "do request N, then crash"), ("drop", "do request N, then lose the reply")):
+        parser.add_argument(f"--{name}", type=int, default=0, metavar="N", help=what)
 
 
 # From here on all servers of this kit are the same, as far as they need it.

@@ -2,7 +2,7 @@
 
     python python/08_see_and_steer/replay.py runs/run_0001                 as fast as the server answers
     python python/08_see_and_steer/replay.py runs/run_0001 --fps 50        as fast as it was driven
-    python python/08_see_and_steer/replay.py runs/run_0001 --compare       says which actions are others than then
+    python python/08_see_and_steer/replay.py runs/run_0001 --compare       says which actions have changed
 
 What was recorded from JPEG files is the same to the byte, and the same driver then gives the same actions to the bit.
 What was recorded from raw pictures has become JPEG on the way, which changes an action's last digits.
@@ -55,9 +55,8 @@ def replay(client: DriverClient, options: argparse.Namespace) -> str:
         others, most = others + (apart > 0), max(most, apart)
         if options.compare and apart and others <= 10:
             print(f"line {line}, frame {now.frame}: steer {now.steer!r}, then {then.steer!r}", flush=True)
-    if not options.compare:
-        return f"done: {answered} of {asked} pictures have an action"
-    return f"done: {answered} of {asked} pictures have an action, {others} another one than then, by at most {most:g}"
+    compared = f"; {others} differ from the recorded ones, by at most {most:g}" if options.compare else ""
+    return f"done: {answered} of {asked} pictures have an action{compared}"
 
 
 def main() -> None:

@@ -69,8 +69,8 @@ def receive_frame(socket: zmq.Socket[bytes]) -> zmq.Frame:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="the server's pair, and allowed/")
-    parser.add_argument("--no-authenticator", action="store_true", help="trouble: see this file")
-    parser.add_argument("--any-domain", action="store_true", help="trouble: see this file")
+    parser.add_argument("--no-authenticator", action="store_true", help="trouble: nobody may come in")
+    parser.add_argument("--any-domain", action="store_true", help="trouble: with it, everybody may")
 
 
 # From here on all servers of this kit are the same, as far as they need it.

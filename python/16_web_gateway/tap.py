@@ -82,7 +82,7 @@ def main() -> None:
     parser.add_argument("--slow", type=float, default=0, metavar="S", help="each message is S seconds late, to look at")
     parser.add_argument("--record", type=file, metavar="FILE", help="an HTML file that shows it all again, at the end")
     for fate in FATES:
-        parser.add_argument(f"--{fate}", type=int, metavar="N", help="trouble at message N: see this file")
+        parser.add_argument(f"--{fate}", type=int, metavar="N", help=f"{fate} message N")
     options = parser.parse_args()
     if not (0 <= options.page < 65536 and 0 <= options.slow < 60):
         parser.error("--page takes a port, 0 to 65535, --slow seconds, less than 60")

@@ -325,6 +325,25 @@ def test_every_command_explains_itself_with_examples_that_it_takes(name, option,
             commands.parse(command, shlex.split(example))
 
 
+@pytest.mark.parametrize(("words", "own"), [("server 2", "drop"), ("client lazy-pirate", "tries")])
+def test_the_help_of_a_half_ends_with_its_programs_own_options(words, own, start):
+    program = start(PYTHON, KIT, *words.split(), "--help")
+    assert program.wait() == 0
+    ours, theirs = program.output.split(f"options of 02_lazy_pirate/{words.split()[0]}.py:")
+    assert f"--{own} " not in ours.partition("examples:")[0]
+    assert re.search(rf"^ +--{own} \w+ +\w", theirs, re.MULTILINE)
+    assert refused(start, words.split()[0], "99", "--help").startswith("there is no lesson 99")
+
+
+def test_a_lesson_is_tested_without_what_only_the_others_need():
+    module = importlib.import_module("kitlib.commands.test")
+    ignored = {Path(word.partition("=")[2]).name for word in module.of_a_lesson(["8"]) if word.startswith("--ignore=")}
+    assert {"test_05_messages.py", "test_17_ray.py"} < ignored
+    assert not [name for name in ignored if name.startswith(("test_08_", "test_contract"))]
+    extras = [extra for extra in python_setup.all_extras() if module.serves(extra, lessons.find("8"))]
+    assert extras == ["tests_faster", "05_messages", "08_see_and_steer", "05_messages_tests"]
+
+
 def test_what_comes_after_test_is_for_pytest(start):
     wanted = ["tests/kit/test_kit.py", "-k", "not_a_test or what_comes_after", "--collect-only", "-q"]
     program = start(PYTHON, KIT, "test", *wanted, "--", "--no-header")
@@ -496,8 +515,11 @@ def test_a_restore_that_hangs_counts_as_unreachable():
 def test_doctor_names_each_thing_once(start):
     program = start(PYTHON, KIT, "doctor")
     assert program.wait(200) == 0, program.output
-    for what in ("Python", "pyzmq", ".NET SDK", "Mono", "camera", "port 5551"):
-        assert len([line for line in program.lines if re.match(rf"(ok|--)  {re.escape(what)} ", line)]) == 1, what
+    named = [re.match(r"(?:ok|--)  (\S+(?: \S+)*) ", line)[1] for line in program.lines if line[:2] in ("ok", "--")]
+    assert sorted(named) == sorted(set(named))
+    assert {"Python", "pyzmq", "numpy", "camera", ".NET SDK", "Mono", "ports"} <= set(named)
+    # A lesson's port is named only if it is taken, here perhaps by another test.
+    assert [line for line in program.lines if " port 55" in line and line.startswith("ok")] == []
 
 
 def test_doctor_looks_for_what_a_webcam_needs_and_imports_none_of_it(bare_python, tmp_path, monkeypatch):

@@ -215,10 +215,10 @@ def test_a_replay_gives_the_same_actions_to_the_bit(serve, start, client_command
         assert client.wait() == 0, client.output
         server.wait_for(rf"^recorded 100 pictures to .*run_000{1 + (words == [])}$")
     lines = replay(start, tmp_path / "runs" / "run_0001", endpoint, "--compare")
-    assert lines[1:] == ["done: 100 of 100 pictures have an action, 0 another one than then, by at most 0"]
+    assert lines[1:] == ["done: 100 of 100 pictures have an action; 0 differ from the recorded ones, by at most 0"]
     # Of raw pictures only JPEG files are left, and their actions are not quite the same.
     end = replay(start, tmp_path / "runs" / "run_0002", endpoint, "--compare")[-1]
-    others, most = re.search(r"100 of 100 .*, (\d+) another one than then, by at most (\S+)$", end).groups()
+    others, most = re.search(r"100 of 100 .*; (\d+) differ from the recorded ones, by at most (\S+)$", end).groups()
     assert int(others) > 50 and 0 < float(most) < 0.05
 
 

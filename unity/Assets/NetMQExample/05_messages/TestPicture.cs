@@ -9,18 +9,24 @@ namespace NetMQExample
     {
         private const int Width = 320, Height = 240;
 
-        /// <summary>The picture as a request: RGB, the lowest row first, as Unity's textures have it.</summary>
+        /// <summary>The picture as a request.</summary>
         public static Message Request(int number)
+        {
+            var request = new Message("frame", number);
+            request.Values["bottom_up"] = true;
+            request.Arrays.Add(new MessageArray("uint8", Pixels(number), Height, Width, 3));
+            return request;
+        }
+
+        // RGB, the lowest row first, as Unity's textures have it.
+        private static byte[] Pixels(int number)
         {
             var pixels = new byte[Height * Width * 3];
             Array.Fill(pixels, (byte)(number % 20 * 10));
             int left = number % 20 * 16, top = number % 30 * 8;
             for (var y = top; y < top + 8; y++)
                 Array.Fill(pixels, (byte)255, ((Height - 1 - y) * Width + left) * 3, 24);
-            var request = new Message("frame", number);
-            request.Values["bottom_up"] = true;
-            request.Arrays.Add(new MessageArray("uint8", pixels, Height, Width, 3));
-            return request;
+            return pixels;
         }
 
         /// <summary>The line to print about its reply.</summary>
