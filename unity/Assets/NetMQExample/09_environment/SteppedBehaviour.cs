@@ -75,7 +75,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Update()
         {
-            // A Python that thinks fast makes many steps in a frame. When it does not, or time is up, the frame goes on.
+            // A Python that thinks fast makes many steps in a frame; else, or when time is up, it goes on.
             var clock = Stopwatch.StartNew();
             for (var wait = 0; Connects && clock.ElapsedMilliseconds < Most && DoNext(wait);)
                 wait = quick ? Math.Max(1, Most - (int)clock.ElapsedMilliseconds) : 1;
