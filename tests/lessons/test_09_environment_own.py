@@ -412,12 +412,8 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
     # Through several frames: nobody plays by hand meanwhile.
     assert {env.step(1)[1] for _ in range(500)} == {-3}
-    # A policy that thinks for 3 ms is waited for: it makes more than one step in a frame.
-    frames = []
-    for _ in range(200):
-        time.sleep(0.003)
-        frames.append(env.step(1)[4]["frame"])
-    assert len(set(frames)) < 190
+    # A policy that thinks for 3 ms is waited for: it makes more than one step in a frame, once the machine has time for it.
+    assert any(frames_of_steps(env, 200) < 160 for _ in range(5))
     for wrong, text in (
         (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
         (lambda: env.reset(options={"state": [6, 0]}), "^error-in-simulation: .*: Observe gave null$"),
@@ -430,6 +426,15 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     assert "ArithmeticException: my mistake" in player.output and "Ball.Act" in player.output
     assert "Observe gave null" in player.output and "NullReference" not in player.output
     assert "by hand" not in player.output
+
+
+def frames_of_steps(env, count):
+    """Of a policy that thinks."""
+    frames = set()
+    for _ in range(count):
+        time.sleep(0.003)
+        frames.add(env.step(1)[4]["frame"])
+    return len(frames)
 
 
 def test_the_pages_own_file_plays_the_pages_own_environment(engine, console, start, tmp_path):
