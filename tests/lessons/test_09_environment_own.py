@@ -412,7 +412,7 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
     # Through several frames: nobody plays by hand meanwhile.
     assert {env.step(1)[1] for _ in range(500)} == {-3}
-    # A policy that thinks for 3 ms is waited for: it makes more than one step in a frame. A busy machine gets five tries.
+    # A policy of 3 ms is waited for, and makes more than one step in a frame. A busy machine gets five tries.
     assert any(frames_of_steps(env, 200) < 160 for _ in range(5))
     for wrong, text in (
         (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
