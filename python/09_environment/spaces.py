@@ -64,7 +64,8 @@ def from_array(space: Space[Any], arrays: list[Array]) -> Any:
     # [()] makes a number of an array without dimensions, and changes no other.
     items = arrays[0].numpy().copy()[()]
     if (items.dtype, items.shape) != (space.dtype, space.shape) or items not in space:
-        raise MessageError("not-in-space", f"{items.dtype} {items.shape} {shown(items)} is not in {shown(space)}")
+        numbers = " ".join(f"{items.tolist()!r:.200}".split())
+        raise MessageError("not-in-space", f"{items.dtype} {items.shape} {numbers} is not in {shown(space)}")
     return items
 
 

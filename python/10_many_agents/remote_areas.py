@@ -42,7 +42,7 @@ class RemoteAreas:
 
     def accept(self, hello: Message) -> None:
         if (areas := hello.values.get("areas", 1)) != self.count:
-            cure = f"start it with --areas {self.count}"
+            cure = f"start it with --areas {self.count}, or put {self.count} areas below it"
             raise MessageError("wrong-areas", f"num_envs is {self.count}, the simulator has {areas!a:.20}: {cure}")
         # Whoever learns has asked for them already: another simulator must have the same ones.
         dt, self.spaces = take(hello.values, "dt", float), offered(hello, self.name, self.spaces)

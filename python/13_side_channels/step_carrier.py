@@ -31,8 +31,12 @@ CURE = "is the simulator in a SideChannelSimulator?"
 
 
 def carry(env: Any, manager: SideChannelManager) -> None:
-    """From now on the steps of this environment carry these channels."""
-    env.unwrapped.connection = StepCarrier(env.unwrapped.connection, manager)
+    """From now on the steps of this environment of lesson 09, or of these areas of lesson 10, carry these channels."""
+    env = env.unwrapped
+    if hasattr(env, "areas"):
+        env.areas.ask = StepCarrier(env.areas.simulators.connection, manager).ask
+    else:
+        env.connection = StepCarrier(env.connection, manager)
 
 
 def receive(manager: SideChannelManager, message: Message) -> bool:

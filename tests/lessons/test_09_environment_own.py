@@ -15,6 +15,7 @@ import time
 import pytest
 import zmq
 
+from kitlib.docs import guide
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, Mark, finds_processes, free_port
 
@@ -381,6 +382,11 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
         ('Name => "Ball";', 'Name => gameObject == null ? "" : "Ball";\n' + TICKS),
         ("=> Observation.Of(place, speed);", "=> place > 5 ? null : Observation.Of(place, speed);"),
         (
+            "=>\n        (-Math.Abs(place)",
+            '{ info["frame"] = UnityEngine.Time.frameCount; return\n        (-Math.Abs(place)',
+        ),
+        ("> 10, false);", "> 10, false); }"),
+        (
             "        place += speed",
             '        if (action[0] == 2) throw new ArithmeticException("my mistake");\n        place += speed',
         ),
@@ -406,6 +412,8 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
     # Through several frames: nobody plays by hand meanwhile.
     assert {env.step(1)[1] for _ in range(500)} == {-3}
+    # A policy of 3 ms is waited for, and makes more than one step in a frame. A busy machine gets five tries.
+    assert any(frames_of_steps(env, 200) < 160 for _ in range(5))
     for wrong, text in (
         (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
         (lambda: env.reset(options={"state": [6, 0]}), "^error-in-simulation: .*: Observe gave null$"),
@@ -418,6 +426,26 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     assert "ArithmeticException: my mistake" in player.output and "Ball.Act" in player.output
     assert "Observe gave null" in player.output and "NullReference" not in player.output
     assert "by hand" not in player.output
+
+
+def frames_of_steps(env, count):
+    """Of a policy that thinks."""
+    frames = set()
+    for _ in range(count):
+        time.sleep(0.003)
+        frames.add(env.step(1)[4]["frame"])
+    return len(frames)
+
+
+def test_the_pages_own_file_plays_the_pages_own_environment(engine, console, start, tmp_path):
+    page = list(guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md"))
+    for language, name in (("csharp", "Ball.cs"), ("python", "ball.py")):
+        (body,) = [one.body for one in page if one.language == language and '"Ball"' in one.body]
+        words = f'{str(tmp_path / "Ball.cs")!r}, "--engine", "{engine.name}"'
+        (tmp_path / name).write_text(body.replace('"Ball.cs"', words), encoding="utf-8")
+    ball = start(PYTHON, tmp_path / "ball.py")
+    assert ball.wait() == 0, ball.output
+    assert re.search(r"^the ball is at -?0\.\d\d$", ball.output, re.MULTILINE), ball.output
 
 
 # What somebody does in the inspector meanwhile.

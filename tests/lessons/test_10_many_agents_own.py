@@ -44,9 +44,9 @@ def in_the_kits_folder(monkeypatch):
     monkeypatch.chdir(ROOT)
 
 
-def of_the_page(language, word):
+def of_the_page(language, word, key=KEY):
     """The page's block in this language in which the word stands."""
-    blocks = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
+    blocks = guide.blocks(ROOT / "docs" / "guide" / f"{key}.md")
     (body,) = [block.body for block in blocks if (block.language, word in block.body) == (language, True)]
     return body
 
@@ -101,13 +101,34 @@ def test_the_pages_world_is_the_same_in_both_languages(tag, engine, console, sta
     assert player.wait() == 0, player.output
 
 
-def test_areas_of_a_world_of_ones_own_are_registered_as_the_page_does_it(tmp_path):
-    (tmp_path / "balls.py").write_text(BALLS, encoding="utf-8")
+@pytest.fixture
+def registered():
+    """My/Ball-v0, as the page does it."""
     exec(of_the_page("python", "gymnasium.register("), {"gymnasium": gymnasium})
-    launch = [str(PYTHON), str(tmp_path / "balls.py")]
+    yield
+    del gymnasium.registry["My/Ball-v0"]
+
+
+def test_areas_of_a_world_of_ones_own_are_registered_as_the_page_does_it(registered, tmp_path):
+    (tmp_path / "balls.py").write_text(BALLS, encoding="utf-8")
+    envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, launch=[str(PYTHON), str(tmp_path / "balls.py")])
+    assert envs.reset(seed=1)[0].shape == (16, 4)
+    envs.close()
+
+
+def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(registered, engine, console, start, tmp_path):
+    """16, not 17, and only they connect; when Python is done the player ends, which has no --endpoint for that."""
+    words = []
+    for name, key in (("Ball", "09_environment"), ("BallAreas", KEY)):
+        words.append(tmp_path / f"{name}.cs")
+        words[-1].write_text(of_the_page("csharp", f"class {name} :", key), encoding="utf-8")
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    player = start(PYTHON, ROOT / "kit.py", "play", *words, "--engine", engine.name, "--set", f"endpoint={endpoint}")
+    envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, endpoint=endpoint, wait=240, max_episode_steps=3)
     try:
-        envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, launch=launch)
-        assert envs.reset(seed=1)[0].shape == (16, 4)
-        envs.close()
+        envs.reset(seed=1)
+        assert [envs.step(np.ones(16, int))[3].all() for _ in range(3)] == [False, False, True]
     finally:
-        del gymnasium.registry["My/Ball-v0"]
+        envs.close()
+    assert player.wait() == 0, player.output
+    assert player.output.count("asking ") == 1, player.output

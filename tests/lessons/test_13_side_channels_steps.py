@@ -58,6 +58,10 @@ class Moon(Simulation):
         return dict(reward=0, terminated=False, truncated=False)
 
 parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
+if "--areas" in sys.argv:
+    sys.path.append({str(ROOT / "python" / "10_many_agents")!r})
+    from areas import AreaSimulator
+    simulator = AreaSimulator([Moon(), Moon()])
 if "--without" not in sys.argv:
     simulator = SideChannelSimulator(simulator, SideChannelManager([parameters, stats]))
 EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], 20).run(simulator)
@@ -78,9 +82,10 @@ def moon(tmp_path):
     (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
     made = []
 
-    def make(*words):
+    def make(*words, kind=ZmqEnv, **more):
         parameters, stats, said = EnvironmentParametersChannel(), StatsSideChannel(), []
-        made.append(ZmqEnv("Moon", launch=[str(word) for word in words or (PYTHON, tmp_path / "moon.py")]))
+        launch = [str(word) for word in words or (PYTHON, tmp_path / "moon.py")]
+        made.append(kind(name="Moon", launch=launch, **more))
         carry(made[-1], SideChannelManager([parameters, stats], said.append))
         return made[-1], parameters, stats, said
 
@@ -132,6 +137,19 @@ def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
     assert "lost" in env.step(1)[-1]
     assert env.reset(seed=1)[0] == 1.5
     assert stats.get_and_reset_stats() == {}
+
+
+def test_areas_of_lesson_10_carry_them_as_well(moon, tmp_path):
+    sys.path.append(str(ROOT / "python" / "10_many_agents"))
+    from vector import ZmqVectorEnv
+
+    words = PYTHON, tmp_path / "moon.py", "--areas"
+    env, parameters, stats, said = moon(*words, kind=ZmqVectorEnv, num_envs=2)
+    parameters.set_float_parameter("gravity", 1.5)
+    assert env.reset(seed=1)[0].tolist() == [[1.5], [1.5]]
+    env.step(env.action_space.dtype.type([3, 5]))
+    assert stats.get_and_reset_stats() == {"action": [(3.0, 2), (5.0, 2)]}
+    assert said == []
 
 
 def test_a_simulator_without_side_channels_is_named_with_the_cure(moon, tmp_path):

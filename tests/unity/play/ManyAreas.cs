@@ -29,6 +29,8 @@ namespace NetMQExample.PlayTest
                 var scene = new GameObject("field");
                 scene.SetActive(false);
                 areas = scene.AddComponent<CartPoleAreas>();
+                // It is no area, and does nothing.
+                scene.AddComponent<CartPoleEnvironment>();
                 for (var i = 0; i < count; i++)
                 {
                     var area = new GameObject($"area {i}");
@@ -39,7 +41,7 @@ namespace NetMQExample.PlayTest
             });
             if (what == "cost") Cost(worlds, int.Parse(words[0], CultureInfo.InvariantCulture));
             if (what == "warn") Physics.simulationMode = SimulationMode.FixedUpdate;
-            while (what != "cost" && !areas.Done && player.Errors == 0)
+            while (what != "cost" && !(areas.Done && worlds.All(world => world.Done)) && player.Errors == 0)
             {
                 player.Frame();
                 Thread.Sleep(1);

@@ -7,14 +7,23 @@ using UnityEngine;
 
 namespace NetMQExample
 {
+    /// <summary>A component that steps the environments below it, such as lesson 10's PythonAreas. They, and one on its
+    /// own GameObject, do not connect by themselves.</summary>
+    public interface IStepsOthers { }
+
     /// <summary>A scene as a Gymnasium environment: say what can be seen and done, and reset, apply, observe,
     /// judge.</summary>
     public abstract class PythonEnvironment : SimulatorBehaviour, ISimulation
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5559";
 
-        // Whether another one above it in the hierarchy, such as lesson 10's PythonAreas, steps it with others.
         private bool together;
+
+        /// <inheritdoc/>
+        public override bool Done => together || base.Done;
+
+        /// <inheritdoc/>
+        public override string State => together ? "stepped with others" : base.State;
 
         /// <inheritdoc/>
         protected override string Endpoint => endpoint;
@@ -65,8 +74,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            var parent = transform.parent;
-            together = parent != null && parent.GetComponentInParent<SteppedBehaviour>() != null;
+            together = GetComponentInParent<IStepsOthers>() != null;
             if (!together) base.Begin();
         }
 

@@ -1,8 +1,8 @@
 // Lesson 09 in Unity: what every scene shares that Python steps, be it one world or many.
 //
-// Physics is stepped by this component alone, and stands still while Python thinks. No frame waits for that: Update
-// takes what has come, and goes on to the next frame when nothing more does. A game that Python launches takes the
-// endpoint from its command line, and quits when Python closes it.
+// Physics is stepped by this component alone, and stands still while Python thinks. A Python that thinks for less than
+// 10 ms is waited for, but no frame waits longer than that: else Python would make one step a frame. A game that Python
+// launches takes the endpoint from its command line, and quits when Python closes it.
 using System;
 using System.Threading;
 using UnityEngine;
@@ -16,8 +16,12 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("End after so many episodes; 0: when Python closes it")] private int count;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float patience = 30;
 
+        // How many milliseconds a frame may wait for Python's requests.
+        private const int Most = 10;
+
+        private readonly Stopwatch thinking = new Stopwatch();
         private SimulationMode before;
-        private volatile bool launched;
+        private volatile bool launched, quick;
 
         /// <summary>Where the environment listens.</summary>
         protected abstract string Endpoint { get; }
@@ -56,16 +60,25 @@ namespace NetMQExample
             var simulator = MakeSimulator();
             simulator.Mistake = Debug.LogException;
             using var client = new EnvironmentClient(place, Seconds(patience), Log) { Idle = Idle };
-            client.Run(simulator, count, FromUpdate, stop);
+            client.Run(simulator, count, Perform, stop);
             Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
+        }
+
+        private Message Perform(Func<Message> answer)
+        {
+            quick = thinking.ElapsedMilliseconds < Most;
+            var message = FromUpdate(answer);
+            thinking.Restart();
+            return message;
         }
 
         /// <inheritdoc/>
         protected override void Update()
         {
-            // While Python steps, its next request comes within a millisecond. When none does, the frame goes on.
+            // A Python that thinks fast makes many steps in a frame; else, or when time is up, it goes on.
             var clock = Stopwatch.StartNew();
-            for (var wait = 0; Connects && clock.ElapsedMilliseconds < 10 && DoNext(wait); wait = 1) { }
+            for (var wait = 0; Connects && clock.ElapsedMilliseconds < Most && DoNext(wait);)
+                wait = quick ? Math.Max(1, Most - (int)clock.ElapsedMilliseconds) : 1;
             // In the editor this does nothing. Not before the last line was logged.
             if (launched && Done) Application.Quit();
         }

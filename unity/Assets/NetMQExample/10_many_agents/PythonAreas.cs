@@ -4,14 +4,15 @@
 // lesson 09. Make a prefab of one area with it, put as many as you like below one GameObject, far enough apart for
 // physics, and add MyAreas to that. In Python register its name with vector_entry_point="vector:ZmqVectorEnv", as the
 // guide's page for this lesson shows, and make_vec("My/NAME-v0", num_envs=16).
+using System.Linq;
 using UnityEngine;
 
 namespace NetMQExample
 {
     /// <summary>A scene with many areas as a vector environment. What is found below it does not connect by
-    /// itself.</summary>
+    /// itself; one on its own GameObject does nothing.</summary>
     /// <typeparam name="TArea">What each area has.</typeparam>
-    public abstract class PythonAreas<TArea> : SteppedBehaviour where TArea : PythonEnvironment
+    public abstract class PythonAreas<TArea> : SteppedBehaviour, IStepsOthers where TArea : PythonEnvironment
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";
 
@@ -26,7 +27,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            areas = GetComponentsInChildren<TArea>();
+            areas = GetComponentsInChildren<TArea>().Where(area => area.gameObject != gameObject).ToArray();
             if (!Connects) GiveUp($"{name} has no {typeof(TArea).Name} below it; put one into each area");
             base.Begin();
         }
