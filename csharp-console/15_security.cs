@@ -3,7 +3,7 @@
 //     dotnet run --project csharp-console -- 15
 //     dotnet run --project csharp-console -- 15 --stranger           with a key that nobody has enrolled
 //     dotnet run --project csharp-console -- 15 --plain              without keys
-//     dotnet run --project csharp-console -- 15 --server-key KEY     for a server of another key, which is not this one
+//     dotnet run --project csharp-console -- 15 --server-key=KEY     for a server of another key, which is not this one
 using System;
 
 namespace NetMQExample.Terminal

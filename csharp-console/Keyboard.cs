@@ -1,12 +1,15 @@
 // The arrow keys as a steering wheel, for lesson 08. A terminal tells when a key is pressed, and not when it is let go:
 // what was set stays set.
 using System;
+using System.Runtime.InteropServices;
 
 namespace NetMQExample.Terminal
 {
     /// <summary>An arrow key or the space bar takes over, Enter gives back.</summary>
     internal sealed class Keyboard
     {
+        // .NET has the terminal echo again after a signal that somebody listens for. Without this, SIGTERM is none.
+        private readonly PosixSignalRegistration atEnd = PosixSignalRegistration.Create(PosixSignal.SIGTERM, signal => { });
         private double throttle, brake, steer;
 
         public Keyboard()

@@ -143,7 +143,7 @@ def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     for count in (1, 10, 100) if quick else (1, 10, 100, 1000):
         found.append(lab.work(f"{count} clients, 32 B", [TCP, HELLO, BARE, WEBSOCKET, HTTP], f"{echo} {count}"))
     found.append(lab.work("a server that takes 10 ms", [HELLO, BUSY], echo, "--delay", "0.01"))
-    found.append(lab.work("steps of CartPole", STEPS, f"steps {{name}} {lab.moment}"))
+    found.append(lab.work(report.STEPS, STEPS, f"steps {{name}} {lab.moment}"))
     return found
 
 

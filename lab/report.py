@@ -68,9 +68,7 @@ def goals(results: dict[str, Any]) -> list[str]:
         curve, plain = (middle(title, each, "rate") for each in ("NetMQ with CURVE", "NetMQ alone"))
         shown = f"{curve:,.0f} a second" if "second" in aim else f"{curve / plain:.2f}"
         rows.append((f"NetMQ with CURVE, echo of {what}, to NetMQ alone", aim, shown, "", ""))
-    # A run that was kept before lesson 16 was measured has none of it.
-    if GATEWAY in [work["title"] for work in results["works"]]:
-        rows += between(results)
+    rows += between(results)
     for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
         first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")
         if "flight" in other:

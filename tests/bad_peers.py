@@ -13,6 +13,30 @@ def zmtp_frame(body, more=False):
     return bytes([1 if more else 0, len(body)]) + body
 
 
+# Which kind of socket speaks to which.
+PARTNERS = {"REP": "REQ", "ROUTER": "DEALER", "PUB": "SUB", "REQ": "REP", "DEALER": "ROUTER", "SUB": "PUB"}
+
+
+def cuts_off_what_is_endless(peer):
+    """Whether a peer hangs up on who announces a frame of 1 GB, of which nothing comes. It speaks ZMTP 3.0 by hand."""
+    peer.settimeout(20)
+    with peer.makefile("rb") as stream, contextlib.suppress(ConnectionError):
+        peer.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
+        stream.read(64)
+        metadata = stream.read(stream.read(2)[1])
+        kind = metadata.partition(b"Socket-Type")[2]
+        partner = PARTNERS[kind[4 : 4 + kind[3]].decode()].encode()
+        ready = b"\x05READY" + b"\x0bSocket-Type" + len(partner).to_bytes(4, "big") + partner
+        peer.sendall(bytes([4, len(ready)]) + ready)
+        peer.sendall(b"\x02" + (2**30).to_bytes(8, "big"))
+        try:
+            while stream.read1():
+                pass
+        except TimeoutError:
+            return False
+    return True
+
+
 class Listener:
     """Accepts connections on a free port of its own, each served by a thread; a context manager."""
 
@@ -80,6 +104,16 @@ class SlowLine(Listener):
                     target.shutdown(socket.SHUT_WR)
                     return
                 target.sendall(data)
+
+
+class EndlessPeer(Listener):
+    """Announces more than anybody takes; `cut_off` gets True for each connection on which it is hung up for that."""
+
+    def __init__(self):
+        self.cut_off = queue.SimpleQueue()
+
+    def serve(self, peer):
+        self.cut_off.put(cuts_off_what_is_endless(peer))
 
 
 class ProtocolBreaker(Listener):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -9,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from kitlib.lessons import KitError, Lesson
-from kitlib.setup import dotnet
+from kitlib.lessons import KitError, Lesson, lessons
+from kitlib.setup import dotnet, python_setup
 from tests.programs import ROOT, Program
 
 PYTHON = Path(sys.executable)
@@ -35,7 +36,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 # After pytest-xdist's own.
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    needs = {lesson.key: [*map(python_setup.name, python_setup.needs(lesson.key))] for lesson in lessons()}
+    absent = python_setup.not_found(PYTHON, sorted(set().union(*needs.values())))
+    lacking = {key[:2]: (key, [name for name in names if name in absent]) for key, names in needs.items()}
     for item in items:
+        # A case of the contract, or a block of a page, has its lesson in its name.
+        about = re.search(r"\[.*?\b(\d\d)_[a-z]", item.name)
+        key, names = lacking.get(about[1] if about else "", ("", []))
+        if names:
+            item.add_marker(pytest.mark.skip(reason=f"{key} needs {' '.join(names)}: pip install {' '.join(names)}"))
         if "long" in item.keywords and not config.getoption("--long"):
             item.add_marker(pytest.mark.skip(reason="takes minutes: run with --long"))
         # The names of a group's tests end in its name, by which a worker gets them all. Up to 3.8 pytest-xdist writes

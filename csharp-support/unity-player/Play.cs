@@ -20,12 +20,14 @@ namespace NetMQExample.Terminal
 {
     internal static class Play
     {
+        private static readonly TimeSpan Grace = TimeSpan.FromSeconds(10);
+
         public static int Run(string? lesson, Arguments arguments)
         {
             arguments.Flag("unity");
             var lessons = typeof(NetMQLifetime).Assembly;
             var own = lesson?.EndsWith(".dll", StringComparison.Ordinal) == true ? Assembly.LoadFrom(Path.GetFullPath(lesson)) : null;
-            var types = own == null ? Scripts.Of(lessons, lesson ?? "") : Scripts.Of(own);
+            var types = own == null ? Scripts.Of(lessons, lesson ?? "") : Scripts.Of(own, lessons);
             var fields = types.SelectMany(Inspector.Defaults).ToList();
             // A script that has such a field itself ends by itself then.
             var limit = fields.Any(field => field.Name == "seconds") ? TimeSpan.FromDays(1) : arguments.Seconds("seconds", 86400);
@@ -46,6 +48,7 @@ namespace NetMQExample.Terminal
             using var interrupt = PosixSignalRegistration.Create(PosixSignal.SIGINT, Stop);
             using var terminate = PosixSignalRegistration.Create(PosixSignal.SIGTERM, Stop);
 
+            using var frozen = new Timer(_ => GiveUp(), null, limit + Grace, Timeout.InfiniteTimeSpan);
             var player = own == null ? new Player(lessons) : new Player(lessons, own);
             try
             {
@@ -54,10 +57,19 @@ namespace NetMQExample.Terminal
             }
             finally
             {
+                frozen.Change(Grace, Timeout.InfiniteTimeSpan);
                 player.Stop();
             }
             if (stopped == 1) Console.Error.WriteLine("stopped");
             return stopped == 1 || player.Errors > 0 ? 1 : 0;
+        }
+
+        // What freezes Unity's editor would keep a terminal waiting without a word.
+        private static void GiveUp()
+        {
+            Console.Error.WriteLine(
+                $"gave up: a script has held the main thread for {Grace.TotalSeconds} s, in Update or at Stop: Unity's editor would be frozen now");
+            Environment.Exit(1);
         }
 
         private static void MakeScene(Type[] types, List<(string Name, string Value)> settings)

@@ -8,11 +8,13 @@ namespace UnityPlayer
 {
     public static class Scripts
     {
-        /// <summary>Every MonoBehaviour.</summary>
+        /// <summary>Every MonoBehaviour of a reader's own, and those of the kit's that own-scripts.csproj has noted.</summary>
         /// <exception cref="ArgumentException">There is none.</exception>
-        public static Type[] Of(Assembly assembly)
+        public static Type[] Of(Assembly own, Assembly kit)
         {
-            var found = assembly.GetTypes().Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
+            var named = own.GetCustomAttributes<AssemblyMetadataAttribute>().Where(data => data.Value == "script").Select(data => data.Key);
+            var found = own.GetTypes().Concat(kit.GetTypes().Where(type => named.Contains(type.Name)))
+                .Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
             return found.Length > 0 ? found : throw new ArgumentException("there is no MonoBehaviour in these files");
         }
 

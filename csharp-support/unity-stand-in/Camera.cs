@@ -149,6 +149,15 @@ namespace UnityEngine
 
         public RenderTexture targetTexture { get; set; }
 
+        // Not whether it is enabled.
+        public void CopyFrom(Camera other)
+        {
+            MainThread.Only(nameof(CopyFrom));
+            transform.SetPositionAndRotation(other.transform.position, other.transform.rotation);
+            (fieldOfView, nearClipPlane, farClipPlane) = (other.fieldOfView, other.nearClipPlane, other.farClipPlane);
+            (clearFlags, backgroundColor, targetTexture) = (other.clearFlags, other.backgroundColor, other.targetTexture);
+        }
+
         public void Render()
         {
             MainThread.Only(nameof(Render));

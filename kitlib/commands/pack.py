@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from kitlib.lessons import KIT, PACKAGES, KitError, lessons
+from kitlib.lessons import PACKAGES, KitError
 from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
@@ -20,19 +20,18 @@ SYSTEMS = {
     "macos": ["macosx_14_0_arm64", "macosx_11_0_arm64", "macosx_10_15_universal2", "macosx_10_9_universal2"],
     "linux": ["manylinux_2_28_x86_64", "manylinux_2_26_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"],
 }
-HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
 NOTE = """For a room without internet: packages for NetMQExample, {system}, Python {python}.
 
 On every machine install Python {python} and the .NET SDK, 8 or later; fetch their installers from
     https://www.python.org/downloads/
     {installer}
-Copy the kit to a folder there and this folder into it, under the name `packages`. Then: {kit} run 1
+Copy the kit to a folder there and this folder into it, under the name `packages`. Then: {py} kit.py run 1
 """
 
 ABOUT = "Fetches what a room without internet needs: wheels for Python, NuGet packages, and where the installers are."
 EXAMPLES = [
     "pack                                   into packages/, for this system",
-    "pack D:/stick --system windows --python 3.13",
+    "pack --system windows --python 3.13    for another one, into the same folder",
 ]
 
 
@@ -50,21 +49,25 @@ def do(options: argparse.Namespace) -> int:
 
 
 def pack(folder: Path, system: str | None, version: str | None) -> None:
-    """Fetch everything that the lessons need."""
+    """Fetch everything that the lessons and their tests need. What is there for another system stays."""
     if not dotnet.sdk():
         raise KitError(dotnet.DOWNLOAD)
-    system, version = system or HERE, version or f"{sys.version_info[0]}.{sys.version_info[1]}"
+    system, version = system or python_setup.HERE, version or f"{sys.version_info[0]}.{sys.version_info[1]}"
     folder.mkdir(parents=True, exist_ok=True)
     wheels(folder, system, version)
     nuget(folder)
-    note = NOTE.format(system=system, python=version, installer=dotnet.INSTALLER, kit=KIT)
-    (folder / "READ_ME.txt").write_text(note, encoding="utf-8")
-    say(f"{folder} is ready; its READ_ME.txt says what to do with it")
+    py = "py" if system == "windows" else "python3"
+    note = folder / f"READ_ME_{system}.txt"
+    text = NOTE.format(system=system, python=version, installer=dotnet.INSTALLER, py=py)
+    note.write_text(text, encoding="utf-8")
+    say(f"{folder} is ready; its {note.name} says what to do with it")
 
 
 def wheels(folder: Path, system: str, version: str) -> None:
-    """The Python packages of all lessons, by the pip of .venv or of this interpreter."""
-    needs = python_setup.needs(*(lesson.key for lesson in lessons()))
+    """The Python packages of all lessons and their tests, by the pip of .venv or of this interpreter."""
+    # The other extras are for those who change the kit: the lab, its style, the scenes.
+    extras = [extra for extra in python_setup.tests_extras() if extra[0].isdigit() or extra.startswith("tests")]
+    needs = python_setup.needs(*extras)
     own = python_setup.venv_python()
     tags = [word for tag in SYSTEMS[system] for word in ("--platform", tag)]
     command: list[str | Path] = [

@@ -27,16 +27,16 @@ FOLDERS = ("tests/lessons", "tests/docs", "tests/kit", "tests/web")
 
 def do(options: argparse.Namespace) -> int:
     """Set up what the tests need, then run them."""
-    # What a webcam needs is large, and the tests have none. Ray is large as well, and tested where it is there.
     lesson = lesson_of(options.words)
     optional = tuple(
-        extra
-        for extra in python_setup.all_extras()
-        if extra != "tests" and not extra.endswith(("_camera", "_ray")) and (not lesson or serves(extra, lesson))
+        extra for extra in python_setup.tests_extras() if extra != "tests" and (not lesson or serves(extra, lesson))
     )
     python = python_setup.interpreter("tests", optional=optional)
     say(f"testing with {python}")
-    words = [*side_by_side(python, options.words), *of_a_lesson(options.words)]
+    words = [
+        *side_by_side(python, options.words),
+        *(of_a_lesson(lesson, options.words[1:]) if lesson else options.words),
+    ]
     pytest = None
     try:
         with later():
@@ -60,15 +60,12 @@ def serves(extra: str, lesson: Lesson) -> bool:
     return extra == "tests_faster" or "00" < extra[:2] <= lesson.key[:2]
 
 
-def of_a_lesson(words: list[str]) -> list[str]:
-    """A lesson in front stands for what has its name: its own tests, its cases of the contract, its page."""
-    lesson = lesson_of(words)
-    if not lesson:
-        return words
+def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:
+    """What has the lesson's name: its own tests, its cases of the contract, its page."""
     own = f"test_{lesson.number:02}_"
     # The other lessons' tests are not even read: they may need packages that this one does not.
     others = [path for path in ROOT.glob("tests/*/test_[0-9]*.py") if not path.name.startswith(own)]
-    return ["-k", f"{lesson.key} or {own}", *FOLDERS, *(f"--ignore={path}" for path in others), *words[1:]]
+    return ["-k", f"{lesson.key} or {own}", *FOLDERS, *(f"--ignore={path}" for path in others), *more]
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:

@@ -19,6 +19,7 @@ from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, w
 from kitlib.programs import Result, quietly, step
 from kitlib.setup.lock import alone
 from kitlib.terminal import say
+from kitlib.unity.meta import PACKAGE
 
 BUILD = ROOT / ".build"
 CONSOLE = ROOT / "csharp-console"
@@ -207,7 +208,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
     name = next(project.glob("*.csproj")).stem
     dll = BUILD / engine.name / "bin" / name / "release" / f"{name}.dll"
     stamp = BUILD / engine.name / f"{name}.stamp"
-    sources = [CONSOLE, SUPPORT, project, ROOT / "unity" / "Assets" / "NetMQExample", *own]
+    sources = [CONSOLE, SUPPORT, project, PACKAGE, *own]
     now = fingerprint(engine, library, sources)
 
     def whole() -> bool:
@@ -236,13 +237,19 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
         forget_damaged(engine)
         words = [*properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
         # MSBuild takes a variable for a property; on its command line a semicolon would end it. A name is escaped.
-        names = [str(path).replace("%", "%25").replace(";", "%3B") for path in own]
-        environment = {**ENVIRONMENT, "OwnScripts": ";".join(names)}
+        kit = [path for path in own if of_the_kit(path)]
+        names = [str(path).replace("%", "%25").replace(";", "%3B") for path in own if path not in kit]
+        environment = {**ENVIRONMENT, "OwnScripts": ";".join(names), "KitScripts": ";".join(path.stem for path in kit)}
         result = step(f"building {name} with {engine.name}", ["dotnet", "build", project, *words], 300, environment)
         if not result.ok:
             raise KitError(own_failure(result) if own else failure(result))
         keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
     return dll
+
+
+def of_the_kit(path: Path) -> bool:
+    """Whether a script is the kit's, or an unchanged copy: compiled once more, its class would be another one."""
+    return any(path.read_bytes() == one.read_bytes() for one in PACKAGE.rglob(path.name))
 
 
 def failure(result: Result) -> str:

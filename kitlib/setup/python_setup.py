@@ -15,13 +15,15 @@ import sys
 import tomllib
 from pathlib import Path
 
-from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import say
 
 VENV = ROOT / ".venv"
 BUILD = ROOT / ".build"
 CHOICE = BUILD / "python.json"
+# This system, as `kit.py pack` calls it.
+HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
 # The name to import, and the distribution's package, where they are not simply the name on PyPI.
 IMPORTS = {
     "pytest-xdist": "xdist",
@@ -55,9 +57,14 @@ def needs(*extras: str) -> list[str]:
 
 
 def all_extras() -> list[str]:
-    """Every extra that pyproject.toml names: what the whole of the tests can use."""
+    """Every extra that pyproject.toml names."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return list(project["optional-dependencies"])
+
+
+def tests_extras() -> list[str]:
+    """What the whole of the tests can use. What a webcam needs is large, and the tests have none; Ray is large, too."""
+    return [extra for extra in all_extras() if not extra.endswith(("_camera", "_ray"))]
 
 
 def name(requirement: str) -> str:
@@ -121,10 +128,12 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
         return known
     python = from_pip(required, wanted) or from_this_machine(required) or from_debian(required, wanted)
     if python is None:
-        raise KitError(
-            f"no Python with {', '.join(map(name, required))} here, and no package index answers; with internet run: "
-            f"{Path(sys.executable).name} -m pip install {' '.join(map(name, required))}"
-        )
+        cure = f"{Path(sys.executable).name} -m pip install {' '.join(map(name, required))}"
+        if any(PACKAGES.glob("*.whl")):
+            mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
+            cure = f"{KIT} pack {mine} ({PACKAGES.name} is for another Python or system)"
+        missing = ", ".join(map(name, required))
+        raise KitError(f"no Python with {missing} here, and no package index answers; with internet run: {cure}")
     keep(CHOICE, json.dumps({**recall(CHOICE), key: str(python)}))
     return python
 

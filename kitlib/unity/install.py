@@ -25,6 +25,7 @@ from kitlib.unity.project import (
     TARGET,
     advice,
     all_packages,
+    check_foreign,
     check_moved,
     elsewhere,
     find_project,
@@ -114,11 +115,15 @@ def install(
         if elsewhere(root, "System.ServiceModel.Primitives.dll"):
             files = {name: data for name, data in files.items() if not name.startswith(f"{TARGET}/{STUB}")}
     check_moved(root, files)
+    check_foreign(root, files)
     there = has_netmq(root, all_packages(root, manifest))
     if scripts_only:
         say(ALONE)
     elif there:
         say("NetMQ is in this project already: its DLLs are left as they are")
+        for path in elsewhere(root, "NetMQ.dll"):
+            old = path.relative_to(root).as_posix()
+            say(f"if {old} is older than {NETMQ}, delete it with its AsyncIO.dll, and run this again")
     else:
         files |= {
             name: data

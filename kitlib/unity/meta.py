@@ -204,8 +204,8 @@ def assets() -> list[Path]:
 
 def behaviours(folder: Path) -> list[Path]:
     """The scripts of a lesson that can be put on a game object: Unity wants the class named like its file."""
-    bases = r"(?:Mono|Network|Connected|Driven|SideChannel|Stepped)Behaviour|PythonEnvironment|PythonAgents|Agent"
-    pattern = rf"^\s*public (?:sealed )?class {{}} : (?:{bases})\b"
+    bases = r"(?:Mono|Network|Connected|Driven|SideChannel|Stepped)Behaviour|Python(?:Environment|Agents)|Agent"
+    pattern = rf"^\s*public (?:sealed )?class {{}} : (?:{bases}|SensorComponent)\b"
     scripts = sorted(folder.glob("*.cs"))
     return [p for p in scripts if re.search(pattern.format(p.stem), p.read_text(encoding="utf-8"), re.MULTILINE)]
 

@@ -24,7 +24,7 @@ def find_project(path: Path) -> Path:
         if (folder / "Assets").is_dir() and version.is_file():
             check_version(version.read_text(encoding="utf-8"))
             return folder
-    reason = "there is no such folder" if not path.exists() else "no Assets folder beside a ProjectSettings folder"
+    reason = "there is no such folder" if not path.exists() else "no Assets beside ProjectSettings/ProjectVersion.txt"
     raise KitError(f"{path} is no Unity project: {reason}; give the folder that Unity Hub shows")
 
 
@@ -94,6 +94,19 @@ def check_moved(root: Path, scripts: dict[str, bytes]) -> None:
                     f"{moved} is {target}, moved: nothing was copied, because two of them do not compile; "
                     "move it back with its .meta, or delete it"
                 )
+
+
+def check_foreign(root: Path, files: dict[str, bytes]) -> None:
+    """A KitError if a user's own scripts would become a part of the kit's assembly: an old example has this folder."""
+    assembly = f"{TARGET}/NetMQExample.asmdef"
+    if assembly not in files or (root / assembly).exists():
+        return
+    for path in sorted((root / TARGET).rglob("*.cs")):
+        if not (PACKAGE / path.relative_to(root / TARGET)).exists():
+            raise KitError(
+                f"{path.relative_to(root).as_posix()} is in the folder of the kit's assembly: nothing was copied; "
+                f"rename {TARGET} in Unity, and run this again"
+            )
 
 
 def advice(root: Path) -> list[str]:

@@ -59,6 +59,7 @@ namespace NetMQExample.Lab
 
         public override void Dispose() => socket.Dispose();
     }
+
     /// <summary>Lesson 01 by the gateway of lesson 16: the messages of its requesters, which a game would look for once a
     /// frame, as fast as they come.</summary>
     internal sealed class Gateway : Contender

@@ -92,8 +92,8 @@ def main() -> None:
     parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
     add_options(parser)
     options = parser.parse_args()
-    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does; on Windows that is SIGBREAK.
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     with zmq.Context() as context, context.socket(SOCKET) as socket:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
         # Who announces more than the largest message is disconnected before it is in memory.

@@ -98,8 +98,8 @@ def main() -> None:
         where = options.snapshots or endpoint(higher)
     except argparse.ArgumentTypeError as error:
         parser.error(f"--snapshots: {error}")
-    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does; on Windows that is SIGBREAK.
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     with zmq.Context() as context, context.socket(zmq.PUB) as stream, context.socket(zmq.REP) as snapshots:
         listening = bind(stream, options.endpoint)
         print("snapshots on", bind(snapshots, where))

@@ -19,7 +19,7 @@ from recorded import recorded
 try:
     from PIL import Image, ImageDraw
 except ImportError:
-    sys.exit("a film needs Pillow: pip install pillow, or let python3 kit.py run 8 do it")
+    sys.exit("a film needs Pillow: pip install pillow, or let kit.py run 8 do it")
 
 # Few colours make a small file: 100 pictures of 320 x 240 are under 1 MB.
 COLOURS, WHITE, BLACK = 32, (255, 255, 255), (0, 0, 0)

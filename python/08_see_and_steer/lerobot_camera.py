@@ -52,8 +52,8 @@ def main() -> None:
     parser.add_argument("--endpoint", default=UNITY, help="where Unity connects")
     parser.add_argument("--publish", default=LEROBOT, help="where LeRobot connects")
     options = parser.parse_args()
-    # SIGTERM, which kill and process managers send, ends it as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, which kill and process managers send, ends it as Ctrl-C does; on Windows that is SIGBREAK.
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     with zmq.Context() as context, context.socket(zmq.REP) as unity, context.socket(zmq.PUB) as lerobot:
         # Old pictures are worth nothing, and a reply that nobody fetches even less.
         unity.linger = lerobot.linger = 0

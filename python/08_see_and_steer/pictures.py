@@ -19,7 +19,7 @@ from messages import LIMIT, Array, Message, MessageError
 try:
     import numpy as np
 except ImportError:
-    sys.exit("this lesson needs numpy: pip install numpy, or let python3 kit.py run 8 do it")
+    sys.exit("this lesson needs numpy: pip install numpy, or let kit.py run 8 do it")
 try:
     from PIL import Image
 
@@ -85,7 +85,7 @@ def from_jpeg(array: Array) -> Any:
 def encode(picture: Any) -> bytes:
     """A JPEG file of a picture with its top row first."""
     if Image is None:
-        sys.exit("JPEG needs Pillow: pip install pillow, or let python3 kit.py run 8 do it")
+        sys.exit("JPEG needs Pillow: pip install pillow, or let kit.py run 8 do it")
     file = io.BytesIO()
     Image.fromarray(np.ascontiguousarray(picture)).save(file, "JPEG", quality=90)
     return file.getvalue()

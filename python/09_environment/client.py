@@ -22,7 +22,7 @@ try:
     from simulation import Simulation
     from simulator import Simulator
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let python3 kit.py run 9 do it")
+    sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let kit.py run 9 do it")
 except KeyboardInterrupt:
     # gymnasium takes a second.
     sys.exit("stopped")

@@ -20,7 +20,7 @@ try:
     import gymnasium
     import numpy as np
 except ImportError:
-    sys.exit("this lesson needs gymnasium: pip install gymnasium, or let python3 kit.py run 9 do it")
+    sys.exit("this lesson needs gymnasium: pip install gymnasium, or let kit.py run 9 do it")
 from connection import Lost
 from messages import Array, Message, take
 from simulators import Simulators

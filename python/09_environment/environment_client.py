@@ -71,7 +71,11 @@ class EnvironmentClient:
     def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:
         limit = min(TRY, self.patience)
         socket.sndtimeo = int(1000 * limit)
-        socket.send_multipart(simulator.hello().frames())
+        end = time.monotonic() + limit
+        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+        while not socket.poll(min(200, int(1000 * limit)), zmq.POLLOUT) and time.monotonic() < end:
+            pass
+        socket.send_multipart(simulator.hello().frames(), zmq.NOBLOCK)
         if self.receive(socket, limit).kind != "welcome":
             raise MessageError("no-welcome", "hello had another answer")
         self.report(f"simulating {simulator.name} for {self.endpoint}")

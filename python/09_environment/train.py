@@ -51,8 +51,8 @@ def main() -> None:
     at = sys.argv.index("--launch") if "--launch" in sys.argv[1:-1] else len(sys.argv)
     options = parser.parse_args(sys.argv[1:at])
     where = {"endpoint": options.endpoint, "launch": sys.argv[at + 1 :] or options.launch}
-    # SIGTERM ends the simulator as well, as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, on Windows SIGBREAK, ends the simulator as well, as Ctrl-C does.
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     try:
         with gymnasium.make("NetMQExample/CartPole-v0", max_episode_steps=STEPS, **where) as env:
             means = train(lambda episodes: [play(env, *each) for each in episodes], options.seed, options.generations)

@@ -24,7 +24,7 @@ try:
     from environment_client import EnvironmentClient
     from pursuit import Pursuit
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 10 installs it")
+    sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 10 installs it")
 except KeyboardInterrupt:
     # gymnasium takes a second.
     sys.exit("stopped")

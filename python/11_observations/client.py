@@ -21,7 +21,7 @@ try:
     from environment_client import EnvironmentClient
     from scene_simulator import SceneSimulator
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 11 installs it")
+    sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 11 installs it")
 except KeyboardInterrupt:
     # gymnasium takes a second.
     sys.exit("stopped")

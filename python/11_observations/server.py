@@ -27,7 +27,7 @@ try:
     from collector import ACTION, play, seen_space
     from messages import LIMIT, MessageError
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 11 installs it")
+    sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 11 installs it")
 except KeyboardInterrupt:
     # gymnasium takes a second.
     sys.exit()
@@ -77,8 +77,8 @@ def main() -> None:
     parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
     add_options(parser)
     options = parser.parse_args()
-    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does; on Windows that is SIGBREAK.
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     with zmq.Context() as context, context.socket(SOCKET) as socket:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
         # Who announces more than the largest message is disconnected before it is in memory.

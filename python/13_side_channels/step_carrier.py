@@ -16,6 +16,7 @@ and messages.py of lesson 05. They need gymnasium.
 """
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -31,12 +32,14 @@ CURE = "is the simulator in a SideChannelSimulator?"
 
 
 def carry(env: Any, manager: SideChannelManager) -> None:
-    """From now on the steps of this environment of lesson 09, or of these areas of lesson 10, carry these channels."""
+    """From now on the steps of this environment of lesson 09, 10 or 11 carry these channels."""
     env = env.unwrapped
-    if hasattr(env, "areas"):
-        env.areas.ask = StepCarrier(env.areas.simulators.connection, manager).ask
-    else:
-        env.connection = StepCarrier(env.connection, manager)
+    # Lesson 09's environment has its simulators itself, the others in a part of it; lesson 10's part asks by itself.
+    owner = next((part for part in (env, *vars(env).values()) if hasattr(part, "simulators")), None)
+    if not owner:
+        raise TypeError(f"{type(env).__name__} is not of lessons 09 to 11: carry where each environment of it is made")
+    asking = owner if "ask" in vars(owner) else owner.simulators.connection
+    asking.ask = StepCarrier(asking.ask, manager).ask
 
 
 def receive(manager: SideChannelManager, message: Message) -> bool:
@@ -51,18 +54,18 @@ def receive(manager: SideChannelManager, message: Message) -> bool:
 
 
 class StepCarrier:
-    """Stands in front of an environment's connection."""
+    """Stands in front of an environment's `ask`."""
 
-    def __init__(self, connection: Any, manager: SideChannelManager) -> None:
-        self.connection, self.manager, self.unsent, self.known = connection, manager, b"", False
+    def __init__(self, asked: Callable[..., Message], manager: SideChannelManager) -> None:
+        self.asked, self.manager, self.unsent, self.known = asked, manager, b"", False
 
     def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
         if kind not in ("reset", "step"):
-            return self.connection.ask(kind, values, arrays)  # type: ignore[no-any-return]
+            return self.asked(kind, values, arrays)
         data, self.unsent = self.unsent or bytes(self.manager.generate_side_channel_messages()), b""
         exchange = Array("uint8", (len(data),), data)
         try:
-            state: Message = self.connection.ask(kind, values | {"side_channel": True}, [*arrays, exchange])
+            state = self.asked(kind, values | {"side_channel": True}, [*arrays, exchange])
         except Lost:
             # Nobody knows whether it came. The next simulator is told.
             self.unsent = data

@@ -3,7 +3,7 @@
     python python/15_security/client.py                     ten times Hello, each with the reply
     python python/15_security/client.py --stranger          with a key that nobody has enrolled
     python python/15_security/client.py --plain             without keys
-    python python/15_security/client.py --server-key KEY    for a server of another key, which is not this one
+    python python/15_security/client.py --server-key=KEY    for a server of another key, which is not this one
 
 How it notices that it is refused, and the bytes: secure_requester.py. Take home: this file, secure_requester.py and
 keys.py.
@@ -68,7 +68,7 @@ def main() -> None:
     parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for each reply")
     parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
     parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="server.key and this client's pair")
-    parser.add_argument("--server-key", default="", metavar="KEY", help="in place of that in server.key")
+    parser.add_argument("--server-key", default="", metavar="KEY", help="in place of that in server.key; with a =, for a key may begin with -")
     parser.add_argument("--stranger", action="store_true", help="a new key, which nobody has enrolled")
     parser.add_argument("--plain", action="store_true", help="no keys at all")
     options = parser.parse_args()

@@ -53,7 +53,8 @@ def pass_on(context: zmq.Context[zmq.Socket[bytes]], door: zmq.Socket[bytes], op
             if client in inside and (not welcome or inside[client][1] != key):
                 let_go(client)
             if not welcome:
-                allowed.refuse(key, str(way.get("Peer-Address")))
+                # libzmq before 4.3.5 knows it of the client's own frames alone, and way is ROUTER's.
+                allowed.refuse(key, str((frames or [way])[-1].get("Peer-Address")))
                 continue
             if len(inside) == CLIENTS and client not in inside:
                 let_go(next(iter(inside)))
@@ -86,7 +87,7 @@ def main() -> None:
     parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="the server's pair, and allowed/")
     parser.set_defaults(no_authenticator=False, any_domain=False)
     options = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     with zmq.Context() as context, context.socket(zmq.ROUTER) as door:
         door.linger, door.maxmsgsize = 0, LARGEST
         options.allowed = keys_for(context, door, options)

@@ -75,7 +75,7 @@ def load(path: Path, cure: str = "keys.py makes keys, and server.key is a copy o
         return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
     # The last is pyzmq's word for a file that ends in the midst of its line.
     except (OSError, ValueError, IndexError):
-        raise ValueError(f"no key in {path}; {cure}") from None
+        raise ValueError(f"no key in {path.absolute()}; {cure}") from None
 
 
 def enrol(folder: Path, name: str, key: str) -> Path:

@@ -7,7 +7,7 @@ It answers `Hello` with `Hello alice`, if alice's public key is in keys/allowed.
 can say a word, and named in one line; all that comes and goes is encrypted. Where there are no keys yet, the server
 makes its own and those of one client. The other clients' come and go with keys.py, while the server runs.
 Bytes: UTF-8 text, one frame each way.
-Trouble on command: client.py --stranger, --plain, --server-key KEY; and this server's own mistake: with
+Trouble on command: client.py --stranger, --plain, --server-key=KEY; and this server's own mistake: with
     --no-authenticator                  nobody says who may come in, so nobody comes in
     --no-authenticator --any-domain     everybody does who knows server.key: why the domain must be enforced
 Take home: this file, allow_list.py and keys.py.
@@ -43,7 +43,7 @@ def keys_for(
     try:
         if not options.keys.exists():
             example(options.keys)
-            print(f"keys: made {options.keys}, with this server's and those of one client, alice", flush=True)
+            print(f"keys: made {options.keys.absolute()}, with this server's and one client's, alice", flush=True)
         allowed = AllowList(options.keys, functools.partial(print, flush=True))
     except (ValueError, OSError) as error:
         sys.exit(str(error))
@@ -95,8 +95,8 @@ def main() -> None:
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="port 0 takes a free one")
     add_options(parser)
     options = parser.parse_args()
-    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does; on Windows that is SIGBREAK.
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     with zmq.Context() as context, context.socket(SOCKET) as socket:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
         # Who announces more than the largest message is disconnected before it is in memory.

@@ -16,7 +16,7 @@ try:
     from socketio_requester import SocketIORequester
     from web_requester import WebSocketRequester
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
+    sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; kit.py run 16 installs them")
 except KeyboardInterrupt:
     # They take half a second.
     sys.exit("stopped")

@@ -34,7 +34,7 @@ try:
     from gateway_options import address, behind, keys, seconds
     from gateway_port import listen
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; python3 kit.py run 16 installs them")
+    sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; kit.py run 16 installs them")
 except KeyboardInterrupt:
     # They take half a second.
     sys.exit()
@@ -89,7 +89,7 @@ def main() -> None:
     options = parser.parse_args()
     # SIGTERM, which kill and process managers send, ends the server as Ctrl-C does. Both at once: a KeyboardInterrupt
     # may be caught within Socket.IO, and its tasks do not let themselves be cancelled for ten seconds and more.
-    for each in (signal.SIGTERM, signal.SIGINT):
+    for each in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
         signal.signal(each, lambda *_: os._exit(0))
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:

@@ -20,7 +20,7 @@ from tap_recording import HTML, recording
 try:
     from aiohttp import WSMsgType, web
 except ImportError:
-    sys.exit("the tap needs aiohttp: pip install aiohttp, or let python3 kit.py run 1 --watch do it")
+    sys.exit("the tap needs aiohttp: pip install aiohttp, or let kit.py run 1 --watch do it")
 
 # A page gets so many arrows at a time, ten times a second: an eye does not follow more.
 AT_A_TIME, EVERY = 40, 0.1

@@ -25,7 +25,7 @@ try:
     from environment_client import EnvironmentClient
     from fleet_simulator import IDLE, FleetSimulator, way_to_hub
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 17 installs it")
+    sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 17 installs it")
 except KeyboardInterrupt:
     # gymnasium takes a second.
     sys.exit("stopped")

@@ -94,8 +94,8 @@ def main() -> None:
     path, players, played_by = {"env_vars": {"PYTHONPATH": str(ENVIRONMENT)}}, list[Any](), list[int]()
     try:
         ray.init(options.address, log_to_driver=False, logging_level=logging.ERROR, runtime_env=path, **here)
-        # SIGTERM ends the simulators as well, as Ctrl-C does.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        # SIGTERM, on Windows SIGBREAK, ends the simulators as well, as Ctrl-C does.
+        signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
         players += [Player.remote(words, options.crash_on) for _ in range(options.actors)]  # type: ignore[attr-defined]
         train(lambda episodes: play_all(players, episodes, played_by), options.seed, GENERATIONS)
         print(f"done: {len(played_by)} episodes by {len(set(played_by))} processes of {len(players)} actors")

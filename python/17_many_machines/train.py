@@ -24,7 +24,7 @@ try:
     from messages import MessageError
     from secure_requester import ClientKeys
 except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; python3 kit.py run 17 installs it")
+    sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 17 installs it")
 except KeyboardInterrupt:
     # gymnasium takes a second.
     sys.exit("stopped")
@@ -65,8 +65,8 @@ def main() -> None:
     parser.add_argument("--keys", default="", metavar="DIR", help="server.key and this trainer's pair")
     parser.add_argument("--wait", type=float, default=60, help="seconds to wait for simulators, and for each step")
     options = parser.parse_args()
-    # SIGTERM ends it as Ctrl-C does.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGTERM, on Windows SIGBREAK, ends it as Ctrl-C does.
+    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     try:
         keys = ClientKeys(Path(options.keys)).apply if options.keys else None
         where: dict[str, Any] = {"wait": options.wait, "patience": options.wait, "autoreset_mode": "Disabled"}

@@ -27,6 +27,7 @@ REFERENCE = {
     "17_ray.md",
     "16_watching.md",
     "from_gymize.md",
+    "from_hello_requester.md",
     "from_ml_agents.md",
     "from_udp_receive.md",
     "glossary.md",

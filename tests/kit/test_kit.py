@@ -337,7 +337,8 @@ def test_the_help_of_a_half_ends_with_its_programs_own_options(words, own, start
 
 def test_a_lesson_is_tested_without_what_only_the_others_need():
     module = importlib.import_module("kitlib.commands.test")
-    ignored = {Path(word.partition("=")[2]).name for word in module.of_a_lesson(["8"]) if word.startswith("--ignore=")}
+    words = module.of_a_lesson(lessons.find("8"), [])
+    ignored = {Path(word.partition("=")[2]).name for word in words if word.startswith("--ignore=")}
     assert {"test_05_messages.py", "test_17_ray.py"} < ignored
     assert not [name for name in ignored if name.startswith(("test_08_", "test_contract"))]
     extras = [extra for extra in python_setup.all_extras() if module.serves(extra, lessons.find("8"))]
@@ -541,6 +542,11 @@ def test_a_lesson_is_found_by_number_and_name():
 def own_run(copy, python, *words):
     """The words that run lesson 01 in the copy."""
     return [python, copy / "kit.py", "run", "1", "--endpoint", "tcp://127.0.0.1:0", *words]
+
+
+def test_no_first_line_sends_windows_to_another_python():
+    """There `py kit.py` obeys it, and takes the first python3 on the PATH, of whatever program."""
+    assert KIT.read_text(encoding="utf-8").startswith('"""')
 
 
 def test_the_version_is_said(start):
@@ -895,9 +901,10 @@ def test_a_room_without_internet_runs_from_what_was_packed(copy, engine, bare_py
     packed = start(PYTHON, copy / "kit.py", "pack", copy / "packages")
     assert packed.wait(300) == 0, packed.output
     names = " ".join(path.name.lower() for path in (copy / "packages").iterdir())
-    for needed in ("pyzmq-", "numpy-", "pillow-", "netmq.", "asyncio.", "nacl.net.", "read_me.txt"):
+    for needed in ("pyzmq-", "numpy-", "pillow-", "netmq.", "asyncio.", "nacl.net."):
         assert needed in names, names
-    assert dotnet.INSTALLER in (copy / "packages" / "READ_ME.txt").read_text(encoding="utf-8")
+    note = (copy / "packages" / f"READ_ME_{python_setup.HERE}.txt").read_text(encoding="utf-8")
+    assert dotnet.INSTALLER in note
     nowhere = {"HTTPS_PROXY": "http://127.0.0.1:9", "HTTP_PROXY": "http://127.0.0.1:9", "NO_PROXY": ""}
     room = {**nowhere, "PIP_NO_INDEX": "", "PIP_FIND_LINKS": "", "NUGET_PACKAGES": str(tmp_path / "store")}
     program = start(*own_run(copy, bare_python), **room)
@@ -905,6 +912,23 @@ def test_a_room_without_internet_runs_from_what_was_packed(copy, engine, bare_py
     assert "kit    | engine: netmq (from the folder packages)" in program.lines
     assert program.lines[-1] == "client | done: 10 replies"
     assert "asking NuGet" not in program.output
+    # An exercise can be tested there, too.
+    tests = start(bare_python, copy / "kit.py", "test", "5", "--version", **room)
+    assert tests.wait(300) == 0, tests.output
+    assert f"kit    | testing with {copy / '.venv'}" in tests.output
+    assert "pip found no" not in tests.output
+
+
+def test_packages_for_another_python_are_named_as_such(tmp_path, monkeypatch):
+    """In a room without internet the advice to ask an index would be of no use."""
+    (tmp_path / "pyzmq-27.0.0-cp399-cp399-win_amd64.whl").write_bytes(b"")
+    monkeypatch.setattr(python_setup, "PACKAGES", tmp_path)
+    monkeypatch.setattr(python_setup, "CHOICE", tmp_path / "python.json")
+    for way in ("from_pip", "from_this_machine", "from_debian"):
+        monkeypatch.setattr(python_setup, way, lambda *_: None)
+    mine = f"--system {python_setup.HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
+    with pytest.raises(lessons.KitError, match=f"with internet run: {lessons.KIT} pack {mine} "):
+        python_setup.interpreter()
 
 
 def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):

@@ -34,12 +34,15 @@ ITS_CLASS = """class Greeting : System.IDisposable
 }
 """
 
+# What the first one says that asks for this engine, and that builds for it.
+SET_UP = ("kit    | asking NuGet", "kit    | building")
+
 
 @pytest.fixture
 def play(console, engine, start):
     def play(*words, folder=ROOT):
         program = start(PYTHON, ROOT / "kit.py", "play", "--engine", engine.name, *words, folder=folder)
-        return program.wait(300), [line for line in program.lines if not line.startswith("kit    | building")]
+        return program.wait(300), [line for line in program.lines if not line.startswith(SET_UP)]
 
     return play
 
@@ -58,6 +61,28 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     code, lines = play(folder / "MyOwn.cs", folder / "Greeting.cs", "--endpoint", endpoint)
     assert code == 0
     assert lines[1].startswith("error: expected Hello")
+
+
+# What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.
+FREEZES = """using System.Threading;
+using UnityEngine;
+
+class Freezes : MonoBehaviour
+{
+    [SerializeField] bool inUpdate = false;
+    void Update() { if (inUpdate) Thread.Sleep(-1); }
+    void OnDestroy() { Thread.Sleep(-1); }
+}
+"""
+
+
+@pytest.mark.parametrize("where", [[], ["--inUpdate"]], ids=["at Stop", "in Update"])
+def test_a_script_that_would_freeze_the_editor_is_ended_and_says_so(play, tmp_path, where):
+    (tmp_path / "Freezes.cs").write_text(FREEZES, encoding="utf-8")
+    said = (
+        "gave up: a script has held the main thread for 10 s, in Update or at Stop: Unity's editor would be frozen now"
+    )
+    assert play(tmp_path / "Freezes.cs", "--seconds", "0.1", *where) == (1, [said])
 
 
 def test_what_cannot_be_played_is_named(play, tmp_path):

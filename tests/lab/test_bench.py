@@ -246,7 +246,7 @@ def test_the_kept_run_is_whole():
 
 
 @pytest.mark.skipif(not KEPT.exists(), reason="no full run is kept")
-def test_the_goals_of_lesson_16_are_shown_once_a_run_has_them():
+def test_the_goals_of_lesson_16_follow_from_its_rows():
     kept = json.loads(KEPT.read_text(encoding="utf-8"))
 
     def goals(*more):
@@ -259,7 +259,6 @@ def test_the_goals_of_lesson_16_are_shown_once_a_run_has_them():
     works = [{"title": title, "rows": [direct, {**row, "label": "by X"}]} for title in (report.GATEWAY, report.TAP)]
     ratio, added = ["lesson 01 by X, to lesson 01", "0.40"], ["lesson 01 by X: ms added, half below", "0.50"]
     assert goals(*works) == [ratio, added, ratio]
-    assert goals() == []
 
 
 @pytest.mark.skipif(not KEPT.exists(), reason="no full run is kept")

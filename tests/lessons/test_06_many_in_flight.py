@@ -269,6 +269,8 @@ def test_a_mistake_in_a_readers_own_answer_costs_no_worker(start, connect, tmp_p
         assert (request_id, text[:17]) == (b"1", b"error: IndexError")
     server.wait_for(r"own\.py\", line 3, in answer")
     assert ask(client, b"2", b"longer text") == [b"2", b"t"]
+    # What is quick asks the same function.
+    assert ask(client, b"3", b"echo text") == [b"3", b"x"]
 
 
 def test_a_client_that_is_gone_locks_nobody_out(serve, connect, context):

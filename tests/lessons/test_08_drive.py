@@ -198,6 +198,7 @@ def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_com
 @each_terminal
 def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command):
     import pty
+    import termios
 
     there = driver(lambda frame: {"steer": 0.25})
     master, slave = pty.openpty()
@@ -215,6 +216,9 @@ def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command)
         os.write(master, b"\r")
         client.wait_for("^Python drives$")
         there.until(lambda values: not values["manual"] and values["steer"] == 0.25)
+        client.process.terminate()
+        client.wait()
+        assert termios.tcgetattr(slave)[3] & termios.ECHO, "the terminal shows again what is typed"
     finally:
         client.kill()
         os.close(master)

@@ -49,6 +49,12 @@ public sealed class Says : MonoBehaviour
     }
 }
 
+public sealed class Radar : SensorComponent
+{
+    public bool broken;
+    public override object GetObservation() => broken ? (object)gameObject : new Vector2(7, 8);
+}
+
 public sealed class Speeder : Agent
 {
     [Box(".speed[")] private float speed = 1;
@@ -84,6 +90,15 @@ public static class Program
             if (args[1] == "twice") other.AddComponent<Runner>();
             if (args[1] == "sensor") other.AddComponent<CameraSensor>();
             if (args[1] == "gone") scripts[0].enabled = false;
+            if (args[1].StartsWith("radar"))
+            {
+                other.SetActive(false);
+                other.transform.SetParent(thing.transform);
+                var radar = other.AddComponent<Radar>();
+                radar.broken = args[1] == "radar broken";
+                UnityPlayer.Inspector.Set(new[] { radar }, "locator", "@.place(1:)");
+                other.SetActive(true);
+            }
         });
         player.Run(System.TimeSpan.FromSeconds(60), () => false);
         player.Stop();
@@ -111,8 +126,8 @@ def run(scene, start, tmp_path):
         script = tmp_path / "script.py"
         text = PARTS["python"].replace('env_name="Runner",', f'env_name="Runner", endpoint="{endpoint}",')
         text = text.replace("env.close()", f"{before_close}env.close()")
-        folder = str(ROOT / "python" / "11_observations")
-        script.write_text(f"import sys\nsys.path.append({folder!r})\n{text}", encoding="utf-8")
+        text = text.replace('"python/11_observations"', repr(str(ROOT / "python" / "11_observations")))
+        script.write_text(text, encoding="utf-8")
         player = start(*scene, endpoint, how)
         done = subprocess.run([PYTHON, script], capture_output=True, text=True, timeout=100)
         assert done.returncode == code, done.stderr + player.output
@@ -159,6 +174,13 @@ def test_an_agent_that_is_disabled_is_not_there(run):
     assert error.rstrip().endswith("unknown-agent: no agent is named 'agent'; there are:")
 
 
+def test_a_sensor_of_ones_own_brings_whatever_an_attribute_takes(run):
+    printed, _, _ = run("radar")
+    assert printed == PARTS[""].replace(" 0. 0.]", " 7. 8.]")
+    _, error, _ = run("radar broken", code=1)
+    assert error.rstrip().endswith("no-space: Radar on twin: no space takes a GameObject")
+
+
 def test_a_script_names_the_agents_that_it_makes(run):
     """One that was named already, and some that were made; the page's script plays with the one that was not named."""
     printed, error, player = run("named", before_close='env.unwrapped.send_info("", "nobody")\n', code=1)
@@ -182,6 +204,7 @@ def test_the_pages_words_play_it_without_unity(engine, console, start, tmp_path)
     player = start(PYTHON, *words, "--engine", engine.name, "--endpoint", endpoint, "--patience", "1")
     assert player.wait(300) == 1
     assert player.lines[-1].startswith(f"gave up: no environment at {endpoint} within 1 s")
+    assert "waits for a GymManager" not in player.output
 
 
 def test_nothing_that_gymize_needed_is_needed():

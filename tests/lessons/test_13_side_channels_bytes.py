@@ -18,11 +18,9 @@ import pytest
 from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import ROOT
-from tests.tables import rows
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
-PAGE = ROOT / "docs" / "guide" / "from_ml_agents.md"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
 from engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
@@ -410,14 +408,3 @@ def test_samplers_draw_what_they_say():
         assert low <= min(numbers) < max(numbers) <= high
     ranges = multi_range_uniform([0.0, 1.0, 9.0, 10.0], 7)
     assert not [number for number in (ranges() for _ in range(5000)) if 1 < number < 9]
-
-
-# The page
-
-
-def test_the_pages_table_is_true():
-    """Each row about bytes names an exchange or a message, and what both halves of the kit say of it."""
-    found = rows(PAGE, "message", "read as", "here both say")
-    assert len(found) >= 8
-    for payload, kinds, answer in found:
-        assert python_says(f"read {payload} {kinds}") == answer

@@ -62,6 +62,37 @@ if "--areas" in sys.argv:
     sys.path.append({str(ROOT / "python" / "10_many_agents")!r})
     from areas import AreaSimulator
     simulator = AreaSimulator([Moon(), Moon()])
+if "--lesson-10" in sys.argv:
+    sys.path.append({str(ROOT / "python" / "10_many_agents")!r})
+    from agent_simulation import AgentSimulation
+    from agents import AgentSimulator
+
+    class Game(AgentSimulation):
+        name, dt, agents, moon = "Moon", 0.02, dict(a=(Moon.observation, Moon.action)), Moon()
+        def reset(self, chance, options):
+            self.moon.reset(chance, options, [])
+        def apply(self, actions):
+            self.moon.apply(actions["a"])
+        def observe(self, agent):
+            return self.moon.observe()
+        def judge(self, agent):
+            return self.moon.judge()
+
+    simulator = AgentSimulator(Game())
+if "--lesson-11" in sys.argv:
+    sys.path.append({str(ROOT / "python" / "11_observations")!r})
+    from typing import Annotated
+    from scene_agent import Agent, Obs
+    from scene_simulator import SceneSimulator
+
+    class Lander(Agent, Moon):
+        gravity: Annotated[float, Obs()] = 0.0
+        def on_reset(self):
+            self.gravity = parameters.gravity
+        def on_action(self, action):
+            self.apply(action)
+
+    simulator = SceneSimulator("Moon", 0.02, [Lander("a")])
 if "--without" not in sys.argv:
     simulator = SideChannelSimulator(simulator, SideChannelManager([parameters, stats]))
 EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], 20).run(simulator)
@@ -152,6 +183,38 @@ def test_areas_of_lesson_10_carry_them_as_well(moon, tmp_path):
     assert said == []
 
 
+@pytest.mark.parametrize("lesson", ["10", "11"])
+def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
+    pytest.importorskip("pettingzoo")
+    from gymnasium.spaces import Box, Dict, Discrete
+
+    sys.path += [str(ROOT / "python" / folder) for folder in ("10_many_agents", "11_observations")]
+    from parallel import ZmqParallelEnv
+    from unity_parallel import UnityParallelEnv
+
+    def scene(name, launch):
+        return UnityParallelEnv(name, {"a": Dict(gravity=Box(0, 100, (1,)))}, {"a": Discrete(9)}, launch=launch)
+
+    kind = ZmqParallelEnv if lesson == "10" else scene
+    env, parameters, stats, said = moon(PYTHON, tmp_path / "moon.py", f"--lesson-{lesson}", kind=kind)
+    parameters.set_float_parameter("gravity", 1.5)
+    seen = env.reset(seed=1)[0]["a"]
+    assert (seen if lesson == "10" else seen["gravity"]) == 1.5
+    env.step({"a": 3})
+    assert stats.get_and_reset_stats() == {"action": [(3.0, 2)]}
+    assert said == []
+
+
+def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
+    gymnasium = pytest.importorskip("gymnasium")
+    sys.path.append(str(ROOT / "python" / KEY))
+    from step_carrier import carry
+
+    envs = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make("CartPole-v1")])
+    with pytest.raises(TypeError, match=r"^SyncVectorEnv is not of lessons 09 to 11: carry where each environment"):
+        carry(envs, None)
+
+
 def test_a_simulator_without_side_channels_is_named_with_the_cure(moon, tmp_path):
     from messages import MessageError
 
@@ -165,7 +228,7 @@ def test_a_simulator_without_side_channels_is_named_with_the_cure(moon, tmp_path
 def test_a_cut_exchange_is_a_line_and_the_step_is_done(moon, capfd):
     env, _, _, said = moon()
     env.reset(seed=1)
-    env.connection.unsent = b"cut"
+    env.connection.ask.__self__.unsent = b"cut"
     assert env.step(1)[0] == 9.75
     assert said == []
     env.close()

@@ -21,12 +21,18 @@ SCRIPT, MANIFEST = FILES / "slurm.sh", FILES / "kubernetes.yaml"
 posix = pytest.mark.skipif(os.name == "nt", reason="Slurm's machines are not Windows")
 pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: pip install gymnasium")
 
-# As Slurm's: so many processes of the command, which all end with it.
+# As Slurm's: so many tasks of the command, whose processes all end with it.
 SRUN = """#!/bin/bash
-trap 'kill $(jobs -p); exit 143' TERM
+set -m
+trap 'for task in $(jobs -p); do kill -- -$task; done; exit 143' TERM
 tasks=${1#--ntasks=}; shift
 for _ in $(seq "$tasks"); do "$@" & done
 wait
+"""
+# One simulator dies, in the middle of its first episode.
+MORTAL = """#!/bin/bash
+if [[ $1 == */client.py ]] && mkdir "$0.died" 2> /dev/null; then set -- "$@" --crash-after 20; fi
+exec "$REAL" "$@"
 """
 
 
@@ -38,14 +44,16 @@ def test_the_job_script_runs_a_hub_its_simulators_and_a_trainer(start, tmp_path)
         subprocess.run(
             [PYTHON, ROOT / "python" / "15_security" / "keys.py", *words, "--keys", keys], check=True, timeout=60
         )
-    for name, text in ("srun", SRUN), ("hostname", "#!/bin/sh\necho localhost\n"):
+    programs = {"srun": SRUN, "hostname": "#!/bin/sh\necho localhost\n", "mortal": MORTAL}
+    for name, text in programs.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
         (tmp_path / name).chmod(0o755)
     job = start(
         "bash",
         SCRIPT,
         PATH=f"{tmp_path}{os.pathsep}{os.environ['PATH']}",
-        PYTHON=str(PYTHON),
+        PYTHON=str(tmp_path / "mortal"),
+        REAL=str(PYTHON),
         KEYS=keys,
         PORT=str(steady_port()),
         SLURM_NTASKS="3",
@@ -54,6 +62,7 @@ def test_the_job_script_runs_a_hub_its_simulators_and_a_trainer(start, tmp_path)
         **mark.environment,
     )
     assert job.wait(240) == 0, job.output
+    job.wait_for("^crash after 20 steps, as told$")
     job.wait_for("^done: 4 episodes, sum [0-9]+$")
     # Everything was told to end; what does not, is named by the failure.
     end = time.monotonic() + 30

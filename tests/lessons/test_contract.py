@@ -17,6 +17,7 @@ import pytest
 import zmq
 
 from kitlib.lessons import Lesson, lessons
+from tests.bad_peers import EndlessPeer, cuts_off_what_is_endless
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, free_port
 
@@ -273,7 +274,8 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
         for place in places(server).values():
             rude.connect(place.replace("http", "tcp"))
         # Without REQ's empty frame, with it, and with an id: each kind of server answers one of them.
-        for frames in ([HARM], [HARM, HARM], [b"", HARM], [b"", HARM, HARM], [HARM[:50], HARM]):
+        strange = [HARM], [HARM, HARM], [b"", HARM], [b"", HARM, HARM], [HARM[:50], HARM]
+        for frames in strange * (1 if only_publishes(key) else 50):
             rude.send_multipart(frames)
         if not only_publishes(key) and Lesson(key).scheme == "tcp":
             assert rude.poll(20_000), "no answer to what is no request"
@@ -286,6 +288,22 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
     assert server.stop() == 0, server.output
     assert "Traceback" not in server.output
     assert [line for line in server.lines if not line.isprintable()] == []
+    # Whoever asked knows what is wrong: a flood of messages is no flood of lines. Lesson 15 names all whom it lets in.
+    assert key in KEYED or len(server.lines) < 50, server.output
+
+
+def needs_no_keys(key):
+    if key in KEYED or Lesson(key).scheme == "http":
+        pytest.skip("who has no key, or speaks ZeroMQ to a web server, does not come so far")
+
+
+@each_lesson
+def test_who_announces_too_much_is_cut_off_by_a_server(key, serve):
+    needs_no_keys(key)
+    server, _ = serve(key)
+    for place in places(server).values():
+        with socket.create_connection(("127.0.0.1", int(place.rpartition(":")[2])), timeout=20) as raw:
+            assert cuts_off_what_is_endless(raw), place
 
 
 @each_lesson
@@ -300,6 +318,16 @@ def test_a_server_ends_at_once_and_leaves_its_ports(key, how, serve):
     assert same == endpoint
     assert places(again) == places(server)
     assert again.stop() == 0
+
+
+@each_lesson
+@pytest.mark.skipif(sys.platform == "win32", reason="there every test ends its servers so")
+def test_a_server_takes_windows_ctrl_break_for_ctrl_c(key, serve, tmp_path):
+    """It is what one program can send another there. Here another signal has its name."""
+    (tmp_path / "sitecustomize.py").write_text("import signal\nsignal.SIGBREAK = signal.SIGUSR1\n", encoding="utf-8")
+    server, _ = serve(key, PYTHONPATH=str(tmp_path))
+    assert server.stop(signal.SIGUSR1) == 0, server.output
+    assert "Traceback" not in server.output
 
 
 # A client
@@ -377,6 +405,55 @@ def test_what_a_server_sends_is_printed_without_harm(key, kind, serve, start, cl
     assert asked, client.output
     assert [line for line in client.lines if not line.isprintable()] == []
     assert "Traceback" not in client.output
+
+
+@each_lesson
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_who_announces_too_much_is_cut_off_by_a_client(key, kind, start, client_command):
+    """Unity's is the same C# client."""
+    needs_no_keys(key)
+    with EndlessPeer() as peer:
+        # The stream's connection, and that for snapshots.
+        second = ["--snapshots", peer.endpoint] if takes(key, kind, "--snapshots") else []
+        # So that it does not hang up for another reason: before it sends its request again.
+        patient = ["--patience", "60"] if takes(key, kind, "--patience") else []
+        start(*client_command(kind, key, peer.endpoint, *second, *patient))
+        for _ in ["", *second[1:]]:
+            assert peer.cut_off.get(timeout=LIMIT)
+
+
+WAITS = """
+import threading, zmq
+# Each wait of the main thread, in milliseconds; -1 has no end.
+def waits(limit):
+    if threading.current_thread() is threading.main_thread():
+        print("waits", limit, flush=True)
+class Watched(zmq.Socket):
+    def poll(self, timeout=None, flags=zmq.POLLIN):
+        waits(-1 if timeout is None else timeout)
+        return super().poll(timeout, flags)
+    def recv(self, flags=0, *more, **named):
+        waits(0 if flags & zmq.NOBLOCK else self.rcvtimeo)
+        return super().recv(flags, *more, **named)
+    def send(self, data, flags=0, *more, **named):
+        # A new socket has room at once, unless it wants a connection first.
+        waits(0 if flags & zmq.NOBLOCK or not self.immediate else self.sndtimeo)
+        return super().send(data, flags, *more, **named)
+zmq.Context._socket_class = Watched
+"""
+
+
+@each_lesson
+def test_a_client_waits_in_slices(key, start, client_command, tmp_path):
+    """On Windows Ctrl-C interrupts no wait of ZeroMQ's: it is heard between two of them."""
+    if Lesson(key).scheme == "http":
+        pytest.skip("it waits in asyncio, which hears Ctrl-C")
+    (tmp_path / "sitecustomize.py").write_text(WAITS, encoding="utf-8")
+    words = client_command("python", key, f"tcp://127.0.0.1:{free_port()}", *impatient(key, "python", "0.9"))
+    client = start(*words, PYTHONPATH=str(tmp_path))
+    ended(client, 1)
+    waits = [int(line.split()[1]) for line in client.lines if line.startswith("waits ")]
+    assert [wait for wait in waits if not 0 <= wait <= 200] == [], client.output
 
 
 # Wrong usage

@@ -198,6 +198,15 @@ def test_a_sender_that_was_switched_off_begins_again(drive: Callable[..., Any]) 
     assert len(set(numbers)) == len(numbers) == numbers.index(max(numbers)) + 1, "each picture is newer than the last"
 
 
+def test_a_camera_of_ones_own_is_the_eye(drive: Callable[..., Any]) -> None:
+    """It is seen with, also when the sender begins again, and goes on showing the game itself."""
+    driver, client = drive(lambda frame: {}, "count=60", "cameras=left,right", "disable=30", "eye")
+    assert client.wait() == 0, client.output
+    client.wait_for("^done: 60 actions")
+    client.wait_for("^the eye goes on as it was: True$")
+    assert all((picture(frame, camera) == (200, 0, 0)).all() for frame in driver.frames for camera in range(2))
+
+
 def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, speeds: list[float]) -> None:
     with context.socket(zmq.REP) as socket:
         socket.linger = 0

@@ -200,6 +200,27 @@ def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
     assert not (project / TARGET / "Plugins").exists()
 
 
+def test_an_old_example_of_the_same_folder_is_not_mixed_with_the_kit(
+    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its scripts would become a part of the kit's assembly, and its NetMQ is years old."""
+    (project / "Assets" / "Plugins").mkdir()
+    (project / "Assets" / "Plugins" / "NetMQ.dll").write_bytes(b"MZ old")
+    old = project / TARGET / "Scripts" / "HelloClient.cs"
+    old.parent.mkdir(parents=True)
+    old.write_text("// old\n")
+    before = listing(project)
+    with pytest.raises(KitError, match=r"Scripts/HelloClient\.cs is in the folder .* rename Assets/NetMQExample"):
+        unity_install.install(project, "1", False)
+    assert listing(project) == before
+    (project / TARGET).rename(project / "Assets" / "Old")
+    unity_install.install(project, "1", False)
+    assert "if Assets/Plugins/NetMQ.dll is older than 4.0.4.5, delete it" in capsys.readouterr().out
+    # Whoever puts a script there later knows where it is.
+    (project / TARGET / "Mine.cs").write_text("// mine\n")
+    unity_install.install(project, "2", False)
+
+
 @pytest.mark.parametrize("where", ["packages-lock.json", "PackageCache"])
 def test_a_netmq_that_another_package_brings_is_seen(where: str, project: Path, nuget: Path) -> None:
     """manifest.json does not name it; Unity writes down what it has resolved."""
@@ -378,9 +399,11 @@ def test_a_folder_inside_the_project_will_do(project: Path, nuget: Path) -> None
     assert (project / TARGET / "01_request_reply" / "HelloClient.cs").exists()
 
 
-@pytest.mark.parametrize("where", ["nowhere", "."])
-def test_says_why_it_is_no_project(where: str, tmp_path: Path, nuget: Path) -> None:
-    with pytest.raises(KitError, match="is no Unity project") as error:
+@pytest.mark.parametrize(("where", "why"), [("nowhere", "no such folder"), (".", "ProjectVersion.txt")])
+def test_says_why_it_is_no_project(where: str, why: str, tmp_path: Path, nuget: Path) -> None:
+    for folder in ("Assets", "ProjectSettings"):
+        (tmp_path / folder).mkdir()
+    with pytest.raises(KitError, match=f"is no Unity project: .*{why}") as error:
         unity_install.install(tmp_path / where, None, False)
     assert "\n" not in str(error.value)
 

@@ -77,6 +77,10 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "a line",
         "shown: a line",
         "a second one: True",
+        'JSON: {"hp":3,"speeds":[1,0.5],"path":[{"x":0,"y":1,"z":0}],"to":{"who":""},"text":"a \\"word\\",\\n",'
+        '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
+        *["no JSON: JSON parse error: Invalid value."] * 3,
+        "Mathf: 3 0.5 2 1 30 2",
         "OnApplicationFocus True",
         "OnApplicationPause False",
         "Start of what was made in frame 1",
@@ -85,6 +89,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "after await",
         "Send came to the main thread: True",
         "deltaTime is capped: True, unscaledDeltaTime: False",
+        "in the scene: Connecting",
     ]
     assert [line for line in play.lines if line in happened] == happened
     assert play.lines.count("Application.runInBackground is now true") == 1
@@ -92,6 +97,9 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
     assert "Habits.Start returns IEnumerator: it is left out, because the player runs no coroutines" in play.lines
     assert "System.InvalidOperationException: in a continuation" in play.lines
     assert not [line for line in play.lines if "wrong deltaTime" in line]
+    # A frame of a second is one of a second, though the game's time stands still for most of it.
+    (longest,) = [found[1] for line in play.lines if (found := re.match(r"frames: .* took (\d+) ms", line))]
+    assert int(longest) >= 1000
 
 
 def build(engine: dotnet.Engine, project: str, into: Path, *properties: str) -> Path:

@@ -236,6 +236,17 @@ def test_a_script_is_a_file_that_unity_can_attach(path: Path) -> None:
     assert classes in ([], [path.stem])
 
 
+def test_a_field_says_what_it_is_for_and_how_small_it_may_be() -> None:
+    fields = []
+    for path in PACKAGE.glob("[0-9S]*/*.cs"):
+        found = re.findall(r"\[SerializeField([^]]*)\]\s+private (\S+) (\w+)", path.read_text(encoding="utf-8"))
+        fields += [(path.stem, name, kind, attributes) for attributes, kind, name in found]
+    assert len(fields) > 100
+    assert [field for field in fields if "Tooltip(" not in field[3]] == []
+    numbers = [field for field in fields if field[2] in ("int", "float")]
+    assert [field for field in numbers if not re.search(r"(Min|Range)\(", field[3])] == []
+
+
 def test_the_page_shows_what_the_kits_own_manifest_has() -> None:
     page = ROOT / "docs" / "guide" / "unity_project.md"
     (shown,) = [json.loads(block.body) for block in guide.blocks(page) if block.language == "json"]

@@ -4,6 +4,7 @@
 //     fail=20                                three readbacks end with an error after so many steps
 //     press=20                               somebody takes over after so many steps, and gives back 100 later
 //     disable=20                             the sender is switched off and on after so many steps
+//     eye                                    another camera is the driver's eye: it looks at the sky, which is red
 //     numbered                               the sky's colour is the number of the step
 //     positions                              prints where the car is after each step
 //     frames=1000                            prints what so many frames cost, but for what the graphics card does
@@ -30,7 +31,8 @@ namespace NetMQExample.PlayTest
             int At(string name) => told.Remove(name, out var text) ? int.Parse(text, CultureInfo.InvariantCulture) : -1;
             (Player.TopRowFirst, Player.NoReadback, Player.NoGraphics) = (told.Remove("topfirst"), told.Remove("noreadback"), told.Remove("nographics"));
             int fail = At("fail"), press = At("press"), disable = At("disable"), frames = At("frames");
-            var (numbered, positions) = (told.Remove("numbered"), told.Remove("positions"));
+            var (numbered, positions, looked) = (told.Remove("numbered"), told.Remove("positions"), told.Remove("eye"));
+            Camera eye = null;
             var lessons = typeof(NetMQLifetime).Assembly;
             var player = new Player(lessons);
             CameraSender sender = null;
@@ -43,6 +45,13 @@ namespace NetMQExample.PlayTest
                 foreach (var setting in told) Inspector.Set(scripts, setting.Key, setting.Value);
                 thing.SetActive(true);
                 (sender, car) = (thing.GetComponent<CameraSender>(), thing.GetComponent<DrivenCar>());
+                if (looked)
+                {
+                    eye = new GameObject("eye").AddComponent<Camera>();
+                    eye.transform.SetPositionAndRotation(Vector3.up, Quaternion.Euler(-90, 0, 0));
+                    eye.backgroundColor = new Color32(200, 0, 0, 255);
+                    car.Eye = eye;
+                }
                 // It comes after the car: its FixedUpdate sees what the car's has done.
                 var other = new GameObject("numbers");
                 if (numbered) other.AddComponent<NumberedSky>().Sender = sender;
@@ -71,6 +80,7 @@ namespace NetMQExample.PlayTest
                 if (rest > TimeSpan.Zero) Thread.Sleep(rest);
             }
             if (frames > 0) Console.WriteLine($"cost: {cost}");
+            if (looked) Console.WriteLine($"the eye goes on as it was: {eye != null && eye.enabled && eye.targetTexture == null}");
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
         }

@@ -1,6 +1,7 @@
 // One Play in which scripts do what scripts do in Unity, and this prints how the player took it.
 using System;
 using System.Collections;
+using System.Collections.Generic;
 using System.Threading;
 using System.Threading.Tasks;
 using UnityEngine;
@@ -17,6 +18,7 @@ namespace NetMQExample.PlayTest
         {
             Application.runInBackground = false;
             var player = new Player(typeof(Habits).Assembly);
+            HelloBackground hello = null;
             player.Begin(() =>
             {
                 var thing = new GameObject("first");
@@ -32,6 +34,25 @@ namespace NetMQExample.PlayTest
                 new GameObject("client 1").AddComponent<HelloClient>();
                 new GameObject("client 2").AddComponent<HelloClient>();
                 Console.WriteLine($"a second one: {thing.AddComponent<Once>() == null}");
+                // It counts frames until its client is done, and this one is done when it is switched off.
+                var counted = new GameObject("counted");
+                counted.SetActive(false);
+                hello = counted.AddComponent<HelloBackground>();
+                Inspector.Set(new MonoBehaviour[] { hello }, "endpoint", "tcp://127.0.0.1:9");
+                Inspector.Set(new MonoBehaviour[] { hello }, "patience", "60");
+                // A headset shows no OnGUI.
+                counted.AddComponent<TextMesh>();
+                counted.AddComponent<HelloWorldHud>();
+                counted.SetActive(true);
+                // What a class is made of comes back; what Unity's serializer passes over does not.
+                var written = JsonUtility.ToJson(new Order { hp = 3, path = { Vector3.up }, text = "a \"word\",\n" });
+                var read = JsonUtility.FromJson<Order>(written.Replace("3", "-4").Replace("0.5", "2.5e-1"));
+                Console.WriteLine($"JSON: {written} {read.hp} {read.speeds[1]} {read.path[0]} {read.to.who} {read.text.Length} {read.Unseen}");
+                foreach (var wrong in new[] { "{\"hp\":}", "{\"hp\":1", "hp" })
+                    try { Console.WriteLine($"read {wrong}: {JsonUtility.FromJson<Order>(wrong).hp}"); }
+                    catch (ArgumentException e) { Console.WriteLine($"no JSON: {e.Message}"); }
+                Console.WriteLine(FormattableString.Invariant(
+                    $"Mathf: {Mathf.Clamp(5, 0, 3)} {Mathf.MoveTowards(1, -1, 0.5f)} {Mathf.Repeat(-1, 3)} {Mathf.PingPong(5, 3)} {Mathf.DeltaAngle(350, 20)} {Mathf.RoundToInt(2.5f)}"));
             });
             for (var i = 0; i < 3 || !sent; i++)
             {
@@ -41,6 +62,9 @@ namespace NetMQExample.PlayTest
             slow = true;
             // A long frame: the next one has to make up for it, but not for all of it.
             Thread.Sleep(1000);
+            player.Frame();
+            Console.WriteLine($"in the scene: {hello.GetComponent<TextMesh>().text.Split('\n')[0]}");
+            hello.enabled = false;
             player.Frame();
             player.Stop();
             Application.runInBackground = true;
@@ -85,6 +109,30 @@ namespace NetMQExample.PlayTest
         private void OnGUI()
         {
             if (frames == 1) Console.WriteLine("OnGUI");
+        }
+    }
+
+    [Serializable]
+    public sealed class Order
+    {
+        public int hp;
+        public float[] speeds = { 1, 0.5f };
+        public List<Vector3> path = new List<Vector3>();
+        public Target to = new Target();
+        public string text;
+        public DateTimeKind kind = DateTimeKind.Utc;
+        public readonly int never = 1;
+        public Dictionary<string, int> neither = new Dictionary<string, int>();
+        [NonSerialized] public bool nor = true;
+        [SerializeField] private bool marked = true;
+        private int hidden = 5;
+
+        public int Unseen { get => hidden; set => hidden = marked ? value : 0; }
+
+        [Serializable]
+        public struct Target
+        {
+            public string who;
         }
     }
 

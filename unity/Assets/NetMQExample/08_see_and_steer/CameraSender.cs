@@ -38,9 +38,9 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}");
             using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
-            // Those of a run before.
-            InUpdate(() => shots?.Dispose());
-            var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, right => CarCamera.On(transform, right)));
+            // Those of a run before. Before there are others a frame may come, which must not look at what is gone.
+            InUpdate(() => { shots?.Dispose(); shots = null; });
+            var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, car.CameraFor));
             for (var answered = 0; answered < count;)
             {
                 var action = driver.Ask(taker.Next(stop), stop);

@@ -1,6 +1,6 @@
 // Lesson 08, the camera of the car: as DrawnCamera.cs, but a real one. It renders when it is asked to, and only then.
 //
-// At home your own cameras take its place. They need a target texture like this one, and must not be enabled.
+// At home it sees what a camera of your own sees, which goes on as it is.
 using UnityEngine;
 
 namespace NetMQExample
@@ -24,6 +24,20 @@ namespace NetMQExample
             // The bytes in it are those of the screen, also where a project computes its light in linear space.
             camera.targetTexture = new RenderTexture(DrawnCamera.Width, DrawnCamera.Height, 24,
                 RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
+            return camera;
+        }
+
+        /// <summary>Puts a camera beside one of yours, to see as it does.</summary>
+        /// <param name="own">It may be enabled, and show the game.</param>
+        /// <param name="right">Metres to its right.</param>
+        public static Camera Beside(Camera own, double right)
+        {
+            var camera = On(own.transform, right);
+            var texture = camera.targetTexture;
+            // It takes over the place as well, and where that one draws.
+            camera.CopyFrom(own);
+            camera.targetTexture = texture;
+            camera.transform.localPosition = new Vector3((float)right, 0, 0);
             return camera;
         }
     }

@@ -1,6 +1,6 @@
 // Lesson 08 in Unity: a car of your own.
 //
-// Derive from it, put it beside CameraSender, and give it cameras as in CarCamera.cs:
+// Derive from it, put it beside CameraSender, and drag a camera of yours into Eye, or leave it empty:
 //     public sealed class MyCar : DrivenBehaviour
 //     {
 //         public override double Speed => GetComponent<Rigidbody>().velocity.magnitude;
@@ -14,6 +14,11 @@ namespace NetMQExample
     /// <summary>What CameraSender tells Python about, and what it steers.</summary>
     public abstract class DrivenBehaviour : MonoBehaviour, ICar
     {
+        [SerializeField, Tooltip("A camera whose view Python gets; none: one on the car")] private Camera eye;
+
+        /// <summary>What Python sees, or null for a camera on the car. Set it before CameraSender is enabled.</summary>
+        public Camera Eye { get => eye; set => eye = value; }
+
         /// <summary>What is driven, by Python or by <see cref="Drive.TakeOver"/>.</summary>
         public Drive Drive { get; private set; }
 
@@ -25,6 +30,11 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         public abstract void Step(double throttle, double brake, double steer);
+
+        /// <summary>Makes a camera for ShotTaker.cs.</summary>
+        /// <param name="right">Metres to the right of the middle.</param>
+        public Camera CameraFor(double right) =>
+            eye == null ? CarCamera.On(transform, right) : CarCamera.Beside(eye, right);
 
         /// <summary>Does what Python says; in lock-step for one step, in which the world waited for it.</summary>
         /// <param name="action">Null if nothing came.</param>

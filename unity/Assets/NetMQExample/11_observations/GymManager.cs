@@ -1,7 +1,7 @@
 // Lesson 11 in Unity: what an agent sees is said where it is declared. This brings all agents of the scene to Python.
 //
 // Use: start python/11_observations/server.py, open this lesson's scene, press Play. For your own scene: add this
-// component to any GameObject, and agents (Agent.cs) and camera sensors wherever they belong.
+// component to any GameObject, and agents (Agent.cs) and sensors wherever they belong.
 // Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. What a
 // script does in FixedUpdate, it does in OnTick from now on.
 using UnityEngine;
@@ -9,7 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>A scene whose time passes when Python steps.</summary>
-    public sealed class GymManager : SteppedBehaviour
+    public class GymManager : SteppedBehaviour
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5561";
         [SerializeField, Tooltip("The env_name in Python")] private string envName = "Coins";
@@ -31,7 +31,8 @@ namespace NetMQExample
         protected override void Begin()
         {
             Current = this;
-            Simulator = new SceneSimulator(envName, dt, Agent.All, CameraSensor.All, () => Physics.Simulate((float)dt));
+            Simulator = new SceneSimulator(
+                envName, dt, Agent.All, SensorComponent.All, () => Physics.Simulate((float)dt));
             base.Begin();
         }
     }

@@ -97,7 +97,7 @@ namespace NetMQExample
         }
 
         private static ArgumentException NoKey(string path) => new ArgumentException(
-            $"no key in {path}; keys.py makes keys, and server.key is a copy of the server's");
+            $"no key in {Path.GetFullPath(path)}; keys.py makes keys, and server.key is a copy of the server's");
 
         private static void OnlyMine(string path)
         {

@@ -26,8 +26,11 @@ namespace NetMQExample
         /// <returns>An endpoint, or null if it has none.</returns>
         public static string Of(Object component)
         {
+            string own;
             // Unity's own serializer reaches private fields, also where IL2CPP leaves out reflection's data.
-            var own = JsonUtility.FromJson<Field>(JsonUtility.ToJson(component)).endpoint;
+            try { own = JsonUtility.FromJson<Field>(JsonUtility.ToJson(component)).endpoint; }
+            // NaN in another field is no JSON. The component says so itself when it checks its fields.
+            catch (ArgumentException) { return null; }
             var asset = Resources.Load<ServerAddress>(File);
             return Choose(own, asset == null ? "" : asset.host, Environment.GetCommandLineArgs());
         }

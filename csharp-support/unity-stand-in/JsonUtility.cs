@@ -1,0 +1,146 @@
+// Unity's own JSON: the fields that the inspector would show, and nothing else.
+using System;
+using System.Collections;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Linq;
+using System.Reflection;
+using System.Text.RegularExpressions;
+
+namespace UnityEngine
+{
+    public static class JsonUtility
+    {
+        // So deep Unity looks into classes, which may hold one another.
+        private const int Deepest = 10;
+
+        public static string ToJson(object obj) => obj == null ? "" : Written(obj, obj.GetType());
+
+        public static T FromJson<T>(string json)
+        {
+            // A structure stays in this one box.
+            object made = Activator.CreateInstance<T>();
+            FromJsonOverwrite(json, made);
+            return (T)made;
+        }
+
+        public static void FromJsonOverwrite(string json, object objectToOverwrite) =>
+            Fill(objectToOverwrite, Reader.Read(json) as Dictionary<string, object> ?? throw Reader.Wrong());
+
+        private static string Written(object value, Type type, int depth = 0)
+        {
+            if (type == typeof(string)) return $"\"{Regex.Replace((string)value ?? "", "[\\p{Cc}\"\\\\]", Escaped)}\"";
+            if (type == typeof(bool)) return (bool)value ? "true" : "false";
+            if (type.IsEnum) return Convert.ToInt64(value).ToString(CultureInfo.InvariantCulture);
+            if (type.IsPrimitive) return ((IFormattable)value).ToString(type == typeof(float) || type == typeof(double) ? "R" : "D", CultureInfo.InvariantCulture);
+            if (Item(type) is Type item) return $"[{string.Join(",", ((IEnumerable)value ?? Array.Empty<object>()).Cast<object>().Select(each => Written(each, item, depth)))}]";
+            value ??= Activator.CreateInstance(type);
+            var fields = depth < Deepest ? Fields(type) : new FieldInfo[0];
+            return $"{{{string.Join(",", fields.Select(field => $"\"{field.Name}\":{Written(field.GetValue(value), field.FieldType, depth + 1)}"))}}}";
+        }
+
+        private static string Escaped(Match sign) => sign.Value switch
+        {
+            "\"" => "\\\"",
+            "\\" => "\\\\",
+            "\n" => "\\n",
+            _ => $"\\u{(int)sign.Value[0]:x4}",
+        };
+
+        private static void Fill(object target, Dictionary<string, object> values)
+        {
+            foreach (var field in Fields(target.GetType()))
+                if (values.TryGetValue(field.Name, out var value) && value != null) field.SetValue(target, As(value, field.FieldType, field.GetValue(target)));
+        }
+
+        private static object As(object value, Type type, object before)
+        {
+            if (type.IsEnum) return Enum.ToObject(type, value);
+            if (type.IsPrimitive || type == typeof(string)) return Convert.ChangeType(value, type, CultureInfo.InvariantCulture);
+            if (Item(type) is Type item)
+            {
+                var items = (List<object>)value;
+                var array = Array.CreateInstance(item, items.Count);
+                for (var i = 0; i < array.Length; i++) array.SetValue(As(items[i], item, null), i);
+                return type.IsArray ? array : Activator.CreateInstance(type, array);
+            }
+            before ??= Activator.CreateInstance(type);
+            Fill(before, (Dictionary<string, object>)value);
+            return before;
+        }
+
+        private static Type Item(Type type) => type.IsArray ? type.GetElementType()
+            : type.IsGenericType && type.GetGenericTypeDefinition() == typeof(List<>) ? type.GetGenericArguments()[0] : null;
+
+        // A component of one's own is written as well, and what it holds of Unity's only in Unity.
+        private static IEnumerable<FieldInfo> Fields(Type type)
+        {
+            const BindingFlags own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
+            if (type == null || type == typeof(MonoBehaviour) || type == typeof(ScriptableObject) || !IsPlain(type) && !typeof(Object).IsAssignableFrom(type)) return new FieldInfo[0];
+            return Fields(type.BaseType).Concat(type.GetFields(own).Where(field => !field.IsInitOnly && !field.IsNotSerialized
+                && (field.IsPublic || field.IsDefined(typeof(SerializeField))) && (IsPlain(field.FieldType) || Item(field.FieldType) is Type item && IsPlain(item))));
+        }
+
+        private static bool IsPlain(Type type) => type.IsPrimitive || type.IsEnum || type == typeof(string)
+            || type.IsSerializable && !type.IsGenericType && !type.IsArray && !typeof(Delegate).IsAssignableFrom(type) && type.Namespace?.StartsWith("System") != true
+            || type.IsValueType && type.Namespace == nameof(UnityEngine);
+
+        /// <summary>Objects as dictionaries, arrays as lists, numbers as long or double.</summary>
+        private sealed class Reader
+        {
+            private readonly Queue<string> tokens;
+
+            private Reader(string json)
+            {
+                var found = Regex.Matches(json ?? "", "\\G\\s*([{}\\[\\]:,]|\"(?:[^\"\\\\]|\\\\.)*\"|-?\\d[-+.\\w]*|true|false|null)\\s*");
+                if (found.Sum(token => token.Length) != (json ?? "").Length) throw Wrong();
+                tokens = new Queue<string>(found.Select(token => token.Groups[1].Value));
+            }
+
+            public static object Read(string json)
+            {
+                var reader = new Reader(json);
+                var value = reader.Value();
+                return reader.tokens.Count == 0 ? value : throw Wrong();
+            }
+
+            public static ArgumentException Wrong() => new ArgumentException("JSON parse error: Invalid value.");
+
+            private string Next() => tokens.TryDequeue(out var token) ? token : throw Wrong();
+
+            private object Value()
+            {
+                var token = Next();
+                if (token == "[") return All("]", Value);
+                if (token == "{")
+                    return All("}", () => (name: Text(Next()), value: Next() == ":" ? Value() : throw Wrong())).GroupBy(pair => pair.name).ToDictionary(pairs => pairs.Key, pairs => pairs.Last().value);
+                if (token == "null") return null;
+                if (token[0] == '"') return Text(token);
+                if (bool.TryParse(token, out var yes)) return yes;
+                if (long.TryParse(token, NumberStyles.AllowLeadingSign, CultureInfo.InvariantCulture, out var whole)) return whole;
+                return double.TryParse(token, NumberStyles.Float, CultureInfo.InvariantCulture, out var number) ? number : throw Wrong();
+            }
+
+            private List<T> All<T>(string end, Func<T> next)
+            {
+                var all = new List<T>();
+                if (tokens.TryPeek(out var first) && first == end) tokens.Dequeue();
+                else
+                    for (var sign = ","; sign != end; sign = Next())
+                        all.Add(sign == "," ? next() : throw Wrong());
+                return all;
+            }
+
+            private static string Text(string token) => token[0] != '"' ? throw Wrong() : Regex.Replace(token.Substring(1, token.Length - 2), @"\\(u....|.)", sign => sign.Value[1] switch
+            {
+                'u' => ((char)Convert.ToInt32(sign.Value.Substring(2), 16)).ToString(),
+                'n' => "\n",
+                'r' => "\r",
+                't' => "\t",
+                'b' => "\b",
+                'f' => "\f",
+                var other => other.ToString(),
+            });
+        }
+    }
+}

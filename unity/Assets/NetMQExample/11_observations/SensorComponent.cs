@@ -1,0 +1,69 @@
+// Lesson 11 in Unity, a sensor: a component that sees for the agents above it. CameraSensor.cs is one; one of your own:
+//
+//     public sealed class Radar : SensorComponent
+//     {
+//         public override object GetObservation() => Physics.OverlapSphere(transform.position, 5).Length;
+//     }
+//
+// Use: put it on a game object somewhere below an agent's. Without a locator the key is the names of the game objects
+// between the agent and this one; on the agent's own it is the name of its class. With one, such as ".eye", that stands
+// behind them; "@.eye" begins at the agent's root.
+// Take home: this file, with Agent.cs and what that needs.
+using System;
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace NetMQExample
+{
+    /// <summary>One value more for each answer to Python. While it is enabled it takes part.</summary>
+    public abstract class SensorComponent : MonoBehaviour
+    {
+        [SerializeField, Tooltip("Where it goes")] private string locator = "";
+
+        private Source place;
+
+        /// <summary>All that are enabled now. For the main thread.</summary>
+        public static List<Source> All { get; } = new List<Source>();
+
+        /// <summary>The key of a sensor on the agent's own game object.</summary>
+        protected virtual string Key => GetType().Name;
+
+        private string FullName => $"{GetType().Name} on {name}";
+
+        /// <summary>What it senses now: whatever [Obs] may stand at.</summary>
+        public abstract object GetObservation();
+
+        /// <summary>Finds its agents, all of which are there by now. Whoever overrides it calls base.Start().</summary>
+        protected virtual void Start()
+        {
+            try
+            {
+                place = Agent.Below(transform, FullName, locator, Key, Read);
+                All.Add(place);
+            }
+            catch (ArgumentException e)
+            {
+                Debug.LogError($"gave up: {e.Message}");
+                enabled = false;
+            }
+        }
+
+        /// <summary>Comes back. Whoever overrides it calls base.OnEnable().</summary>
+        protected virtual void OnEnable()
+        {
+            if (place != null) All.Add(place);
+        }
+
+        /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
+        protected virtual void OnDisable() => All.Remove(place);
+
+        private object Read()
+        {
+            try { return Observed.Of(GetObservation()); }
+            catch (MessageException e)
+            {
+                throw new MessageException(e.Code, $"{FullName}: {e.Message.Substring(e.Code.Length + 2)}");
+            }
+        }
+    }
+}
