@@ -269,10 +269,12 @@ namespace NetMQ.Monitoring
         private void Detach(bool dispose)
         {
             var from = poller ?? throw new InvalidOperationException("Not attached to a poller");
+            // Before the socket goes: libzmq waits for ever to report what nobody can hear any more, and holds a lock
+            // meanwhile that the end of the reports needs.
+            Shut();
             if (dispose) from.RemoveAndDispose(reports);
             else from.Remove(reports);
             poller = null;
-            Shut();
         }
 
         private void Read(object? sender, NetMQSocketEventArgs e)

@@ -2,6 +2,9 @@
 using System;
 using System.Collections.Concurrent;
 using System.Linq;
+using System.Net;
+using System.Net.Sockets;
+using System.Threading;
 using System.Threading.Tasks;
 using NetMQ;
 using NetMQ.Monitoring;
@@ -16,6 +19,7 @@ namespace NetMQExample.Conformance
             OwnThread();
             InPoller();
             Unread();
+            AmidReports();
             using var socket = new PairSocket();
             Say.Throws("monitor at no address", () => socket.Monitor(""));
             Say.Throws("monitor at null", () => socket.Monitor(null!));
@@ -114,6 +118,61 @@ namespace NetMQExample.Conformance
             Say.That("left", Say.Soon(() => seen.Contains(SocketEvents.Disconnected)));
             Say.That("in order", string.Join(",", seen));
             poller.Stop();
+        }
+
+        /// <summary>Who ends a monitor while connections come and go is not held up.</summary>
+        private static void AmidReports()
+        {
+            var cuts = 0;
+            var listener = new TcpListener(IPAddress.Loopback, 0);
+            listener.Start();
+            using var client = new DealerSocket();
+            client.Options.ReconnectInterval = TimeSpan.FromMilliseconds(1);
+            var monitor = new NetMQMonitor(client, "inproc://amid", SocketEvents.Disconnected);
+            monitor.AttachToPoller(new SlowPoller(() => CutMore(5)));
+            client.Connect($"tcp://{listener.LocalEndpoint}");
+            _ = Task.Run(async () =>
+            {
+                while (true)
+                {
+                    (await listener.AcceptSocketAsync().ConfigureAwait(false)).Dispose();
+                    Interlocked.Increment(ref cuts);
+                }
+            });
+            Say.That("connections come and go", CutMore(5));
+            Say.That("ended meanwhile", Task.Run(monitor.Dispose).Wait(Say.Patience));
+            Say.That("and they still do", CutMore(5));
+            listener.Stop();
+
+            bool CutMore(int number)
+            {
+                var enough = Volatile.Read(ref cuts) + number;
+                return Say.Soon(() => Volatile.Read(ref cuts) >= enough);
+            }
+        }
+
+        /// <summary>Between the end of a socket and that of its reports, other threads are at work.</summary>
+        private sealed class SlowPoller : INetMQPoller
+        {
+            private readonly Func<bool> pause;
+
+            internal SlowPoller(Func<bool> pause) => this.pause = pause;
+
+            public bool IsRunning => false;
+
+            public void RemoveAndDispose<T>(T socket) where T : ISocketPollable, IDisposable
+            {
+                socket.Dispose();
+                pause();
+            }
+
+            public void Add(ISocketPollable socket) { }
+            public void Remove(ISocketPollable socket) { }
+            public void Run() { }
+            public void RunAsync() { }
+            public void Stop() { }
+            public void StopAsync() { }
+            public void Dispose() { }
         }
     }
 }
