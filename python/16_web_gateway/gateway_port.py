@@ -62,7 +62,7 @@ async def let_go(sockets: dict[str, Any], inside: Callable[[], set[str]]) -> Non
             print(f"let go, since it did not ask to come in within {SILENT} s", flush=True)
             socket = sockets.pop(name)
             await socket.close(wait=False, abort=True)
-            # It ends what writes to a WebSocket, and so the WebSocket.
+            # It ends what writes to a WebSocket, and so, from python-engineio 4.6 on, the WebSocket.
             await socket.queue.put(None)
         before = outside
         await asyncio.sleep(SILENT)

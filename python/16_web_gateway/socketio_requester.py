@@ -18,9 +18,11 @@ class SocketIORequester(WebRequester):
     async def connect(self) -> None:
         # We try again ourselves: the requests that its own reconnection has lost nobody would hear of.
         self.client, self.gone, said = socketio.AsyncClient(reconnection=False), asyncio.Event(), list[Any]()
-        self.client.on("disconnect", lambda *_: self.gone.set())
-        # What only another than a gateway says ends a task of Socket.IO, and the event loop hears of it.
-        asyncio.get_running_loop().set_exception_handler(lambda *_: self.gone.set())
+        gone = self.gone
+        self.client.on("disconnect", lambda *_: gone.set())
+        # What only another than a gateway says ends a task of Socket.IO, and the event loop hears of it. It also hears,
+        # without an exception, that Socket.IO has not closed what an earlier try opened.
+        asyncio.get_running_loop().set_exception_handler(lambda _, what: gone.set() if "exception" in what else None)
         self.client.on("connect_error", said.append)
         try:
             await self.client.connect(self.endpoint, auth={"token": self.token}, transports=["websocket"])

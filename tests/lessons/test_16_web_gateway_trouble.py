@@ -10,6 +10,7 @@ import struct
 import sys
 import threading
 import time
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -159,6 +160,8 @@ def test_who_connects_and_asks_nothing_is_let_go(serve, start):
 
 def test_who_stays_outside_of_socketio_is_let_go(serve, start):
     """It opens Engine.IO's connection, goes on talking, and asks for nothing. Who came in stays."""
+    if [int(part) for part in version("python-engineio").split(".")[:2]] < [4, 6]:
+        pytest.skip("python-engineio before 4.6 keeps a WebSocket that it has closed until nothing came for 20 s")
     _, behind = serve(HELLO)
     code = "import gateway_port; gateway_port.SILENT = 1; import server; server.main()"
     words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind, "--token", "word"]
@@ -181,8 +184,10 @@ def test_who_stays_outside_of_socketio_is_let_go(serve, start):
                 await inside.send_str('40{"token":"word"}')
                 staying, deadline = asyncio.create_task(stay(inside)), time.monotonic() + LIMIT
                 while not outside.closed and time.monotonic() < deadline:
-                    with contextlib.suppress(ConnectionError, TimeoutError):
+                    # Its end is told by receiving alone, also where sending fails already.
+                    with contextlib.suppress(ConnectionError):
                         await outside.send_str("3")
+                    with contextlib.suppress(TimeoutError):
                         await outside.receive(timeout=0.1)
                 assert outside.closed
                 await inside.send_str('421["hello","Hello"]')
