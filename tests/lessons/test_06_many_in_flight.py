@@ -164,7 +164,8 @@ def test_a_refusal_is_asked_again_over_the_same_socket_until_the_last_try(kind, 
 def test_a_text_that_is_too_long_is_refused_and_only_it(kind, serve, start, client_command):
     _, endpoint = serve(KEY)
     text = "|".join(["x" * 65_537, "echo " + "ü" * 30_000, "sleep 0.3"])
-    client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--text", text, "--tries", "1"))
+    options = ("--count", "3", "--text", text, "--tries", "1", "--patience", "60")
+    client = start(*client_command(kind, KEY, endpoint, *options))
     assert client.wait() == 1, client.output
     assert sorted(sent(client)) == [
         f"1: sent {'x' * 200}…, gave up: not sent: 65537 bytes, and the limit is 65536",
