@@ -16,7 +16,7 @@ ROWS, LINES = 15, 200
 
 class Board:
     def __init__(self) -> None:
-        self.terminal, self.drawn, self.lines = sys.stdout.isatty(), 0, 0
+        self.terminal, self.drawn, self.lines, self.last = sys.stdout.isatty(), 0, 0, ""
         self.shown, self.messages = time.monotonic(), 0
         self.said = "0 0 0 0 begun anew, 0 asked elsewhere"
         if self.terminal and os.name == "nt":
@@ -25,7 +25,10 @@ class Board:
 
     def say(self, line: str) -> None:
         """A line for good, above the table. Strangers who come by the thousand make no flood of lines."""
-        self.lines += 1
+        if line == self.last:
+            # Whoever is refused tries again some times a second.
+            return
+        self.last, self.lines = line, self.lines + 1
         if self.lines <= LINES:
             print(f"{self.erased()}{line}", flush=True)
 
