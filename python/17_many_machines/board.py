@@ -47,7 +47,8 @@ class Board:
         people = f"{len(hub.members)} simulators, {free} free, {len(hub.trainers)} trainers, {at_work} at work"
         trouble = f"{count['begun anew']} begun anew, {count['asked elsewhere']} asked elsewhere"
         if self.terminal:
-            rows = [f"{people}, {count['episodes']} episodes, {trouble}, {rate:,.0f} messages/s", *rows_of(hub)]
+            # Two rows: a terminal may have no more than 80 columns.
+            rows = [f"{people}, {count['episodes']} episodes", f"{trouble}, {rate:,.0f} messages/s", *rows_of(hub)]
             # A row that is cut is one row: a longer one would be two, and not all of them taken off again.
             width, height = shutil.get_terminal_size()
             rows = [row[: width - 1] for row in rows[: height - 1]]
