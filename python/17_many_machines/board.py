@@ -16,7 +16,7 @@ ROWS, LINES = 15, 200
 
 class Board:
     def __init__(self) -> None:
-        self.terminal, self.drawn, self.lines = sys.stdout.isatty(), 0, 0
+        self.terminal, self.drawn, self.lines, self.last = sys.stdout.isatty(), 0, 0, ""
         self.shown, self.messages = time.monotonic(), 0
         self.said = "0 0 0 0 begun anew, 0 asked elsewhere"
         if self.terminal and os.name == "nt":
@@ -25,7 +25,10 @@ class Board:
 
     def say(self, line: str) -> None:
         """A line for good, above the table. Strangers who come by the thousand make no flood of lines."""
-        self.lines += 1
+        if line == self.last:
+            # Whoever is refused tries again some times a second.
+            return
+        self.last, self.lines = line, self.lines + 1
         if self.lines <= LINES:
             print(f"{self.erased()}{line}", flush=True)
 
@@ -44,7 +47,8 @@ class Board:
         people = f"{len(hub.members)} simulators, {free} free, {len(hub.trainers)} trainers, {at_work} at work"
         trouble = f"{count['begun anew']} begun anew, {count['asked elsewhere']} asked elsewhere"
         if self.terminal:
-            rows = [f"{people}, {count['episodes']} episodes, {trouble}, {rate:,.0f} messages/s", *rows_of(hub)]
+            # Two rows: a terminal may have no more than 80 columns.
+            rows = [f"{people}, {count['episodes']} episodes", f"{trouble}, {rate:,.0f} messages/s", *rows_of(hub)]
             # A row that is cut is one row: a longer one would be two, and not all of them taken off again.
             width, height = shutil.get_terminal_size()
             rows = [row[: width - 1] for row in rows[: height - 1]]

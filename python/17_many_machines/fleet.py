@@ -1,7 +1,7 @@
 """Lesson 17, the trainer's way to the hub: a socket for lesson 10's vector environment, which stays as it is.
 
     with FleetSocket("tcp://127.0.0.1:5567", "CartPole", 16) as socket:
-        envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, socket=socket)      after: import vector
+        envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, socket=socket, patience=60)      after: import vector
 
 That environment expects a bound ROUTER socket, to which a simulator comes. Here a DEALER socket goes to the hub, says
 `join` {name, areas}, and looks like one: what it receives is of a peer named `hub`.

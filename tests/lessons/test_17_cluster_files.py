@@ -175,7 +175,7 @@ def typed(document):
         timeout=60,
     )
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.replace('"another"', '"netmq-example:latest"'))
+    return json.loads(done.stdout.replace('"another"', '"netmq-example:1"'))
 
 
 @pytest.mark.skipif(not shutil.which("kubectl"), reason="needs kubectl")

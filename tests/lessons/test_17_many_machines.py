@@ -106,6 +106,8 @@ def test_another_build_is_refused_by_name_on_both_sides(kind, serve, start, clie
     hub.wait_for(f"^refused: {text}$")
     assert stranger.wait() == 1
     assert any("gave up: " in line and text in line for line in stranger.lines), stranger.output
+    # It has tried for two seconds.
+    assert hub.lines.count(f"refused: {text}") == 1
 
 
 def test_a_fleet_that_is_too_small_is_said(serve, simulators, train):
