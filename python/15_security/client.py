@@ -68,7 +68,8 @@ def main() -> None:
     parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for each reply")
     parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
     parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="server.key and this client's pair")
-    parser.add_argument("--server-key", default="", metavar="KEY", help="in place of that in server.key; with a =, for a key may begin with -")
+    # To be given with an equals sign: a key may begin with a dash.
+    parser.add_argument("--server-key", default="", metavar="KEY", help="in place of that in server.key")
     parser.add_argument("--stranger", action="store_true", help="a new key, which nobody has enrolled")
     parser.add_argument("--plain", action="store_true", help="no keys at all")
     options = parser.parse_args()

@@ -492,6 +492,15 @@ def test_every_other_lesson(
         unity.stop()
 
 
+def test_whoever_comes_in_the_midst_of_a_reload_opens_nothing(editor: Callable[..., Any], absent: str) -> None:
+    """A thread that had no core until then: it would be aborted with its sockets open."""
+    unity = editor("mono", "reload", "LateClient", absent, 1, "1 client, which connects while the domain is unloaded")
+    for _ in range(2):
+        unity.play()
+        unity.wait_for("^asking")
+        unity.stop()
+
+
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_the_naive_client_freezes(runtime: str, editor: Callable[..., Any], silent: str) -> None:
     """An endless receive, joined in OnDestroy: the same checks find it."""

@@ -28,6 +28,7 @@ namespace NetMQExample
         private static readonly object Gate = new object();
         private static readonly Stopwatch Joining = new Stopwatch(), SinceJoin = new Stopwatch();
         private static int users;
+        private static bool unloading;
         private static Stopwatch cleaning;
         private bool left;
 
@@ -38,6 +39,7 @@ namespace NetMQExample
         {
             lock (Gate)
             {
+                unloading = true;
                 var waited = Stopwatch.StartNew();
                 while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 5000) Monitor.Wait(Gate, 50);
             }
@@ -45,10 +47,13 @@ namespace NetMQExample
 
         /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
         /// <exception cref="TimeoutException">NetMQ has not ended since the last user left.</exception>
+        /// <exception cref="OperationCanceledException">An assembly reload has begun.</exception>
         public NetMQLifetime()
         {
             lock (Gate)
             {
+                // A thread that had no core until now: it would be aborted with its sockets open.
+                if (unloading) throw new OperationCanceledException("the scripts are being loaded anew");
                 // Meanwhile older versions of NetMQ refuse a socket.
                 if (!Cleaned())
                     throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and "
