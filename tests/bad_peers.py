@@ -55,7 +55,8 @@ class Listener:
                 threading.Thread(target=self.served, args=(peer,), daemon=True).start()
 
     def served(self, peer):
-        with contextlib.suppress(OSError, AssertionError):
+        # The last where a peer left before the byte that was awaited.
+        with contextlib.suppress(OSError, AssertionError, IndexError):
             self.serve(peer)
 
     def serve(self, peer):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import shutil
@@ -43,7 +44,8 @@ def test_the_stand_in_has_unitys_signatures(harness: Path, start: Callable[..., 
 def test_events_come_in_unitys_order(harness: Path, start: Callable[..., Any]) -> None:
     play = start("dotnet", harness, "events")
     assert play.wait() == 0, play.output
-    assert play.lines == [
+    # After a long frame several FixedUpdates come in the next one.
+    assert [line for line, _ in itertools.groupby(play.lines)] == [
         "SubsystemRegistration",
         "AfterAssembliesLoaded",
         "BeforeSplashScreen",
