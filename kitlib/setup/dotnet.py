@@ -258,13 +258,15 @@ def failure(result: Result) -> str:
         return "the disk is full: the C# build needs some 50 MB in .build"
     if "MSB3021" in result.output or "MSB3027" in result.output:
         return "the C# build cannot replace a file that is in use: end the client that still runs"
+    if "error NU1301" in result.output:
+        return "the C# build needs NuGet, which cannot be reached: try again with internet, or with --engine libzmq"
     return f"the C# build failed:\n{result.output.strip()}"
 
 
 def own_failure(result: Result) -> str:
     """The same for a reader's own scripts: each error once, without what MSBuild says around them."""
     # After an error stands the project, which is ours.
-    errors = dict.fromkeys(re.findall(r"^(.+: error .+?)(?: \[[^\]]+proj\])?$", result.output, re.MULTILINE))
+    errors = dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", result.output, re.MULTILINE))
     unknown = any(re.search(r"error CS(0103|0117|0234|0246|1061|1501|7036)\b", line) for line in errors)
     why = f"; the player knows only as much of UnityEngine as the lessons use: {KNOWN}" if unknown else ":"
     return "\n".join([f"your script does not compile{why}", *errors]) if errors else failure(result)

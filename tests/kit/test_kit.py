@@ -713,12 +713,14 @@ def test_what_a_full_disk_leaves_of_a_build_is_built_again(engine, prepared, sta
     [
         ("x.targets(1,1): error MSB3021: Unable to copy file. No space left on device", "the disk is full: "),
         ('error MSB3027: Could not copy. The file is locked by: ".NET Host (4711)"', "the C# build cannot replace"),
+        ("/kit/own.csproj : error NU1301: Failed to retrieve information about 'x'", "the C# build needs NuGet, "),
     ],
 )
 def test_a_build_that_fails_for_no_fault_of_the_code_says_why_in_one_line(output, line):
-    said = dotnet.failure(Result(1, f"first\n{output}\nlast"))
-    assert said.startswith(line)
-    assert "\n" not in said
+    for failure in (dotnet.failure, dotnet.own_failure):
+        said = failure(Result(1, f"first\n{output}\nlast"))
+        assert said.startswith(line)
+        assert "\n" not in said
 
 
 def has_wheels():
