@@ -49,7 +49,8 @@ class Page:
         return web.FileResponse(HTML)
 
     async def live(self, request: web.Request) -> web.StreamResponse:
-        page = web.WebSocketResponse(heartbeat=5, max_msg_size=1000)
+        # A page that draws much, or is not in front, is slow to answer: who closes it tells it that the tap has ended.
+        page = web.WebSocketResponse(heartbeat=60, max_msg_size=1000)
         await page.prepare(request)
         print("a page looks on", flush=True)
         sending = asyncio.create_task(self.send(page))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import re
 import socket
 import sys
 import threading
+import time
 import urllib.error
 import urllib.request
 
@@ -19,7 +21,7 @@ from tests.programs import ROOT, free_port
 
 LESSON = ROOT / "python" / "16_web_gateway"
 sys.path.append(str(LESSON))
-pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
+aiohttp = pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
 from arrows import MOST, MOST_BYTES, Arrows  # noqa: E402
 from fates import Trouble  # noqa: E402
 from tap_page import Page  # noqa: E402
@@ -45,6 +47,19 @@ def arrow(page, number):
     with urllib.request.urlopen(f"{page}/arrow/{number}", timeout=20) as answer:
         told = json.load(answer)
     return {**told, "frames": [b64decode(data) for _, data in told["frames"]]}
+
+
+def test_a_page_that_is_slow_to_answer_is_kept(tap):
+    """It draws for seconds, or the browser has put it to sleep: the tap has not ended, and must not seem so."""
+
+    async def look(page):
+        async with aiohttp.ClientSession() as session, session.ws_connect(f"{page}/live", autoping=False) as live:
+            asleep = time.monotonic() + 9
+            while time.monotonic() < asleep:
+                kind = (await live.receive(timeout=20)).type
+                assert kind in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.PING), kind
+
+    asyncio.run(look(tap("tcp://127.0.0.1:1")[2]))
 
 
 # Strictly in turn; retries on new sockets; topics; one connection for all; pictures; two endpoints; the server asks.
