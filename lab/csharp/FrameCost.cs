@@ -13,7 +13,7 @@ namespace NetMQExample.Lab
         private static readonly bool Counted = CountsBytes();
 
         private readonly double[] milliseconds;
-        private int frame = -WarmUp;
+        private int frame = -WarmUp, dirty;
         private long allocatedBefore, allocated, start;
 
         /// <summary>Sets the number of frames to measure.</summary>
@@ -40,6 +40,7 @@ namespace NetMQExample.Lab
             {
                 milliseconds[frame] = took;
                 allocated += bytes;
+                if (bytes > 0) dirty++;
             }
             frame++;
         }
@@ -55,7 +56,7 @@ namespace NetMQExample.Lab
             string Below(double share) => FormattableString.Invariant($"{sorted[(int)(share * (sorted.Length - 1))]:F4} ms");
             return FormattableString.Invariant($"{sorted.Length} frames: mean {sum / sorted.Length:F4} ms, ")
                 + $"half below {Below(0.5)}, 99 of 100 below {Below(0.99)}, longest {Below(1)}, "
-                + (Counted ? $"{allocated} bytes allocated" : "bytes are not counted by this runtime");
+                + (Counted ? $"{allocated} bytes allocated in {dirty} frames" : "bytes are not counted by this runtime");
         }
 
         // The garbage collector of Unity's Mono and of IL2CPP says 0 whatever was allocated; there the Profiler window
