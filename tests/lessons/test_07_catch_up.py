@@ -102,7 +102,8 @@ def test_joining_late_and_losing_messages_the_state_is_exact(kind, frozen, publi
     assert client.wait() == 0, client.output
     received, missed, _, last, checksum = client.wait_for(DONE).groups()
     gaps = numbers(client, r"^missed (\d+) to (\d+)$")
-    assert gaps or not frozen
+    # Who joins late has so little left to miss that the queues hold it.
+    assert gaps or not frozen or total - joined < 200_000
     assert sum(last - first + 1 for first, last in gaps) == int(missed)
     assert int(received) + int(missed) == int(last) - joined == total - joined
     assert checksum == published
@@ -110,7 +111,8 @@ def test_joining_late_and_losing_messages_the_state_is_exact(kind, frozen, publi
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_after_a_restart_the_subscriber_goes_on_and_says_what_it_missed(kind, publish, follow):
-    first, endpoint, snapshots = publish("--interval", "0.003")
+    # So slow that a client which takes half a minute to start still comes before number 1500.
+    first, endpoint, snapshots = publish("--interval", "0.02")
     options = ["--count", "1000000", "--until", "1500", "--every", "30", "--patience", "20"]
     client = follow(kind, endpoint, snapshots, *options)
     run = client.wait_for(JOINED)[1]

@@ -122,7 +122,7 @@ def test_a_thousand_steps_are_the_golden_ones(kind, driver, start, client_comman
     teacher = Teacher()
     there = driver(teacher)
     client = start(*client_command(kind, KEY, there.endpoint, "--count", "1000", "--lockstep", "--patience", "60"))
-    assert client.wait() == 0, client.output
+    assert client.wait(240) == 0, client.output
     assert client.lines[-1] == "done: 1000 actions, 0 pictures skipped"
     assert teacher.other == []
     assert teacher.road.nearest(teacher.car.x, teacher.car.y)[1] < 1

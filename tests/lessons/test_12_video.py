@@ -189,7 +189,8 @@ def test_two_pictures_are_on_the_way_and_the_game_goes_on(kind, filmer, start, c
     assert values["frames"] + values["skipped"] >= last
     assert values["time"] > 0.5
     assert client.wait() == 0, client.output
-    assert client.lines[-1] == "done: 100 steps"
+    # Some more where the film was not made by then.
+    assert int(client.wait_for(r"^done: (\d+) steps$")[1]) >= 100
 
 
 @each_client
