@@ -62,7 +62,8 @@ def growing(path, size=0):
 
 @each_client
 def test_a_drive_becomes_two_films(kind, serve, start, client_command, tmp_path):
-    server, endpoint = serve(KEY, "--seconds", "1.5", "--fps", "10")
+    # Long enough for two pictures on a machine that has other work.
+    server, endpoint = serve(KEY, "--seconds", "4", "--fps", "10")
     # So many steps, and more if the films are not made by then.
     client = start(*client_command(kind, KEY, endpoint, "--count", "150"))
     assert client.wait() == 0, client.output
