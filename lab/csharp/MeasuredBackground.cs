@@ -1,6 +1,7 @@
 // What lesson 04's client costs the main thread: run the callback of what came back, and ask once, in each frame.
 using System;
 using UnityEngine;
+using UnityPlayer;
 
 namespace NetMQExample.Lab
 {

@@ -16,7 +16,6 @@ using System.IO;
 using System.Linq;
 using System.Reflection;
 using System.Threading;
-using NetMQExample.Lab;
 using UnityEngine;
 using UnityPlayer;
 

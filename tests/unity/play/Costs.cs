@@ -9,7 +9,6 @@ using System.Diagnostics;
 using System.Globalization;
 using System.Linq;
 using System.Threading;
-using NetMQExample.Lab;
 using UnityEngine;
 using UnityPlayer;
 

@@ -15,7 +15,6 @@ using System.Globalization;
 using System.Linq;
 using System.Reflection;
 using System.Threading;
-using NetMQExample.Lab;
 using UnityEngine;
 using UnityPlayer;
 

@@ -8,7 +8,6 @@ using System.Globalization;
 using System.Linq;
 using System.Runtime.InteropServices;
 using System.Threading;
-using NetMQExample.Lab;
 using UnityEngine;
 using UnityPlayer;
 

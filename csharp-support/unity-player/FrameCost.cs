@@ -2,10 +2,10 @@
 using System;
 using System.Diagnostics;
 
-namespace NetMQExample.Lab
+namespace UnityPlayer
 {
     /// <summary>Call <see cref="Begin"/> and <see cref="End"/> around the part, in each frame.</summary>
-    internal sealed class FrameCost
+    public sealed class FrameCost
     {
         // In the first frames code is compiled and queues grow. What counts is what goes on for hours.
         private const int WarmUp = 100;
