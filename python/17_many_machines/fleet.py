@@ -59,13 +59,17 @@ class FleetSocket:
         """What is missing, whenever that has changed."""
         here, taken = take(alive.values, "simulators", int), take(alive.values, "taken", int)
         name, areas = self.join.values["name"], self.join.values["areas"]
-        text = f"the hub has {here} simulators of '{name}', of which {taken} are taken: {areas} are needed"
+        self.say(f"the hub has {here} simulators of '{name}', of which {taken} are taken: {areas} are needed")
+
+    def say(self, text: str) -> None:
         if text != self.told:
             self.told = text
             print(text, flush=True)
 
     def open(self) -> None:
         """A new socket each time: one that was refused once never tries again."""
+        if self.waits and self.said:
+            self.say(f"no answer from a hub at {self.endpoint}: is it there, and is this trainer's key on its list?")
         self.waits = True
         self.socket.close()
         self.socket = self.context.socket(zmq.DEALER)

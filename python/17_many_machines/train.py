@@ -4,7 +4,7 @@
     python python/17_many_machines/train.py --areas 2 --each         prints the return of each episode, by its seed
 
 It pushes each cart to where its pole falls. Each episode has a seed, and so its return is the same wherever it was
-simulated, and however often it was begun anew. What you train with comes in place of `policy`.
+simulated, and however often it was begun anew. What you train with comes in place of `play`.
 """
 
 import argparse

@@ -131,6 +131,14 @@ def test_a_trainer_waits_for_as_many_simulators_as_it_has_areas(serve, simulator
     ]
 
 
+def test_a_trainer_says_that_no_hub_answers(train):
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    trainer = train(endpoint, 1, 1, "--wait", "3")
+    assert played(trainer, code=1) == []
+    text = f"no answer from a hub at {endpoint}: is it there, and is this trainer's key on its list?"
+    assert trainer.lines.count(text) == 1
+
+
 def test_who_trained_and_died_leaves_the_simulators_to_the_next(serve, simulators, train):
     hub, endpoint = serve(KEY)
     simulators(endpoint, "python", "python")
