@@ -63,6 +63,7 @@ namespace NetMQExample.PlayTest
             // A long frame: the next one has to make up for it, but not for all of it.
             Thread.Sleep(1000);
             player.Frame();
+            slow = false;
             Console.WriteLine($"in the scene: {hello.GetComponent<TextMesh>().text.Split('\n')[0]}");
             hello.enabled = false;
             player.Frame();
