@@ -43,7 +43,17 @@ namespace NetMQExample
                 var waited = Stopwatch.StartNew();
                 while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 5000) Monitor.Wait(Gate, 50);
             }
+            // The last events of NetMQ's sockets come by the thread pool, a moment after they are disposed, and Mono
+            // can end when it aborts one. Others may use the pool for longer, and are not waited for.
+            for (var rest = 200; rest > 0 && Pooled(); rest--) Thread.Sleep(1);
         };
+
+        private static bool Pooled()
+        {
+            ThreadPool.GetMaxThreads(out var all, out _);
+            ThreadPool.GetAvailableThreads(out var free, out _);
+            return free < all;
+        }
 
         /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
         /// <exception cref="TimeoutException">NetMQ has not ended since the last user left.</exception>
