@@ -36,23 +36,25 @@ def policy(seen: Any) -> Any:
 
 
 def play(envs: Any, episodes: int) -> list[float]:
-    """The return of each episode, by its seed: 0, 1, 2, and so on."""
-    returns, areas = [0.0] * episodes, envs.num_envs
-    seeds, following = list(range(areas)), areas
+    """The return of each episode, by its seed: 0, 1, 2, and so on. What is lost with a hub begins anew."""
+    areas = envs.num_envs
+    nothing, seeds, following = np.zeros(areas, bool), list(range(areas)), areas
+    returns = dict.fromkeys(seeds, 0.0)
     seen, _ = envs.reset(seed=seeds)
     while min(seeds) < episodes:
         seen, rewards, terminated, truncated, infos = envs.step(policy(seen))
-        if "lost" in infos:
-            raise ConnectionError(infos["lost"][0])
+        over, lost = terminated | truncated, infos.get("_lost", nothing)
         for area in range(areas):
-            if seeds[area] < episodes:
-                returns[seeds[area]] += rewards[area]
-        if (over := terminated | truncated).any():
-            for area in [area for area in range(areas) if over[area]]:
+            returns[seeds[area]] += rewards[area]
+            if over[area] and not lost[area]:
                 seeds[area], following = following, following + 1
-            begun, _ = envs.reset(seed=seeds, options={"reset_mask": over})
-            seen = np.where(over[:, None], begun, seen)
-    return returns
+        if over.any():
+            begun, infos = envs.reset(seed=seeds, options={"reset_mask": over})
+            # Those that were not over, when the hub is lost just now.
+            lost = lost | infos.get("_lost", nothing)
+            seen = np.where((over | lost)[:, None], begun, seen)
+            returns |= {seed: 0.0 for area, seed in enumerate(seeds) if over[area] or lost[area]}
+    return [returns[seed] for seed in range(episodes)]
 
 
 def main() -> None:
