@@ -22,18 +22,23 @@ class Beacon:
     """Tells `where`, an address and a UDP port, or nobody; a broadcast address reaches the whole network."""
 
     def __init__(self, where: tuple[str, int] | None, endpoint: str, key: bytes = b"") -> None:
-        self.where, self.told = where, 0.0
+        self.where, self.told, self.said = where, 0.0, ""
         self.datagram = f"NMQX1 {endpoint.rpartition(':')[2]} {fingerprint(key)}".encode()
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
         self.socket.setblocking(False)
 
     def tell(self) -> None:
-        """Called often; it says something once a second. Without a network nobody hears it, and that is all."""
+        """Called often; it says something once a second. Without a network nobody hears it: that is printed once."""
         if self.where and time.monotonic() > self.told + 1:
             self.told = time.monotonic()
-            with contextlib.suppress(OSError):
+            try:
                 self.socket.sendto(self.datagram, self.where)
+            except OSError as error:
+                if self.said != (why := str(error.strerror)):
+                    self.said = why
+                    cure = "give the broadcast address of your network, such as 192.168.0.255"
+                    print(f"cannot announce at {self.where[0]}: {why}; {cure}", flush=True)
 
 
 def find(port: int, key: bytes, patience: float) -> str:

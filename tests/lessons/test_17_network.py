@@ -156,7 +156,7 @@ def test_an_episode_goes_on_after_the_cable_of_its_simulators_was_pulled(machine
 def test_a_trainer_whose_cable_was_pulled_leaves_its_simulators_to_others(machines, hub, simulators, train):
     server = hub()
     simulators(2)
-    first = train(2, 100_000)
+    first = train(2, 100_000, "--wait", "10")
     server.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work")
     told = len(server.lines)
     machines.cable("trainer", "down")
@@ -170,6 +170,17 @@ def test_the_hub_is_found_in_its_network(machines, hub, start):
     hub("--announce", "10.217.1.255:5567")
     client = start(*machines.inside("simulators"), PYTHON, ROOT / "python" / KEY / "client.py", "--find", "5567")
     client.wait_for(f"^simulating CartPole for tcp://{HUB}:{PORT}$")
+
+
+def test_a_hub_that_cannot_be_heard_says_so_once(hub, simulators):
+    """A network without a router has no way to everybody."""
+    server = hub("--announce", "255.255.255.255:5567")
+    why = "Network is unreachable; give the broadcast address of your network, such as 192.168.0.255"
+    server.wait_for(f"^cannot announce at 255.255.255.255: {why}$")
+    # It tries once a second, and simulators take longer to start.
+    simulators(2)
+    assert server.stop() == 0
+    assert server.output.count("cannot announce") == 1
 
 
 # Hands on what comes, 20 ms later. A kernel could do that too, and many have not got what it takes.
