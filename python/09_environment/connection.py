@@ -72,11 +72,8 @@ class Connection:
             if answer := self.answer(min(end, time.monotonic() + AGAIN)):
                 if answer.kind == "error":
                     code, text = (str(answer.values.get(name, "not said")) for name in ("code", "text"))
-                    if code == "unknown-peer":
-                        # What is there now was started anew, as lesson 17's hub may be.
-                        why = "who simulates was started anew"
-                        break
-                    raise MessageError(code[:40], text[:200])
+                    # Lesson 17's hub knows nobody when it has been started anew.
+                    raise Lost("the hub is new") if code == "unknown-peer" else MessageError(code[:40], text[:200])
                 if answer.kind != ANSWERS.get(kind, answer.kind):
                     raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {kind}")
                 return answer

@@ -45,15 +45,13 @@ namespace NetMQExample
             }
             // The last events of NetMQ's sockets come by the thread pool, a moment after they are disposed, and Mono
             // can end when it aborts one. Others may use the pool for longer, and are not waited for.
-            for (var rest = 200; rest > 0 && Pooled(); rest--) Thread.Sleep(1);
-        };
-
-        private static bool Pooled()
-        {
             ThreadPool.GetMaxThreads(out var all, out _);
-            ThreadPool.GetAvailableThreads(out var free, out _);
-            return free < all;
-        }
+            for (int rest = 200, free = 0; rest > 0 && free < all; rest--)
+            {
+                Thread.Sleep(1);
+                ThreadPool.GetAvailableThreads(out free, out _);
+            }
+        };
 
         /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
         /// <exception cref="TimeoutException">NetMQ has not ended since the last user left.</exception>
@@ -141,8 +139,7 @@ namespace NetMQExample
         /// <returns>Its message, or everything that is known of it.</returns>
         public static string Why(Exception e) =>
             e is TimeoutException || e is ArgumentException || e is IOException || e is OperationCanceledException
-                ? e.Message
-                : e.ToString();
+                ? e.Message : e.ToString();
 
         /// <summary>What a peer sent, fit for one line of a log: no control characters, cut to a readable
         /// length.</summary>
@@ -153,8 +150,7 @@ namespace NetMQExample
         public static string Printable(string text, int most = 200)
         {
             var line = new StringBuilder();
-            var at = 0;
-            for (var length = 0; text != null && at < text.Length; length++)
+            for (int at = 0, length = 0; text != null && at < text.Length; length++)
             {
                 if (length == most) return line.Append('…').ToString();
                 // What lies beyond the first 65,536 characters, such as an emoji, takes two chars.
