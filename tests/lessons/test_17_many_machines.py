@@ -81,7 +81,8 @@ def test_what_is_played_over_the_hub_is_what_is_played_without(kind, serve, simu
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_whose_simulator_dies_is_begun_anew_elsewhere_and_counts_once(kind, serve, simulators, train, start):
-    hub, endpoint = serve(KEY)
+    # The first two go home after 15 s, and the third may take longer to start.
+    hub, endpoint = serve(KEY, "--idle", "600")
     simulators(endpoint, "python", "python")
     (mortal,) = simulators(endpoint, kind, words=["--crash-after", "50"])
     assert played(train(endpoint, 2, 20)) == returns(20)
@@ -92,7 +93,7 @@ def test_whose_simulator_dies_is_begun_anew_elsewhere_and_counts_once(kind, serv
 
 
 def test_what_a_straggler_is_late_with_is_asked_for_elsewhere(serve, simulators, train):
-    hub, endpoint = serve(KEY, "--late", "0.3")
+    hub, endpoint = serve(KEY, "--late", "0.3", "--idle", "600")
     simulators(endpoint, "python", words=["--delay", "3600"])
     simulators(endpoint, "python")
     assert played(train(endpoint, 1, 4)) == returns(4)
@@ -112,7 +113,7 @@ def test_another_build_is_refused_by_name_on_both_sides(kind, serve, start, clie
 
 
 def test_a_fleet_that_is_too_small_is_said(serve, simulators, train):
-    _, endpoint = serve(KEY, "--patience", "0.5")
+    _, endpoint = serve(KEY, "--patience", "0.5", "--idle", "600")
     simulators(endpoint, "python")
     simulators(endpoint, "python", words=["--crash-after", "20"])
     trainer = train(endpoint, 2, 20)
