@@ -57,7 +57,8 @@ class Connection:
             if not self.peer and (code := ended()) is not None:
                 raise TimeoutError(f"the launched simulator ended with code {code}, and never came to {self.endpoint}")
             if not self.peer and time.monotonic() > end:
-                raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; is it running?")
+                why = getattr(self.socket, "told", "is it running?")
+                raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; {why}")
 
     def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
         """The answer to a request; MessageError is the simulator's refusal, or says what is wrong with its answer."""
@@ -67,7 +68,7 @@ class Connection:
         end, why = time.monotonic() + self.patience, f"no answer to {kind} within {self.patience:g} s"
         while time.monotonic() < end:
             if not self.peer or not self.send(self.peer, kind, self.id, values, arrays):
-                why = "the simulator is gone"
+                why = getattr(self.socket, "gone", "the simulator is gone")
                 break
             if answer := self.answer(min(end, time.monotonic() + AGAIN)):
                 if answer.kind == "error":
@@ -92,12 +93,11 @@ class Connection:
 
     def receive(self) -> tuple[bytes, Message | None]:
         """Who sent something, and the message: none if nothing came, or nothing that is a message."""
-        peer = b""
         try:
             peer, *frames = self.socket.recv_multipart()
             return peer, read(frames)
         except zmq.Again:
-            return peer, None
+            return b"", None
         except MessageError as error:
             self.refuse(peer, error)
             if peer == self.peer:

@@ -30,7 +30,7 @@ class EnvironmentClient:
         endpoint: str,
         patience: float,
         report: Callable[[str], None] = print,
-        prepare: Callable[[zmq.Socket[bytes]], object] = lambda socket: None,
+        prepare: Callable[[zmq.Socket[bytes]], object] | None = None,
         idle: float = IDLE,
     ) -> None:
         """`prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`."""
@@ -51,7 +51,8 @@ class EnvironmentClient:
                 socket.linger, socket.maxmsgsize, socket.immediate = 0, 4 * LIMIT, True
                 # A pulled cable tells nobody. So a silent peer is asked, and taken for gone after a second.
                 socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 1000
-                self.prepare(socket)
+                if self.prepare:
+                    self.prepare(socket)
                 socket.connect(self.endpoint)
                 try:
                     return self.talk(socket, simulator, count)
@@ -66,7 +67,8 @@ class EnvironmentClient:
                     # Whoever refuses at once is not asked again at once.
                     time.sleep(min(TRY / 5, self.patience))
         waited = f"no environment at {self.endpoint} within {self.patience:g} s"
-        raise TimeoutError(f"{waited}; is the server running? ({self.why})")
+        keys = ", and has this simulator's key on its list" if self.prepare else ""
+        raise TimeoutError(f"{waited}; is the server running{keys}? ({self.why})")
 
     def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:
         limit = min(TRY, self.patience)

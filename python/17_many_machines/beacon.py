@@ -43,7 +43,8 @@ class Beacon:
 
 def find(port: int, key: bytes, patience: float) -> str:
     """The endpoint of the first hub that is heard and has this key; TimeoutError if there is none."""
-    end, others = time.monotonic() + patience, ""
+    end, own = time.monotonic() + patience, fingerprint(key)
+    why = "; is the hub started with --announce, on this network?"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
         # Several simulators of one machine listen on the same port.
         ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -56,8 +57,9 @@ def find(port: int, key: bytes, patience: float) -> str:
             with contextlib.suppress(TimeoutError):
                 datagram, (address, _) = ear.recvfrom(65_536)
                 told = re.fullmatch(rb"NMQX1 (\d{1,5}) ([0-9a-f]{16}|-)", datagram)
-                if told and told[2].decode() == fingerprint(key) and 0 < int(told[1]) < 65536:
+                if told and told[2].decode() == own and 0 < int(told[1]) < 65536:
                     return f"tcp://{address}:{int(told[1])}"
-                others = f", only of another key, {address}" if told else others
-    cure = "is the hub started with --announce, on this network?"
-    raise TimeoutError(f"no hub was heard on UDP port {port} within {patience:g} s{others}; {cure}")
+                if told and told[2].decode() != own:
+                    cure = "have both sides the same server.key?" if key else "give its keys"
+                    why = f", only {'of another key' if key else 'one that has keys'}, {address}; {cure}"
+    raise TimeoutError(f"no hub was heard on UDP port {port} within {patience:g} s{why}")

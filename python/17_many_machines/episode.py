@@ -25,7 +25,8 @@ class Episode:
     def __init__(self, reset: Message, ready: Callable[[], object]) -> None:
         self.requests, self.ready, self.runs = [reset], ready, list["Member"]()
         self.answer: Message | None = None
-        self.leased, self.lost, self.seen = False, 0, list[Array]()
+        # `lost`: how many simulators in a row, each when it had done `lost_at` requests.
+        self.leased, self.lost, self.lost_at, self.seen = False, 0, 0, list[Array]()
         # Of its last request, or of the loss of who was to answer it.
         self.since = time.monotonic()
 
@@ -55,8 +56,9 @@ class Episode:
 
     def lost_by(self, run: "Member") -> None:
         self.runs.remove(run)
-        run.episode = None
-        self.lost, self.since = self.lost + 1, time.monotonic()
+        run.episode, self.since = None, time.monotonic()
+        # Simulators that die by chance do so anywhere, also while they do the episode again.
+        self.lost, self.lost_at = self.lost + 1 if run.done == self.lost_at else 1, run.done
 
     def release(self) -> None:
         for run in self.runs:

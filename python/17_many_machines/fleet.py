@@ -31,6 +31,9 @@ SILENCE = 2.0
 class FleetSocket:
     """`prepare` gets each new socket before it connects."""
 
+    # What the environment says of a peer to which nothing can be sent.
+    gone = "the hub is gone"
+
     def __init__(self, endpoint: str, name: str, areas: int, prepare: Callable[[Any], object] | None = None) -> None:
         port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", endpoint, re.ASCII)
         if not port or not 0 < int(port[1]) < 65536:
@@ -38,17 +41,21 @@ class FleetSocket:
         self.endpoint, self.join = endpoint, Message("join", 0, {"name": name, "areas": areas})
         self.context, self.prepare = zmq.Context(), prepare
         self.socket = self.context.socket(zmq.DEALER)
-        # When it has said something; and what the hub has told of a trainer that waits.
-        self.said, self.waits, self.told = 0.0, True, ""
+        # When it has said something; and what is known of the hub, which the environment gives up with.
+        self.said, self.waits, self.told = 0.0, True, "is the hub running?"
 
     def recv_multipart(self) -> list[bytes]:
         if time.monotonic() > self.said + SILENCE:
             self.open()
         frames = self.socket.recv_multipart()
-        if self.waits and (message := read(frames)).kind == "alive":
-            self.said = time.monotonic()
-            self.tell(message)
-            raise zmq.Again
+        if self.waits:
+            message = read(frames)
+            if message.kind == "alive":
+                self.said = time.monotonic()
+                self.tell(message)
+                raise zmq.Again
+            if message.kind == "hello":
+                self.say(f"the hub has given this trainer {self.join.values['areas']} simulators")
         return [PEER, *frames]
 
     def send_multipart(self, frames: list[Any], flags: int = 0) -> None:
@@ -68,7 +75,9 @@ class FleetSocket:
 
     def open(self) -> None:
         """A new socket each time: one that was refused once never tries again."""
-        if self.waits and self.said:
+        if not self.waits:
+            self.say(f"asking the hub at {self.endpoint} anew")
+        elif self.said:
             self.say(f"no answer from a hub at {self.endpoint}: is it there, and is this trainer's key on its list?")
         self.waits = True
         self.socket.close()

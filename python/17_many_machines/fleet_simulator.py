@@ -51,8 +51,8 @@ class FleetSimulator(Simulator):
         return super().do(request)
 
 
-def way_to_hub(options: argparse.Namespace) -> tuple[str, Callable[[zmq.Socket[bytes]], object]]:
+def way_to_hub(options: argparse.Namespace) -> tuple[str, Callable[[zmq.Socket[bytes]], object] | None]:
     """Its endpoint, which may have to be found, and what gives a socket its keys, if there are any."""
     keys = ClientKeys(Path(options.keys)) if options.keys else None
     place = find(options.find, keys.server if keys else b"", options.patience) if options.find else options.endpoint
-    return place, keys.apply if keys else lambda socket: None
+    return place, keys.apply if keys else None

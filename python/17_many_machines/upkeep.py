@@ -61,7 +61,7 @@ def serve(hub: Hub, trainer: Trainer, now: float) -> None:
         trainer.kept = Message("alive", 0, {"simulators": members, "taken": taken})
     for episode in trainer.under_way():
         if episode.lost >= LOST:
-            where = f"request {len(episode.requests)} of an episode"
+            where = f"request {episode.lost_at + 1} of an episode"
             trainer.give_up(f"{LOST} simulators, one after the other, were lost at {where}: see what they say")
             return
         if not episode.runs and now > episode.since + hub.options.patience:

@@ -937,6 +937,9 @@ def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
     """Where nothing fits, pip says so; what is asked of it is what matters."""
     program = start(PYTHON, KIT, "pack", tmp_path, "--system", "windows", "--python", "3.13", PIP_NO_INDEX="1")
     code = program.wait(300)
-    assert "for windows, Python 3.13 …" in program.output
     assert "Traceback" not in program.output
-    assert code == 0 or re.search(r"kit    \| (pip could not fetch them|no .NET SDK)", program.output), program.output
+    if not shutil.which("dotnet"):
+        assert code == 1 and "no .NET SDK 8 or later here: get it from" in program.output, program.output
+        return
+    assert "for windows, Python 3.13 …" in program.output
+    assert code == 0 or "kit    | pip could not fetch them" in program.output, program.output

@@ -273,6 +273,7 @@ def test_a_request_that_is_too_large_is_not_read(serve, context):
         assert ask(context, endpoint, b"Hello") == [b"World"]
         assert not rude.poll(0)
         rude.disable_monitor()
+    server.wait_for("^sent b'World'$")
     assert server.stop() == 0
     assert server.lines == [f"listening on {endpoint}", "sent b'World'"]
 

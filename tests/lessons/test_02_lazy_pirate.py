@@ -77,6 +77,8 @@ def test_ten_additions(kind, pirate_server, start, client_command):
     client = start(*client_command(kind, KEY, endpoint, "--patience", "20"))
     assert client.wait() == 0, client.output
     assert client.lines == [f"asking {endpoint}", *received(range(1, 11)), "done: 10 replies"]
+    # The server prints after it has replied: its last line may come later than the client's end.
+    server.wait_for("^request 10, ")
     assert server.stop() == 0
     assert re.fullmatch(r"journal \S*journal\.sqlite3, balance 0", server.lines[0])
     assert server.lines[1] == f"listening on {endpoint}"
@@ -93,7 +95,7 @@ def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, pirate_
     i = fate(server, "dropped")
     assert retry(i, 2) in client.lines
     assert replies(client) == received([1, 2, 3])
-    assert re.search(rf"b'{i}-\w+': '{i}', from the journal", server.output)
+    server.wait_for(rf"b'{i}-\w+': '{i}', from the journal")
 
 
 @clients
@@ -106,6 +108,7 @@ def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, clie
     again, _ = pirate_server(endpoint=endpoint)
     assert client.wait() == 0, client.output
     assert again.lines[0].endswith(f"balance {i}"), "the crash came after the commit"
+    again.wait_for("^request 1, ")
     assert re.fullmatch(rf"request 1, b'{i}-\w+': '{i}', from the journal", again.lines[2])
     assert replies(client) == received(range(1, 6))
     assert retry(i, 2) in client.lines
@@ -359,6 +362,7 @@ def test_what_a_client_sends_is_printed_without_harm(serve, journal, context):
     for request_id in (b"\xff", b"\x1b[2J\r\nfake\x07", "grün ✓".encode(), b"x" * 100):
         assert ask(context, endpoint, request_id, b"add 1")[0] == request_id
     assert ask(context, endpoint, b"z" * 60_000, b"add 1")[1].startswith(b"error: ")
+    server.wait_for("^request 4, ")
     assert server.stop() == 0
     assert server.lines[2:] == [
         r"request 1, b'\xff': '1'",
@@ -379,6 +383,7 @@ def test_a_request_that_is_too_large_is_not_read(pirate_server, context):
         assert monitor.poll(20_000), "it is still connected"
         assert ask(context, endpoint, b"1", b"add 1") == [b"1", b"1"]
         rude.disable_monitor()
+    server.wait_for("^request 1, ")
     assert server.stop() == 0
     assert len(server.lines) == 3
 

@@ -170,6 +170,8 @@ def test_ten_requests(kind, serve, start, client_command):
     # In Unity another component counts the frames, after it is done.
     assert re.fullmatch(FRAMES, client.lines[-1 if kind == "unity" else -2])
     assert "done: 10 replies" in client.lines
+    # The server prints after it has replied: its last line may come later than the client's end.
+    server.wait_for("^10: sent")
     assert server.stop() == 0
     assert server.lines == [f"listening on {endpoint}", *(f"{i}: sent b'world'" for i in range(1, 11))]
 

@@ -282,8 +282,9 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
             assert HARM not in rude.recv_multipart()[-1:]
         # While the stranger is still there: when one that sends REP no empty frame leaves at once, libzmq up to 4.3.5
         # loses the next client's reply, and asking again is lesson 02.
-        count = ["--count", "1"] if "--count" in options(client_of(key)) else []
-        client = start(*client_command("python", key, endpoint, *others(server), *count))
+        words = ["--count", "1"] if "--count" in options(client_of(key)) else []
+        words += ["--patience", "20"] if takes(key, "python", "--patience") else []
+        client = start(*client_command("python", key, endpoint, *others(server), *words))
         assert client.wait() == 0, client.output
     assert server.stop() == 0, server.output
     assert "Traceback" not in server.output

@@ -19,6 +19,8 @@ from tests.unity.conftest import Editor
 # They share what was built.
 pytestmark = pytest.mark.xdist_group("player")
 WINDOW = "menu Tools/NetMQ Example/Lessons"
+# Where the kit has no .venv, the window takes the first python3: here that of the tests, which has what they need.
+OURS = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 
 
 def test_the_stand_in_has_unitys_signatures(editor_dll: Path) -> None:
@@ -41,7 +43,7 @@ def test_a_server_outlives_a_reload_and_ends_with_the_editor(
     runtime: str, editor: Callable[..., Editor], project: Path
 ) -> None:
     mark = Mark()
-    unity = editor(project, runtime, **mark.environment)
+    unity = editor(project, runtime, **mark.environment, PATH=OURS)
     unity.do(WINDOW)
     unity.do(f"folder {ROOT}")
     unity.do("press Choose the kit's folder")
@@ -81,7 +83,7 @@ def test_the_next_editor_finds_the_server_of_one_that_crashed(
         return [number for number, command in mark.processes().items() if "server.py" in command]
 
     try:
-        crashed = editor(project, runtime, **mark.environment)
+        crashed = editor(project, runtime, **mark.environment, PATH=OURS)
         crashed.do(WINDOW)
         crashed.do(f"folder {ROOT}")
         crashed.do("press Choose the kit's folder")

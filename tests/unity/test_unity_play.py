@@ -11,6 +11,7 @@ import contextlib
 import re
 import shutil
 import socket
+import statistics
 import subprocess
 import sys
 import threading
@@ -24,13 +25,15 @@ import pytest
 
 from kitlib import lessons
 from kitlib.setup import dotnet
-from tests.programs import ROOT, Program, steady_port, two_ports
+from tests.programs import LIMIT, ROOT, Program, steady_port, two_ports
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 import keys
 
-# All waits of a Stop share 200 ms. A busy machine wakes it later than that; a wait that they do not share is longer.
+# All waits of a Stop share 200 ms. A busy machine wakes it later than that, now and then much later. A wait that they
+# do not share makes every Stop longer, and one for a reply takes more than a second.
 STOP_LIMIT = 400.0
+ONE_STOP_LIMIT = 1000.0
 # It waits at most five seconds for what Stop did not. On a busy machine all takes longer; a hang has no end.
 UNLOAD_LIMIT = 10_000.0
 RUNTIMES = ("mono", ".net")
@@ -51,6 +54,8 @@ class Row:
     condition: str
     plays: int = 0
     stops: list[float] = field(default_factory=list)
+    # The Stops without the time for which the machine had no core.
+    worked: list[float] = field(default_factory=list)
     unloads: list[float] = field(default_factory=list)
     uncollected: int = 0
     threads: int = 0
@@ -113,7 +118,7 @@ class Editor:
         self.wait_for("^ready$")
         self.before = self.count()
 
-    def wait_for(self, pattern: str, limit: float = 30) -> re.Match[str]:
+    def wait_for(self, pattern: str, limit: float = LIMIT) -> re.Match[str]:
         """The next line that matches, after the last one that was waited for."""
         found = self.program.wait_for(pattern, limit, self.said)
         self.said = 1 + next(
@@ -140,10 +145,10 @@ class Editor:
     def stop_in_time(self) -> None:
         before = self.without_a_core()
         self.press("stop")
-        took = float(self.wait_for(r"^stopped in ([\d.]+) ms", limit=10)[1])
+        took = float(self.wait_for(r"^stopped in ([\d.]+) ms")[1])
         stalled = self.stalled(before)
         self.row.stops.append(took)
-        ready = self.wait_for(r"^ready$|^unloaded in ([\d.]+) ms|^not collected", limit=10)
+        ready = self.wait_for(r"^ready$|^unloaded in ([\d.]+) ms|^not collected")
         if ready[1]:
             self.row.unloads.append(float(ready[1]))
             assert self.row.unloads[-1] <= UNLOAD_LIMIT, f"the domain took {ready[1]} ms to unload"
@@ -151,7 +156,8 @@ class Editor:
         if ready[0] != "ready":
             self.wait_for("^ready$")
         # That a thread was ready to run, and the machine had no core for it, is not the scripts' fault.
-        assert took <= STOP_LIMIT or took - stalled <= STOP_LIMIT, (
+        self.row.worked.append(took - stalled)
+        assert self.row.worked[-1] <= ONE_STOP_LIMIT, (
             f"Stop of Play {self.row.plays} took {took} ms, {stalled:.0f} of them without a core; "
             f"printed:\n{self.program.output[-3000:]}"
         )
@@ -224,6 +230,8 @@ def editor(engine: dotnet.Engine, harness: Path, summary: Summary, tmp_path: Pat
     yield open_editor
     for one in opened:
         one.program.kill()
+    for worked in [one.row.worked for one in opened if len(one.row.worked) >= 3]:
+        assert statistics.median(worked) <= STOP_LIMIT, f"Stops took {worked} ms"
 
 
 def needs_mono(engine: dotnet.Engine) -> None:
@@ -361,7 +369,8 @@ def test_a_recompile_while_playing(runtime: str, editor: Callable[..., Any], ser
         before = unity.without_a_core()
         unity.press("recompile")
         took = float(unity.wait_for(r"^recompiled in ([\d.]+) ms")[1])
-        assert took - unity.stalled(before) <= STOP_LIMIT
+        unity.row.worked.append(took - unity.stalled(before))
+        assert unity.row.worked[-1] <= ONE_STOP_LIMIT
         news = unity.said
         for _ in range(3):
             unity.wait_for("^2: sent Hello, received World")

@@ -201,16 +201,19 @@ namespace NetMQExample.PlayTest
             var thing = new GameObject(name);
             thing.SetActive(false);
             foreach (var script in types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))))
+            {
+                var asksAgain = Inspector.Fields(script.GetType()).Any(field => field.Name == "tries");
                 foreach (var field in Inspector.Fields(script.GetType()))
                 {
                     if (field.GetValue(script) is string text && text.Contains("://127.0.0.1:")) field.SetValue(script, endpoint);
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
-                    // These give up at the first reply that is late, which is no question here.
-                    if ((script is HelloWeb || script is HelloClient) && field.Name == "patience") field.SetValue(script, 20f);
+                    // Who asks once gives up at the first reply that is late, which is no question here.
+                    if (field.Name == "patience" && field.GetValue(script) is float patience && !asksAgain) field.SetValue(script, Math.Max(patience, 20f));
                     // As a rule so many that it is still asking when Stop comes.
                     if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : script is TalkingCharacter ? Math.Min(count, 200) : count);
                 }
+            }
             thing.SetActive(on);
             return thing;
         }

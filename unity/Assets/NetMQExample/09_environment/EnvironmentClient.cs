@@ -76,8 +76,9 @@ namespace NetMQExample
                     stop.WaitHandle.WaitOne(patience < Try ? patience : Try / 5);
                 }
             }
-            throw new TimeoutException(FormattableString.Invariant(
-                $"no environment at {endpoint} within {patience.TotalSeconds} s; is the server running? ({why})"));
+            var keys = NetMQConnection.Prepare == null ? "" : ", and has this simulator's key on its list";
+            throw new TimeoutException(FormattableString.Invariant($"no environment at {endpoint} within ")
+                + FormattableString.Invariant($"{patience.TotalSeconds} s; is the server running{keys}? ({why})"));
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>

@@ -31,7 +31,8 @@ namespace NetMQExample
         /// <exception cref="TimeoutException">None was heard; the message says what to try.</exception>
         public static string Find(int port, string serverKey, TimeSpan patience, CancellationToken stop = default)
         {
-            var (waited, others, own) = (Stopwatch.StartNew(), "", Fingerprint(serverKey));
+            var (waited, own) = (Stopwatch.StartNew(), Fingerprint(serverKey));
+            var why = "; is the hub started with --announce, on this network?";
             using var ear = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
             // Several simulators of one machine listen on the same port.
             ear.SetSocketOption(SocketOptionLevel.Socket, SocketOptionName.ReuseAddress, true);
@@ -51,11 +52,12 @@ namespace NetMQExample
                 var address = ((IPEndPoint)sender).Address;
                 var place = told.Success ? int.Parse(told.Groups[1].Value, CultureInfo.InvariantCulture) : 0;
                 if (place > 0 && place < 65536 && told.Groups[2].Value == own) return $"tcp://{address}:{place}";
-                if (told.Success) others = $", only of another key, {address}";
+                if (told.Success && told.Groups[2].Value != own)
+                    why = own == "-" ? $", only one that has keys, {address}; give its keys"
+                        : $", only of another key, {address}; have both sides the same server.key?";
             }
             throw new TimeoutException(FormattableString.Invariant(
-                $"no hub was heard on UDP port {port} within {patience.TotalSeconds} s{others}; ")
-                + "is the hub started with --announce, on this network?");
+                $"no hub was heard on UDP port {port} within {patience.TotalSeconds} s{why}"));
         }
 
         private static string Fingerprint(string key)
