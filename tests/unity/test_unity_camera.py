@@ -236,6 +236,9 @@ def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harnes
                     time.sleep(0.01)
                 over.set()
                 thread.join()
+                # On a busy machine the car may have braked before.
+                drove = [i for i, line in enumerate(client.lines) if line == "an action again: driving on"]
+                begin = max(drove, default=0)
                 client.wait_for("^trouble: no reply from .* within 0.4 s; is the server running", start=begin)
                 client.wait_for("^trouble: no action for 0.5 s: braking$", start=begin)
         client.wait_for("^an action again: driving on$", start=begin)

@@ -9,9 +9,6 @@ namespace NetMQExample.PlayTest
     /// <summary>Leaves a job on the thread pool, which prints a line at its end.</summary>
     public sealed class PooledJob : MonoBehaviour
     {
-        // As all of them; it asks nobody.
-        public string endpoint;
-
         private void OnEnable() => RuntimeHelpers.RunClassConstructor(typeof(NetMQLifetime).TypeHandle);
 
         private void OnDestroy()

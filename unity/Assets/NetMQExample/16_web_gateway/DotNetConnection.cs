@@ -19,6 +19,8 @@ namespace NetMQExample
         // .NET leaves a connection open that comes about just when nobody waits for it any more: it may do so first.
         // Mono, and so Unity's editor, does not, and recompiled scripts must not be waited for there.
         private static readonly bool WaitsForIt = Type.GetType("Mono.Runtime") == null;
+        // How many are at work on the thread pool.
+        private static int running;
         private readonly ConcurrentQueue<string> received = new ConcurrentQueue<string>();
         private readonly CancellationTokenSource stop = new CancellationTokenSource();
         private readonly ClientWebSocket socket = new ClientWebSocket();
@@ -26,10 +28,18 @@ namespace NetMQExample
         private volatile bool open;
         private Task sending = Task.CompletedTask;
 
+        // Who begins to connect only now, in the midst of an assembly reload, starts threads that nobody ends, and Mono
+        // can end itself of that. All have been told to leave, and most often nobody is left.
+        static DotNetConnection() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
+        {
+            for (var rest = 1000; rest > 0 && Volatile.Read(ref running) > 0; rest--) Thread.Sleep(1);
+        };
+
         /// <summary>Begins to connect.</summary>
         /// <param name="address">A <c>ws://</c> or <c>wss://</c> address.</param>
         public DotNetConnection(string address)
         {
+            Interlocked.Increment(ref running);
             // On Unity's own thread everything after an await would wait for the next frame.
             Task.Run(() => Run(address));
         }
@@ -67,9 +77,12 @@ namespace NetMQExample
                 // The way to this machine needs no proxy, whatever the system has set.
                 socket.Options.Proxy = null;
                 using var patience = new CancellationTokenSource();
-                using var stopped = stop.Token.Register(() => patience.CancelAfter(1000));
-                var soon = WaitsForIt ? patience.Token : stop.Token;
-                await socket.ConnectAsync(new Uri(address), soon).ConfigureAwait(false);
+                using var stopped = stop.Token.Register(() =>
+                {
+                    if (WaitsForIt) patience.CancelAfter(1000);
+                    else patience.Cancel();
+                });
+                await socket.ConnectAsync(new Uri(address), patience.Token).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
                 closed ??= socket.CloseStatusDescription ?? "the other side has left";
@@ -77,7 +90,11 @@ namespace NetMQExample
             // Whatever it is: the caller reads it.
             catch (Exception e) { closed ??= e.Message; }
             // Not from another thread: a WebSocket that is disposed while it connects leaves its connection open.
-            finally { socket.Dispose(); }
+            finally
+            {
+                socket.Dispose();
+                Interlocked.Decrement(ref running);
+            }
         }
 
         private async Task<string> Receive()
