@@ -103,7 +103,8 @@ def test_a_server_that_was_started_again_is_told_again(kind, serve, start, clien
     client.wait_for("^20: ")
     server.kill()
     again, _ = serve(KEY, endpoint=endpoint)
-    assert client.wait() == 0, client.output[-2000:]
+    # A frame for each, and 2000 of them take a busy machine more than a minute.
+    assert client.wait(240) == 0, client.output[-2000:]
     assert client.lines.count("From Python : Hello") == 2
     assert [line for line in client.lines if re.match(r"\d+: ", line)][-1].startswith("2000: ")
     assert again.stop() == 0
