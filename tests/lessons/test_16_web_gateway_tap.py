@@ -95,10 +95,13 @@ def test_trouble_is_what_lesson_02_is_made_for(fate, client, serve, tap, client_
     """Message 3 is the second request: 1 is added all the same, and once."""
     server, endpoint = serve("02_lazy_pirate")
     _, endpoint, page = tap(endpoint, f"--{fate}", "3")
-    asking = start(*client_command(client, "02_lazy_pirate", endpoint, "--count", "3"), folder=tmp_path)
+    # The first request, which a busy machine may take long for, must need one try only. What is late is so by a second.
+    patience = "0.5" if fate == "delay" else "3"
+    words = client_command(client, "02_lazy_pirate", endpoint, "--count", "3", "--patience", patience)
+    asking = start(*words, folder=tmp_path)
     assert asking.wait() == 0, asking.output
     assert "3: sent add 1, received 3" in asking.lines
-    assert ("2: no reply within 0.5 s; try 2 of 5" in asking.lines) == (fate != "double")
+    assert (f"2: no reply within {patience} s; try 2 of 5" in asking.lines) == (fate != "double")
     assert arrow(page, 4)["text"] == fate
     # What was only late or came twice reaches the server, which knows it.
     server.wait_for("from the journal") if fate in ("double", "delay") else None
