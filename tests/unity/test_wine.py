@@ -28,7 +28,7 @@ WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "w
 ENDLESS = {"20_body_tracking": ["--set", "count=150"]}
 KEYS = [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.cs"))]
 # Wine's own mistake (server/sock.c, send_socket): while it still notes the end of one thread's send, it refuses
-# another thread's on the same socket. NetMQ's reaper writes to itself and ends of that, once in some 2,000 Plays.
+# another thread's on the same socket. NetMQ's reaper writes to itself and ends of that, once in some 3,000 Plays.
 WINES_OWN = "SocketException (10035)"
 # Far from what a Stop takes (60 ms), and from what one takes that waits for something.
 STOP_LIMIT = 2000
