@@ -34,9 +34,8 @@ class RemoteAreas:
         # With the seed that each was made of.
         self.random, self.seen = [seeding.np_random() for _ in range(count)], list[Array]()
         self.steps, self.spaces, self.fps = np.zeros(count, int), list[Any](), 0
-        most = np.finfo(np.float64).max
+        most, self.pictures = np.finfo(np.float64).max, count * [np.zeros((240, 320, 3), np.uint8)]
         self.rewards, self.flags = Box(-most, most, (count,), np.float64), Box(0, 1, (count,), np.uint8)
-        self.pictures = count * [np.zeros((240, 320, 3), np.uint8)]
         self.simulators = Simulators(default=ENDPOINT, **where)
         self.ask = self.simulators.connection.ask
 
@@ -50,19 +49,22 @@ class RemoteAreas:
             raise MessageError("too-big", f"{most} bytes of {self.count} areas are more than a message has, {LIMIT}")
         self.fps, self.seen_space = round(1 / max(1e-3, dt)), batch_space(self.spaces[0], self.count)
 
-    def begin(self, mask: Any, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, list[Any]]:
+    def begin(self, mask: Any, seed: Any = None, options: Any = None, tries: int = 3) -> tuple[Any, list[Any]]:
         """What is seen, and the infos. In another simulator all areas begin anew: those not asked to were lost."""
-        why, left, (values, state) = "", np.zeros(self.count, bool), sendable(options)
+        values, state = sendable(options)
         try:
             answer = self.ask("reset", values, self.lots(mask, seed) + state)
         except Lost as lost:
+            # The next one may be lost as well: lesson 17's hub is started anew just then. Or each one ends of a reset.
+            if tries == 1:
+                raise
             self.simulators.find(self.accept)
-            why, left, mask = str(lost), ~mask, mask | True
-            answer = self.ask("reset", values, self.lots(mask, seed) + state)
-        self.steps[mask] = 0
-        seen, *_, infos = self.read(answer)
-        for area in np.flatnonzero(left):
-            infos[area]["lost"] = why
+            seen, infos = self.begin(mask | True, seed, options, tries - 1)
+            for area in np.flatnonzero(~mask):
+                infos[area]["lost"] = str(lost)
+        else:
+            self.steps[mask] = 0
+            seen, *_, infos = self.read(answer)
         return seen, infos
 
     def step(self, actions: Any, again: Any) -> tuple[Any, Any, Any, Any, list[dict[str, Any]]]:

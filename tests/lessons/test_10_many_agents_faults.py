@@ -23,6 +23,7 @@ import vector  # noqa: E402, F401
 from agents import AgentSimulator  # noqa: E402
 from areas import AreaSimulator  # noqa: E402
 from cart_pole import CartPole  # noqa: E402
+from connection import Lost  # noqa: E402
 from infos import LIMIT as LONGEST  # noqa: E402
 from infos import pack  # noqa: E402
 from messages import Message, MessageError, read  # noqa: E402
@@ -135,13 +136,34 @@ def test_a_killed_simulator_ends_the_game_and_the_next_one_starts_another(kind, 
     assert all(np.array_equal(again[agent], begin[agent]) for agent in actions)
 
 
+def test_who_is_lost_at_the_reset_as_well_begins_once_more(made, monkeypatch):
+    """Such as when lesson 17's hub is started anew twice; and whom each reset ends is given up."""
+    envs = made("areas", "python")
+    seen, _ = envs.reset(seed=1)
+    ask, fates = envs.areas.ask, ["lost", "lost", "answered", *3 * ["lost"]]
+    monkeypatch.setattr(envs.areas.simulators, "find", lambda accept: None)
+
+    def lossy(*request):
+        if fates.pop(0) == "lost":
+            raise Lost("it is gone")
+        return ask(*request)
+
+    envs.areas.ask = lossy
+    again, infos = envs.reset(seed=1, options={"reset_mask": np.array([True, False, False])})
+    assert np.array_equal(again, seen), "all of them begin"
+    assert infos["_lost"].tolist() == [False, True, True], "and those that were not asked to were lost"
+    with pytest.raises(Lost, match="it is gone"):
+        envs.reset(seed=1)
+    assert not fates
+
+
 # Wrong
 
 
 @each_terminal
 def test_another_number_of_areas_is_one_clear_line(kind, serve, start, client_command):
     server, endpoint = serve(KEY, "--world", "CartPole", "--areas", "16")
-    words = ["--world", "CartPole", "--areas", "8", "--patience", "2"]
+    words = ["--world", "CartPole", "--areas", "8", "--patience", "5"]
     client = start(*client_command(kind, KEY, endpoint, *words))
     text = "wrong-areas: num_envs is 16, the simulator has 8: start it with --areas 16, or put 16 areas below it"
     assert client.wait() == 1
