@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import shutil
 import subprocess
@@ -16,6 +17,23 @@ from kitlib.setup import dotnet
 from tests.programs import LIMIT, ROOT, Program
 
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
+# What is wrong below us, and by what it is known. Wine, while it still notes the end of one thread's send, refuses
+# another thread's on the same socket (server/sock.c, send_socket): NetMQ's reaper, which writes to itself, ends of that
+# once in 3,000 Plays. Mono 6.8, when it frees an AppDomain, aborts if an old copy of its table of compiled methods,
+# which a thread has just read, is still there (mono/metadata/domain.c, 1240): once in some 3,500 reloads of lesson 16.
+NOT_OURS = ("SocketException (10035)", "condition `domain->num_jit_info_table_duplicates == 0' not met")
+
+
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool:
+    """Once more, if it was one of these."""
+    fixtures = {name: pyfuncitem.funcargs[name] for name in inspect.signature(pyfuncitem.obj).parameters}
+    try:
+        pyfuncitem.obj(**fixtures)
+    except AssertionError as error:
+        if not any(fault in str(error) for fault in NOT_OURS):
+            raise
+        pyfuncitem.obj(**fixtures)
+    return True
 
 
 class Editor:

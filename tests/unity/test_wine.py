@@ -6,7 +6,6 @@ Windows code: what would fail there in the first minute fails here.
 
 from __future__ import annotations
 
-import functools
 import os
 import shutil
 import subprocess
@@ -27,31 +26,15 @@ WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "w
 # What goes on until Stop if nobody says otherwise.
 ENDLESS = {"20_body_tracking": ["--set", "count=150"]}
 KEYS = [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.cs"))]
-# Wine's own mistake (server/sock.c, send_socket): while it still notes the end of one thread's send, it refuses
-# another thread's on the same socket. NetMQ's reaper writes to itself and ends of that, once in some 3,000 Plays.
-WINES_OWN = "SocketException (10035)"
 # Far from what a Stop takes (60 ms), and from what one takes that waits for something.
 STOP_LIMIT = 2000
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="this is Windows itself"),
     pytest.mark.skipif(not WINE, reason="no wine64 here (on Debian: apt install wine64)"),
-    pytest.mark.timeout(600),
+    pytest.mark.timeout(1200),
     # One build for .NET of Windows, and one Windows.
     pytest.mark.xdist_group("wine"),
 ]
-
-
-def again_if_wine_failed(test: Callable[..., None]) -> Callable[..., None]:
-    @functools.wraps(test)
-    def run(**fixtures: Any) -> None:
-        try:
-            test(**fixtures)
-        except AssertionError as error:
-            if WINES_OWN not in str(error):
-                raise
-            test(**fixtures)
-
-    return run
 
 
 @pytest.fixture(scope="module")
@@ -102,15 +85,19 @@ def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
 
 @pytest.mark.parametrize("unity", [False, True], ids=["twin", "unity"])
 @pytest.mark.parametrize("key", KEYS)
-@again_if_wine_failed
 def test_a_client(
     key: str, unity: bool, wine: Callable[..., Program], serve: Callable[..., Any], tmp_path: Path
 ) -> None:
     endpoint = serve(key, endpoint=two_ports())[1]
+    # The first request takes seconds on a busy machine. Whoever has many areas asks in none of them.
+    patient = [] if unity and key[:2] in ("10", "11", "17") else ["--patience", "60"]
     client = wine(
         "csharp-console.exe",
         key,
-        *(["--unity", "--set", f"endpoint={endpoint}", *ENDLESS.get(key, [])] if unity else ["--endpoint", endpoint]),
+        *(["--unity", *ENDLESS.get(key, [])] if unity else []),
+        "--endpoint",
+        endpoint,
+        *patient,
         # The server's, which has made keys there.
         folder=tmp_path,
     )
@@ -118,7 +105,6 @@ def test_a_client(
     assert not [line for line in client.lines if "gave up" in line], client.output
 
 
-@again_if_wine_failed
 def test_a_client_without_a_server(wine: Callable[..., Program]) -> None:
     client = wine("csharp-console.exe", "1", "--endpoint", f"tcp://127.0.0.1:{free_port()}", "--patience", "1")
     assert client.wait(400) == 1, client.output
@@ -127,7 +113,6 @@ def test_a_client_without_a_server(wine: Callable[..., Program]) -> None:
 
 @pytest.mark.parametrize("server", ["up", "absent"])
 @pytest.mark.parametrize("key", KEYS)
-@again_if_wine_failed
 def test_play_and_stop(key: str, server: str, wine: Callable[..., Program], serve: Callable[..., Any]) -> None:
     """On the same statics, as with domain reload off."""
     endpoint = serve(key, endpoint=two_ports())[1] if server == "up" else f"tcp://127.0.0.1:{free_port()}"
