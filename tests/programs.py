@@ -20,7 +20,7 @@ from kitlib.lessons import KitError
 
 ROOT = Path(__file__).resolve().parent.parent
 # Generous, since it only decides how long a broken program is waited for.
-LIMIT = 60.0
+LIMIT = 120.0
 
 
 def free_port() -> int:

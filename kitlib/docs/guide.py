@@ -43,7 +43,7 @@ BLOCK = re.compile(
     r"(?:<!-- (?P<mark>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL
 )
 SIDES = ("server", "client")
-LIMIT = 240
+LIMIT = 500
 
 
 @dataclass(frozen=True)

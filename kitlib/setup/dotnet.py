@@ -240,7 +240,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
         kit = [path for path in own if of_the_kit(path)]
         names = [str(path).replace("%", "%25").replace(";", "%3B") for path in own if path not in kit]
         environment = {**ENVIRONMENT, "OwnScripts": ";".join(names), "KitScripts": ";".join(path.stem for path in kit)}
-        result = step(f"building {name} with {engine.name}", ["dotnet", "build", project, *words], 300, environment)
+        result = step(f"building {name} with {engine.name}", ["dotnet", "build", project, *words], 500, environment)
         if not result.ok:
             raise KitError(own_failure(result) if own else failure(result))
         keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))

@@ -106,7 +106,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     words = ["-warnaserror", "-p:NoWarn=NU1603", "-o", tmp_path / "out"]
     command = ["dotnet", "build", project, *engine.properties, *words]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=280, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=environment)
     assert done.returncode == 0, done.stdout
     _, endpoint = serve("01_request_reply")
     done = subprocess.run(

@@ -38,7 +38,7 @@ def quick(engine):
 
 # Some twenty seconds, but it builds programs and takes what other work leaves of the processor.
 # It measures: not beside Play and Stop.
-pytestmark = [pytest.mark.timeout(600), pytest.mark.xdist_group("times")]
+pytestmark = [pytest.mark.timeout(1200), pytest.mark.xdist_group("times")]
 
 
 def labels(results, title):

@@ -210,7 +210,7 @@ def test_a_busy_server_ends_at_once_and_leaves_its_port(how, serve, context):
         asker.connect(endpoint)
         asker.send(b"Hello")
     # The contract says half a second; the rest is the interpreter's own end on a busy machine.
-    assert server.stop(how, limit=5) == 0
+    assert server.stop(how, limit=30) == 0
     assert "Traceback" not in server.output
     again, same = serve(KEY, endpoint=endpoint)
     assert same == endpoint
@@ -283,7 +283,7 @@ def test_a_reply_that_is_too_large_is_not_read(kind, start, client_command, cont
     with context.socket(zmq.REP) as rep:
         rep.linger = 0
         port = rep.bind_to_random_port("tcp://127.0.0.1")
-        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--patience", "2"))
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--patience", "6"))
         assert rep.poll(20_000)
         rep.recv()
         rep.send(b"x" * 10_000_000)

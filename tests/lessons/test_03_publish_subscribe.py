@@ -112,7 +112,7 @@ def subscribed(stream):
 )
 def test_newest_only(kind, how, fake, listen):
     """While the listener works on 1, the others arrive; it then takes the last of them."""
-    client = listen(kind, where(fake), "--count", "2", "--every", "1", "--work", "2", how)
+    client = listen(kind, where(fake), "--count", "2", "--every", "1", "--work", "5", how)
     assert subscribed(fake) == b"\x01pose/"
     fake.send(b"pose/ 1")
     client.wait_for("^received pose/ 1$")
@@ -211,5 +211,5 @@ def test_an_endless_subscription_costs_nothing(key, serve, start, client_command
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
 def test_a_server_that_never_waits_ends_at_once(how, serve):
     server, _ = serve(KEY, "--interval", "0")
-    assert server.stop(how, limit=5) == 0
+    assert server.stop(how, limit=30) == 0
     assert "Traceback" not in server.output

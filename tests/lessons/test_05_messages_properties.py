@@ -95,7 +95,7 @@ else:
         return pytest.mark.parametrize("count", [few, pytest.param(many, marks=[pytest.mark.long])])
 
     @cases(300, 6000)
-    @pytest.mark.timeout(600)
+    @pytest.mark.timeout(1200)
     def test_what_is_written_is_read_again(count):
         @settings(max_examples=count, **QUIET)
         @given(good)
@@ -105,7 +105,7 @@ else:
         check()
 
     @cases(500, 14_000)
-    @pytest.mark.timeout(600)
+    @pytest.mark.timeout(1200)
     def test_whatever_comes_is_read_or_refused(count):
         @settings(max_examples=count, **QUIET)
         @given(spoiled())

@@ -27,7 +27,7 @@ def sent(client):
 @each_client
 def test_replies_come_when_they_are_ready(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint))
+    client = start(*client_command(kind, KEY, endpoint, "--patience", "20"))
     assert client.wait() == 0, client.output
     assert client.lines[0] == f"asking {endpoint}, 4 in flight"
     assert client.lines[-1] == "done: 6 replies"
@@ -70,15 +70,18 @@ def test_a_retry_keeps_its_id_and_what_comes_twice_or_unasked_is_dropped(kind, r
     first, again = receive(router), receive(router)
     assert first[1:] == again[1:], "the same id and the same text"
     assert first[0] != again[0], "nothing was received, so it is another socket"
-    peer, request_id, text = again
-    assert text == b"echo a"
-    for frames in ([b"999", b"x"], [b"\xff", b"x"], [b""], [request_id], [request_id, b"x", b"x"], [b"", b"", b""]):
-        router.send_multipart([peer, *frames])
-    router.send_multipart([peer, request_id, b"late \xff"])
-    router.send_multipart([peer, request_id, b"twice"])
-    while (following := receive(router))[1] == request_id:
-        pass
-    router.send_multipart([*following[:2], b"b"])
+    assert again[2] == b"echo a"
+    # Each try, since on a busy machine one is over before its answer comes.
+    asked = [again]
+    while client.process.poll() is None:
+        for peer, request_id, text in asked:
+            answers = [[request_id, b"b"]]
+            if text == b"echo a":
+                odd = [b"999", b"x"], [b"\xff", b"x"], [b""], [request_id], [request_id, b"x", b"x"], [b"", b"", b""]
+                answers = [*odd, [request_id, b"late \xff"], [request_id, b"twice"]]
+            for frames in answers:
+                router.send_multipart([peer, *frames])
+        asked = [router.recv_multipart()] if router.poll(50) else []
     assert client.wait() == 0, client.output
     assert sent(client) == [
         "1: sent echo a, received late \N{REPLACEMENT CHARACTER}",
@@ -108,8 +111,11 @@ def test_while_others_are_answered_a_retry_goes_over_the_same_socket(kind, rig):
 
 @each_client
 def test_a_line_slower_than_patience_succeeds_in_a_longer_try(kind, rig):
-    """Tries of 0.5 and 1 s are in vain: what they are answered with comes when the next one has begun."""
-    router, client = rig(kind, "--count", "1", "--text", "a", "--patience", "0.5", "--tries", "4")
+    """Tries of 0.5 and 1 s are in vain: what they are answered with comes when the next one has begun.
+
+    On a busy machine they may not even be sent, and then later ones are.
+    """
+    router, client = rig(kind, "--count", "1", "--text", "a", "--patience", "0.5", "--tries", "8")
     peers, waiting = [], []
     while client.process.poll() is None:
         if router.poll(10):
@@ -121,21 +127,21 @@ def test_a_line_slower_than_patience_succeeds_in_a_longer_try(kind, rig):
                 waiting.remove([peer, request_id])
                 router.send_multipart([peer, request_id, b"ok"])
     assert client.wait() == 0, client.output
-    assert "1: no reply within 0.5 s; try 2 of 4" in client.lines
-    assert "1: no reply within 1 s; try 3 of 4" in client.lines
+    assert "1: no reply within 0.5 s; try 2 of 8" in client.lines
+    assert "1: no reply within 1 s; try 3 of 8" in client.lines
 
 
 @each_client
 def test_a_new_socket_costs_a_younger_request_no_try(kind, rig):
-    options = ("--count", "3", "--window", "2", "--text", "silent|b|c", "--patience", "6", "--tries", "2")
+    options = ("--count", "3", "--window", "2", "--text", "silent|b|c", "--patience", "10", "--tries", "2")
     router, client = rig(kind, *options)
     peers = [receive(router)[0] for _ in range(2)]
-    router.poll(3000)
+    router.poll(4000)
     router.send_multipart([peers[0], b"2", b"ok"])
-    # The third is sent now, 3 s after the first, which is sent again over the same socket.
+    # The third is sent now, 4 s after the first, which is sent again over the same socket.
     assert receive(router)[1:] == [b"3", b"c"]
     assert receive(router)[1:] == [b"1", b"silent"]
-    # 6 s after the third was sent: another socket, another try of it, and the first one, which has 9 s left.
+    # 10 s after the third was sent: another socket, another try of it, and the first one, which has 16 s left.
     again = [receive(router) for _ in range(2)]
     assert {peer for peer, *_ in again} != {peers[0]}
     assert sorted(request_id for _, request_id, _ in again) == [b"1", b"3"]
@@ -143,14 +149,14 @@ def test_a_new_socket_costs_a_younger_request_no_try(kind, rig):
         router.send_multipart([peer, request_id, b"ok"])
     assert client.wait() == 0, client.output
     assert [line for line in client.lines if "try" in line] == [
-        "1: no reply within 6 s; try 2 of 2",
-        "3: no reply within 6 s; try 2 of 2",
+        "1: no reply within 10 s; try 2 of 2",
+        "3: no reply within 10 s; try 2 of 2",
     ]
 
 
 @each_client
 def test_a_refusal_is_asked_again_over_the_same_socket_until_the_last_try(kind, rig):
-    router, client = rig(kind, "--count", "1", "--text", "a", "--patience", "2", "--tries", "3")
+    router, client = rig(kind, "--count", "1", "--text", "a", "--patience", "4", "--tries", "3")
     tries = []
     for _ in range(3):
         tries.append(receive(router))
@@ -242,7 +248,10 @@ def test_a_reply_that_is_too_large_ends_its_connection_only(kind, rig):
     router.send_multipart([*first[:2], b"x" * 65_537])
     again = receive(router)
     assert again[0] != first[0]
-    router.send_multipart([*again[:2], b"a"])
+    while client.process.poll() is None:
+        router.send_multipart([*again[:2], b"a"])
+        # On a busy machine that try may be over before, and then there is another.
+        again = router.recv_multipart() if router.poll(200) else again
     assert client.wait() == 0, client.output
     assert sent(client) == ["1: sent echo a, received a"]
 
@@ -393,5 +402,5 @@ def test_a_server_ends_at_once_with_workers_at_work(how, serve, connect):
         client.send_multipart([b"%d" % i, b"sleep 60" if i % 16 == 0 else b"sleep 0"])
     # The others are done, so that these are at work.
     assert receive(client)[1] == b"slept 0"
-    assert server.stop(how, limit=5) == 0
+    assert server.stop(how, limit=30) == 0
     assert "Traceback" not in server.output

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import signal
 import sys
@@ -12,7 +13,7 @@ import zmq
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, free_port, steady_port
+from tests.programs import LIMIT, ROOT, free_port, steady_port, two_ports
 
 KEY = "07_catch_up"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -73,30 +74,36 @@ def test_following(kind, publish, follow):
     assert client.lines[0] == f"following {endpoint}, snapshots from {snapshots}"
     run, joined, checksum = re.search(JOINED, client.lines[1]).groups()
     server.wait_for(f"^snapshot at {joined}, checksum {checksum}$")
-    for line, number in zip(client.lines[2:5], (int(joined) + n for n in (0, 60, 120)), strict=True):
-        assert re.fullmatch(rf"{number}: at -?[0-2]\.\d{{4}} 0\.0000 -?[0-2]\.\d{{4}}", line), line
-    assert re.fullmatch(
-        rf"done: received 120, missed 0; run {run} at {int(joined) + 120}, checksum \d+", client.lines[5]
-    )
-    assert len(client.lines) == 6
+    # On a busy machine a second may pass without a pose, and the snapshot that is asked for then skips some.
+    gaps = numbers(client, r"^missed (\d+) to (\d+)$")
+    missed = sum(last - first + 1 for first, last in gaps)
+    begin, end = int(joined), int(joined) + 120 + missed
+    places = numbers(client, r"^(\d+): at -?[0-2]\.\d{4} 0\.0000 -?[0-2]\.\d{4}$")
+    assert gaps or places == [[begin], [begin + 60], [end]]
+    assert re.fullmatch(rf"done: received 120, missed {missed}; run {run} at {end}, checksum \d+", client.lines[-1])
+    assert len(client.lines) == 3 + len(gaps) + len(places)
 
 
 @pytest.mark.parametrize("frozen", [False, True], ids=["", "frozen meanwhile"])
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_joining_late_and_losing_messages_the_state_is_exact(kind, frozen, publish, follow, client_command):
+def test_joining_late_and_losing_messages_the_state_is_exact(kind, frozen, publish, start, client_command):
     """Frozen, a subscriber takes nothing until the queues are full, and the publisher drops what does not fit."""
     if frozen and sys.platform == "win32":
         pytest.skip("Windows has no signals to freeze a program with")
-    # The C# client is built before the publisher begins.
-    client_command(kind, KEY, "")
-    total = 400_000 if frozen else 30_000
-    server, endpoint, snapshots = publish("--interval", "0.00003" if frozen else "0.0003", "--count", str(total))
-    client = follow(kind, endpoint, snapshots, "--count", str(total), "--until", str(total), "--every", "0")
+    total, endpoint = 400_000 if frozen else 30_000, two_ports()
+    # The client is there before the publisher begins: on a busy machine all may be said before it has started.
+    words = ("--count", str(total), "--until", str(total), "--every", "1000", "--patience", "60", "--seconds", "500")
+    client = start(*client_command(kind, KEY, endpoint, *words))
+    client.wait_for("^following")
+    interval = "0.00003" if frozen else "0.0003"
+    server, _, _ = publish("--interval", interval, "--count", str(total), endpoint=endpoint)
     joined = int(client.wait_for(JOINED)[2])
     assert 0 < joined < total, "the client did not join in the middle"
     if frozen:
+        # Not before the stream has come: after the line about the pose of the snapshot there is another one.
+        client.wait_for(r"^\d+: at ", start=3)
         client.process.send_signal(signal.SIGSTOP)
-    published = server.wait_for(rf"^published {total}, checksum (\d+)", 90)[1]
+    published = server.wait_for(rf"^published {total}, checksum (\d+)", 250)[1]
     if frozen:
         client.process.send_signal(signal.SIGCONT)
     assert client.wait() == 0, client.output
@@ -174,9 +181,23 @@ class FakePublisher:
         self.router.send_multipart([who, b"", frame])
 
     def asked_for_a_snapshot(self, frame):
-        who, frames = self.request()
-        assert frames == [b"pose/"]
-        self.reply(who, frame)
+        """Answers with it whoever has asked: of two requests the first one was given up already."""
+        while True:
+            who, frames = self.request()
+            assert frames == [b"pose/"]
+            self.reply(who, frame)
+            if not self.router.poll(0):
+                return
+
+    def answers(self, frame, client, line="^(done|gave up): "):
+        """Answers with it until the client has printed the line, however often that asks: one of the two may have had
+        no processor for a second, and then it asks again. What was printed before it asked is looked at first."""
+        for _ in range(int(10 * LIMIT)):
+            with contextlib.suppress(AssertionError):
+                return client.wait_for(line, 0.1)
+            if self.router.poll(0):
+                self.asked_for_a_snapshot(frame)
+        return client.wait_for(line)
 
 
 @pytest.fixture
@@ -198,7 +219,8 @@ def place(number):
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
     """Byte for byte as the server's header says; numbers have a point under a German locale, too."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "4", "--every", "1", **environment)
+    words = ("--count", "4", "--every", "1", "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, *words, **environment)
     assert fake.subscribed() == b"\x01pose/"
     fake.stream.send(pose("one", 5))
     who, frames = fake.request()
@@ -209,11 +231,12 @@ def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
     fake.reply(who, b"4000000000 " + pose("one", 6))
     fake.stream.send(pose("one", 8))
     fake.stream.send(pose("one", 8))
+    fake.answers(b"4000000000 " + pose("one", 6), client, "^8: at")
     # 9 is lost.
     fake.stream.send(pose("one", 10))
     fake.asked_for_a_snapshot(b"17 " + pose("one", 10))
     fake.stream.send(pose("one", 11))
-    client.wait_for("^11: at")
+    fake.answers(b"17 " + pose("one", 10), client, "^11: at")
     # What is no pose is checked against a snapshot, and changes nothing.
     for noise in (
         [b"pose/ hello"],
@@ -231,6 +254,7 @@ def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
     fake.asked_for_a_snapshot(b"0 " + pose("two", 4))
     fake.stream.send(pose("two", 4))
     fake.stream.send(pose("two", 5))
+    fake.answers(b"0 " + pose("two", 4), client)
     assert client.wait() == 0, client.output
     assert client.lines == [
         f"following {fake.endpoint}, snapshots from {fake.snapshots}",
@@ -250,10 +274,10 @@ def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_gap_is_noticed_at_once_and_not_by_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "0")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "0", "--patience", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 1))
-    fake.asked_for_a_snapshot(b"0 " + pose("one", 1))
+    fake.answers(b"0 " + pose("one", 1), client, JOINED)
     # 2 is lost, and from then on the stream is never silent for long.
     for number in range(3, 200):
         fake.stream.send(pose("one", number))
@@ -261,34 +285,35 @@ def test_a_gap_is_noticed_at_once_and_not_by_silence(kind, fake, follow):
             break
     else:
         pytest.fail("nobody asked for a snapshot")
-    fake.asked_for_a_snapshot(b"0 " + pose("one", number))
-    client.wait_for(f"^missed 2 to {number}$")
+    fake.answers(b"0 " + pose("one", number), client, f"^missed 2 to {number}$")
     fake.stream.send(pose("one", number + 1))
+    fake.answers(b"0 " + pose("one", number), client)
     assert client.wait() == 0, client.output
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_every_message_counts_in_the_checksum(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0", "--patience", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 1))
-    fake.asked_for_a_snapshot(b"4294967295 " + pose("one", 1))
+    fake.answers(b"4294967295 " + pose("one", 1), client, JOINED)
     checksum = 4294967295
     for number in range(2, 22):
         fake.stream.send(pose("one", number))
         checksum = add(checksum, pose("one", number))
+    fake.answers(b"4294967295 " + pose("one", 1), client)
     assert client.wait() == 0, client.output
     assert client.lines[-1] == f"done: received 20, missed 0; run one at 21, checksum {checksum}"
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4", "--patience", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 2))
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
     fake.stream.send(pose("one", 3))
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 4))
+    fake.answers(b"1 " + pose("one", 2), client, JOINED)
+    fake.answers(b"1 " + pose("one", 4), client)
     assert client.wait() == 0, client.output
     assert client.lines[-2:] == ["missed 4 to 4", "done: received 1, missed 1; run one at 4, checksum 1"]
 
@@ -298,7 +323,7 @@ def test_a_request_that_got_lost_is_asked_again(kind, fake, follow):
     client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2", "--patience", "30")
     fake.subscribed()
     fake.request()
-    fake.asked_for_a_snapshot(b"1 " + pose("one", 2))
+    fake.answers(b"1 " + pose("one", 2), client)
     assert client.wait() == 0, client.output
     assert client.lines[-1] == "done: received 0, missed 0; run one at 2, checksum 1"
 
@@ -336,7 +361,7 @@ def test_a_stream_that_never_comes_is_said(kind, fake, follow):
 )
 def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, follow):
     client = follow(kind, fake.endpoint, fake.snapshots)
-    fake.asked_for_a_snapshot(answer)
+    fake.answers(answer, client)
     assert client.wait() == 1, client.output
     assert client.lines[-1].startswith(f"gave up: what answers at {fake.snapshots} gives no snapshots: ")
     assert len(client.lines) == 2
@@ -356,14 +381,15 @@ def wrong_poses(number):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_only_plain_numbers_are_numbers(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "1")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "1", "--patience", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 11))
-    fake.asked_for_a_snapshot(b"7 " + pose("one", 11))
+    fake.answers(b"7 " + pose("one", 11), client, JOINED)
     for noise in wrong_poses(12):
         fake.stream.send(noise.encode())
         fake.asked_for_a_snapshot(b"7 " + pose("one", 11))
     fake.stream.send(pose("one", 12))
+    fake.answers(b"7 " + pose("one", 11), client)
     assert client.wait() == 0, client.output
     assert client.lines[1:] == [
         "joined run one at 11, checksum 7",
@@ -377,26 +403,26 @@ def test_only_plain_numbers_are_numbers(kind, fake, follow):
 @pytest.mark.parametrize("number", [5, 4], ids=["the same", "a lower one"])
 def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow):
     """Such as a frozen robot that sends its last pose again and again."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "1.5", "--count", "9")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "3", "--count", "9")
     fake.subscribed()
     deadline = time.monotonic() + LIMIT
     while client.process.poll() is None and time.monotonic() < deadline:
         fake.stream.send(pose("one", number))
         if fake.router.poll(5):
             fake.asked_for_a_snapshot(b"7 " + pose("one", 5))
-    assert client.wait(1) == 0, client.output
+    assert client.wait() == 0, client.output
     assert client.lines[-1] == "done: received 0, missed 0; run one at 5, checksum 7"
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_broken_reply_is_waited_for_no_longer_than_another(kind, fake, follow):
     """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "1")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "5")
     fake.subscribed()
     who, _ = fake.request()
     fake.router.send_multipart([who, b"no empty frame"])
     assert client.wait() == 1, client.output
-    assert client.lines[-1].startswith(f"gave up: no snapshot from {fake.snapshots} within 1 s")
+    assert client.lines[-1].startswith(f"gave up: no snapshot from {fake.snapshots} within 5 s")
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
@@ -505,7 +531,7 @@ def test_a_broken_request_does_not_hold_the_stream(publish, context):
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
 def test_a_server_that_never_waits_ends_at_once(how, publish):
     server, _, _ = publish("--interval", "0")
-    assert server.stop(how, limit=5) == 0
+    assert server.stop(how, limit=30) == 0
     assert "Traceback" not in server.output
 
 

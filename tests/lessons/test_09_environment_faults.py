@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import socket as sockets
+import subprocess
 import sys
 import threading
 import time
@@ -135,8 +136,11 @@ def test_a_request_that_comes_again_is_not_done_again(kind, start, client_comman
 def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(faked):
     """More than a second for a step: it is sent again. And everything is answered twice."""
 
+    def steps():
+        return [request.id for request in fake.asked if request.kind == "step"]
+
     def answer(request):
-        if request.kind == "step" and request.id == 2 and len(fake.asked) == 3:
+        if steps() == [2]:
             return []
         return 2 * Fake.state(request, np.full(4, request.id / 100, np.float32))
 
@@ -144,12 +148,15 @@ def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(faked):
     env.reset()
     for id in range(2, 10):
         assert env.step(0)[0][0] == pytest.approx(id / 100)
-    assert [request.id for request in fake.asked if request.kind == "step"][:3] == [2, 2, 3]
+    # On a busy machine others are sent again as well.
+    assert steps()[:2] == [2, 2] and sorted(set(steps())) == list(range(2, 10))
 
 
 def test_a_silent_simulator_is_lost_after_the_patience(faked):
-    env, _ = faked(lambda request: Fake.state(request) if request.kind == "reset" else [], patience=0.3, wait=0.3)
+    env, _ = faked(lambda request: Fake.state(request) if request.kind == "reset" else [])
     env.reset()
+    # From here on only: to come and to begin takes longer on a busy machine.
+    env.unwrapped.simulators.limit = env.unwrapped.connection.patience = 0.3
     assert env.step(0)[3:] == (True, {"lost": "no answer to step within 0.3 s"})
     with pytest.raises(TimeoutError, match=r"no simulator came to tcp://127.0.0.1:\d+ within 0.3 s; is it running\?"):
         env.reset()
@@ -256,12 +263,12 @@ def test_a_second_simulator_is_told_that_there_is_one(make, launch, start, clien
     env = make(launch=launch("python"))
     env.reset(seed=1)
     endpoint = env.unwrapped.connection.endpoint
-    second = start(*client_command("python", KEY, endpoint, "--patience", "1"))
+    second = start(*client_command("python", KEY, endpoint, "--patience", "5"))
     while second.process.poll() is None:
         if any(env.step(env.action_space.sample())[2:4]):
             env.reset()
     assert second.wait() == 1
-    second.wait_for(rf"^gave up: no environment at {endpoint} within 1 s.*busy: this environment has its simulator")
+    second.wait_for(rf"^gave up: no environment at {endpoint} within 5 s.*busy: this environment has its simulator")
 
 
 def test_a_second_trainer_on_one_port_is_told_so(make, launch):
@@ -291,16 +298,23 @@ def test_by_hand_it_plays_without_python(start, client_command):
 # Nothing is left
 
 
+def unhurried(env):
+    """Its simulator's process, which is killed only after LIMIT: a busy machine may need more than two seconds."""
+    running = process(env)
+    running.wait = lambda limit=None: subprocess.Popen.wait(running, LIMIT)
+    return running
+
+
 def test_it_may_be_closed_twice_or_forgotten(make, launch):
     env = make(launch=launch("python"))
-    running = process(env)
+    running = unhurried(env)
     env.close()
     env.close()
     assert running.poll() == 0, "it was asked to end, and did"
     with pytest.raises(ValueError, match="this environment is closed"):
         env.unwrapped.connection.ask("reset", {}, [])
     env = gymnasium.make(ID, launch=launch("python"))
-    running = process(env)
+    running = unhurried(env)
     del env
     gc.collect()
     assert running.poll() == 0

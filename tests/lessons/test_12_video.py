@@ -229,7 +229,7 @@ def test_python_is_killed_and_comes_back(kind, serve, start, client_command, tmp
     pictures, times = shown(film)
     assert len(pictures) >= 3 and max(times) > 0 and is_whole(film), "it plays"
     client.wait_for("^trouble: Python is gone: no more pictures are taken$")
-    again, _ = serve(KEY, "--seconds", "0.3", endpoint=endpoint)
+    again, _ = serve(KEY, "--seconds", "3", endpoint=endpoint)
     again.wait_for(r"^film front_2\.gif: [1-9]")
     assert len([line for line in client.lines if line.startswith("trouble")]) == 1
     assert len(shown(film)[0]) == len(pictures), "nothing is written over"
@@ -254,10 +254,11 @@ def test_the_game_is_killed_and_another_one_comes(kind, serve, start, client_com
 
 
 def test_a_slow_python_makes_the_game_skip(serve, start, client_command, tmp_path):
-    server, endpoint = serve(KEY, "--slow", "0.3", "--view", "front", "--seconds", "1.5", "--film", "slow.webp")
-    assert start(*client_command("python", KEY, endpoint, "--count", "200")).wait() == 0
+    server, endpoint = serve(KEY, "--slow", "0.3", "--view", "front", "--seconds", "5", "--film", "slow.webp")
+    start(*client_command("python", KEY, endpoint, "--count", "0"))
     line = server.wait_for(r"^film slow\.webp: (\d+) frames, \S+ s, (\d+) skipped$")
-    assert 2 <= int(line[1]) <= 12 and int(line[2]) >= 5
+    # Some 18; a Python that is not slow takes 125.
+    assert 2 <= int(line[1]) <= 40 and int(line[2]) >= 5
     # What is shown longest is what came before many that were skipped.
     assert max(shown(tmp_path / "slow.webp")[1]) >= 200
 
@@ -289,7 +290,7 @@ def test_nothing_that_is_there_is_deleted_or_written_over(serve, start, client_c
     assert there.wait() == other.wait() == 2
     assert "'drive.gif' is there already, and nothing is written over: give another name" in there.output
     assert "'drive.avi' is no film: its name must end in .gif, .png, .apng, .webp or .mp4" in other.output
-    server, endpoint = serve(KEY, "--seconds", "0.3")
+    server, endpoint = serve(KEY, "--seconds", "3")
     assert start(*client_command("python", KEY, endpoint, "--count", "60")).wait() == 0
     for view in ("front", "map"):
         server.wait_for(rf"^film {view}_2\.gif: ")

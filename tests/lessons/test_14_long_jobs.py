@@ -90,7 +90,7 @@ def test_cancel(kind, serve, start, client_command):
 def test_what_is_rejected_is_said_in_one_line(kind, serve, start, client_command, peer):
     _, endpoint = serve(KEY, "--workers", "1", "--queue", "1")
     for _ in range(2):
-        peer(endpoint).goal(count=1000).hear("accepted")
+        peer(endpoint).goal(count=10_000).hear("accepted")
     full = start(*client_command(kind, KEY, endpoint))
     unknown = start(*client_command(kind, KEY, endpoint, "--resume", "no-such-job"))
     assert (full.wait(), unknown.wait()) == (1, 1)
@@ -110,16 +110,18 @@ def test_a_server_that_is_killed_goes_on_from_the_checkpoint(kind, jobs_server, 
     assert client.lines[-1] == f"done: succeeded, 250 bytes, sum {250 * 251 // 2}", "each unit was done once"
 
 
-def test_progress_comes_soon_after_kill_9_and_restart(jobs_server, start, client_command, capsys):
+def test_progress_comes_soon_after_kill_9_and_restart(jobs_server, start, client_command, peer, capsys):
     server, endpoint = jobs_server()
-    client = start(*client_command("python", KEY, endpoint, "--count", "300"))
-    client.wait_for(r": [3-9]\d of 300")
+    # So long that it is not over before it is killed.
+    client = start(*client_command("python", KEY, endpoint, "--count", "1000", "--tries", "60"))
+    client.wait_for(r": \d{3} of 1000")
     server.kill()
     began, seen = time.monotonic(), len(client.lines)
     jobs_server()
-    client.wait_for(r": \d+ of 300", start=seen)
+    client.wait_for(r": \d+ of 1000", start=seen)
     with capsys.disabled():
         print(f"\nprogress again {time.monotonic() - began:.2f} s after kill -9, the start of a new server included")
+    peer(endpoint, client.lines[0].split()[-1]).ask("cancel")
     assert client.wait() == 0, client.output
 
 
@@ -203,17 +205,19 @@ def test_the_race_of_a_cancel_with_the_end(serve, peer):
 
 
 def test_how_soon_a_cancel_works_with_four_busy_workers(serve, peer, capsys):
-    _, endpoint = serve(KEY, "--workers", "4", "--grace", "2")
+    # Two seconds are too few where a busy machine gives a worker that computes no processor.
+    _, endpoint = serve(KEY, "--workers", "4", "--grace", "10")
     # Two that compute, and two that are deaf.
     busy = [peer(endpoint).goal(kind, 200) for kind in ("picture", "picture")]
     busy += [peer(endpoint).goal("deaf", 10_000) for _ in range(2)]
     for one in busy:
         one.hear("feedback")
-    told = []
+    asked, told = [], []
     for one in busy:
         began = time.monotonic()
         one.ask("cancel").hear("canceling")
-        acknowledged = time.monotonic() - began
+        asked.append((one, began, time.monotonic() - began))
+    for one, began, acknowledged in asked:
         text = one.result("canceled").values["text"]
         told.append((acknowledged, time.monotonic() - began, text))
     with capsys.disabled():
@@ -223,7 +227,7 @@ def test_how_soon_a_cancel_works_with_four_busy_workers(serve, peer, capsys):
             )
         print()
     assert [text for _, _, text in told] == ["", "", *["it did not listen, and was killed"] * 2]
-    assert min(ended for _, ended, _ in told[2:]) >= 2, "they had their time"
+    assert min(ended for _, ended, _ in told[2:]) >= 10, "they had their time"
     # The workers are there for others again.
     assert units(peer(endpoint).goal(count=3).result("succeeded")) == 3
 
@@ -231,14 +235,16 @@ def test_how_soon_a_cancel_works_with_four_busy_workers(serve, peer, capsys):
 @finds_processes
 def test_a_worker_that_dies(serve, peer):
     server, endpoint = serve(KEY, "--workers", "2")
-    counting, searching = peer(endpoint).goal(), peer(endpoint).goal("path", 300)
-    counting.at(30)
+    # The search first, and 300 units: so both are still at it when they are killed.
+    searching = peer(endpoint).goal("path", 300)
     searching.hear("feedback")
+    counting = peer(endpoint).goal(count=300)
+    counting.at(30)
     os.kill(process_of(server, counting.job), KILL)
     os.kill(process_of(server, searching.job), KILL)
     assert searching.result("aborted").values["text"] == "its worker died"
-    assert units(counting.result("succeeded")) == 100
-    assert re.search(rf"job {counting.job[:8]}: count from ([3-9]\d), in process", server.output), "on it went"
+    assert units(counting.result("succeeded")) == 300
+    assert re.search(rf"job {counting.job[:8]}: count from ([3-9]\d|\d{{3}}), in process", server.output), "on it went"
 
 
 @finds_processes

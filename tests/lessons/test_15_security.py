@@ -27,6 +27,8 @@ KEY = "15_security"
 FOLDER = ROOT / "python" / KEY
 clients = pytest.mark.parametrize("kind", CLIENTS)
 NOBODY = "a" * 40
+# C# compiles its cryptography, and a busy machine takes its time.
+PATIENT = ("--patience", "30")
 HELLO = ["1: sent Hello, received Hello alice", "2: sent Hello, received Hello alice", "done: 2 replies"]
 
 
@@ -84,8 +86,8 @@ def test_who_is_on_the_list_comes_in_and_nobody_else(kind, folder, serve, start,
         cases |= {"stranger": ["--stranger", "true"], "plain": ["--plain", "true"]}
     programs = {}
     for name, options in cases.items():
-        # Who is refused is told by the connection, at once. The others may have time: C# compiles its cryptography.
-        options = words(kind, "--keys", str(folder), "--count", "2", "--patience", "30", *options)
+        # Who is refused is told by the connection, at once. The others may have time.
+        options = words(kind, "--keys", str(folder), "--count", "2", *PATIENT, *options)
         programs[name] = start(*client_command(kind, KEY, endpoint, *options))
     codes = {name: program.wait() for name, program in programs.items()}
     assert codes.pop("") == 0
@@ -126,7 +128,7 @@ def test_a_server_that_makes_its_keys_says_where(tmp_path, start):
 
 def test_without_an_authenticator_nobody_comes_in(folder, serve, start, client_command):
     server, endpoint = serve(KEY, "--keys", str(folder), "--no-authenticator")
-    client = start(*client_command("python", KEY, endpoint, "--keys", str(folder)))
+    client = start(*client_command("python", KEY, endpoint, "--keys", str(folder), *PATIENT))
     assert client.wait() == 1
     assert "connected and thrown out" in client.lines[-1]
     assert not [line for line in server.lines if "from" in line]
@@ -150,7 +152,7 @@ def test_a_client_makes_its_keys_and_comes_in_as_soon_as_it_is_enrolled(
     own = tmp_path / "own"
     own.mkdir()
     (own / "server.key").write_bytes((folder / "server.key").read_bytes())
-    options = ["--keys", str(own), "--tries", "1000", "--count", "2"]
+    options = ["--keys", str(own), "--tries", "1000", "--count", "2", *PATIENT]
     client = start(*client_command(kind, KEY, endpoint, *options))
     client.wait_for("^1: connected and thrown out; try 3 of 1000$")
     assert ran("enrol", f"bob={own / 'client.key'}", folder=folder)[0] == 0
@@ -194,7 +196,7 @@ def test_the_keys_of_either_side_are_rotated_and_never_overwritten(folder, serve
     assert ran("enrol", f"alice={folder / 'client.key'}", folder=folder)[0] == 1, "the name is taken"
     assert ran("enrol", f"alice-2={folder / 'client.key'}", folder=folder)[0] == 0
     _, endpoint = serve(KEY, "--keys", str(folder))
-    client = start(*client_command("python", KEY, endpoint, "--keys", str(folder), "--count", "1"))
+    client = start(*client_command("python", KEY, endpoint, "--keys", str(folder), "--count", "1", *PATIENT))
     assert client.wait() == 0
     assert client.lines[-2] == "1: sent Hello, received Hello alice-2"
 
@@ -272,7 +274,7 @@ def test_the_clients_of_other_lessons_come_through_the_gate_with_keys(
     gate = start(PYTHON, FOLDER / "gate.py", "--to", inside, "--endpoint", "tcp://127.0.0.1:0", "--keys", folder)
     endpoint = gate.wait_for(r"^listening on (\S+)")[1]
     command = client_command(kind, key, endpoint, "--count", "5")
-    with_keys = start(*command, "--with-keys", str(folder))
+    with_keys = start(*command, *PATIENT, "--with-keys", str(folder))
     assert with_keys.wait() == 0, with_keys.output
     tries = ["--tries", "1", "--patience", "0.3"]
     without = start(*command, *tries)
@@ -321,13 +323,14 @@ class Recorder(SlowLine):
 def test_nobody_on_the_wire_reads_a_word_and_a_recording_opens_nothing(kind, folder, serve, start, client_command):
     server, endpoint = serve(KEY, "--keys", str(folder))
     with Recorder(endpoint) as wire:
-        command = client_command(kind, KEY, wire.endpoint, "--keys", str(folder), "--count", "2")
+        command = client_command(kind, KEY, wire.endpoint, "--keys", str(folder), "--count", "2", *PATIENT)
         assert start(*command).wait() == 0
         assert len(wire.there) > 400
         assert b"Hello" not in wire.there + wire.back and b"alice" not in wire.there + wire.back
     _, plain = serve("01_request_reply")
     with Recorder(plain) as open_wire:
-        assert start(*client_command(kind, "01_request_reply", open_wire.endpoint, "--count", "2")).wait() == 0
+        command = client_command(kind, "01_request_reply", open_wire.endpoint, "--count", "2", *PATIENT)
+        assert start(*command).wait() == 0
         assert open_wire.there.count(b"Hello") == open_wire.back.count(b"World") == 2
     # The recording again: the server's half of the handshake is new each time, so it fits nothing.
     heard = len(server.lines)
@@ -336,7 +339,7 @@ def test_nobody_on_the_wire_reads_a_word_and_a_recording_opens_nothing(kind, fol
         with contextlib.suppress(ConnectionResetError):
             while replayed.recv(65536):
                 pass
-    assert start(*client_command(kind, KEY, endpoint, "--keys", str(folder), "--count", "1")).wait() == 0
+    assert start(*client_command(kind, KEY, endpoint, "--keys", str(folder), "--count", "1", *PATIENT)).wait() == 0
     server.wait_for("alice from", start=heard)
     assert server.lines[heard:] == ["alice from 127.0.0.1: 'Hello'"]
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.test_16_web_gateway import ABSENT, HELLO, KEY, asked, by, each_kind, each_way, in_browser
+from tests.lessons.test_16_web_gateway import ABSENT, HELLO, KEY, PATIENT, asked, by, each_kind, each_way, in_browser
 from tests.programs import LIMIT, ROOT
 
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: pip install aiohttp")
@@ -30,7 +30,7 @@ FOLDER = ROOT / "python" / KEY
 def gateway(serve):
     """gateway(*words): lesson 01's server, and the gateway in front of it."""
     _, behind = serve(HELLO)
-    return lambda *words: serve(KEY, "--hello", behind, *ABSENT[2:], *words)
+    return lambda *words: serve(KEY, "--hello", behind, *ABSENT[2:], *PATIENT, *words)
 
 
 def by_socketio(endpoint, talk, auth="40"):
@@ -130,7 +130,7 @@ def test_who_connects_and_asks_nothing_is_let_go(serve, start):
     """Or asks half of something. A browser that has asked stays, however silent it is."""
     _, behind = serve(HELLO)
     code = "import gateway_port; gateway_port.SILENT = 1; import server; server.main()"
-    words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind]
+    words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind, *PATIENT]
     program = start(PYTHON, "-c", code, *words, PYTHONPATH=str(FOLDER))
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
     polling = "/socket.io/?EIO=4&transport=polling"
@@ -163,8 +163,8 @@ def test_who_stays_outside_of_socketio_is_let_go(serve, start):
     if [int(part) for part in version("python-engineio").split(".")[:2]] < [4, 6]:
         pytest.skip("python-engineio before 4.6 keeps a WebSocket that it has closed until nothing came for 20 s")
     _, behind = serve(HELLO)
-    code = "import gateway_port; gateway_port.SILENT = 1; import server; server.main()"
-    words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind, "--token", "word"]
+    code = "import gateway_port; gateway_port.SILENT = 3; import server; server.main()"
+    words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind, "--token", "word", *PATIENT]
     program = start(PYTHON, "-c", code, *words, PYTHONPATH=str(FOLDER))
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
 
@@ -180,22 +180,23 @@ def test_who_stays_outside_of_socketio_is_let_go(serve, start):
     async def talk():
         async with aiohttp.ClientSession() as session:
             url = f"{endpoint}/socket.io/?EIO=4&transport=websocket"
-            async with session.ws_connect(url) as inside, session.ws_connect(url) as outside:
+            async with session.ws_connect(url) as inside:
                 await inside.send_str('40{"token":"word"}')
-                staying, deadline = asyncio.create_task(stay(inside)), time.monotonic() + LIMIT
-                while not outside.closed and time.monotonic() < deadline:
-                    # Its end is told by receiving alone, also where sending fails already.
-                    with contextlib.suppress(ConnectionError):
-                        await outside.send_str("3")
-                    with contextlib.suppress(TimeoutError):
-                        await outside.receive(timeout=0.1)
-                assert outside.closed
-                await inside.send_str('421["hello","Hello"]')
-                await asyncio.wait_for(staying, LIMIT)
+                async with session.ws_connect(url) as outside:
+                    staying, deadline = asyncio.create_task(stay(inside)), time.monotonic() + LIMIT
+                    while not outside.closed and time.monotonic() < deadline:
+                        # Its end is told by receiving alone, also where sending fails already.
+                        with contextlib.suppress(ConnectionError):
+                            await outside.send_str("3")
+                        with contextlib.suppress(TimeoutError):
+                            await outside.receive(timeout=0.1)
+                    assert outside.closed
+                    await inside.send_str('421["hello","Hello"]')
+                    await asyncio.wait_for(staying, LIMIT)
 
     asyncio.run(talk())
     assert program.stop() == 0
-    assert program.lines[1:3] == ["browser 1 came by Socket.IO", "let go, since it did not ask to come in within 1 s"]
+    assert program.lines[1:3] == ["browser 1 came by Socket.IO", "let go, since it did not ask to come in within 3 s"]
 
 
 def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):
@@ -246,7 +247,7 @@ def test_more_browsers_than_a_system_lets_a_program_open_files(serve, start):
     """Often 1024, and each browser takes three."""
     pytest.importorskip("resource")
     _, behind = serve(HELLO)
-    words = [PYTHON, FOLDER / "server.py", "--endpoint", "http://127.0.0.1:0", "--hello", behind]
+    words = [PYTHON, FOLDER / "server.py", "--endpoint", "http://127.0.0.1:0", "--hello", behind, *PATIENT]
     program = start("sh", "-c", 'ulimit -Sn 64; exec "$@"', "sh", *words)
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
 
@@ -347,7 +348,7 @@ def stranger():
 @each_kind
 def test_a_client_tries_again_whatever_answers_it(kind, socketio_too, stranger, start, client_command):
     endpoint, asked = stranger
-    words = ["--count", "1", "--patience", "10", *by(kind, socketio_too)]
+    words = ["--count", "1", *PATIENT, *by(kind, socketio_too)]
     client = start(*client_command(kind, KEY, endpoint, *words))
     assert client.wait() == 0, client.output
     lines = [f"asking {endpoint}", "1: sent Hello, received World", "done: 1 replies"]

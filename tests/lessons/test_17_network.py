@@ -213,7 +213,7 @@ def test_a_slow_network_changes_no_result(machines, hub, start, client_command, 
 
 
 @pytest.mark.long
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 def test_a_lossy_network_changes_no_result(machines, hub, simulators, train):
     server = hub("--patience", "120")
     machines.lose("simulators", 20)

@@ -45,7 +45,8 @@ def drive(
                 needs_mono(engine)
             drivers.append(Driver(context, answer))
             program = {"mono": "mono", ".net": "dotnet"}[runtime]
-            words = ("every=0", "tries=100", f"endpoint={drivers[-1].endpoint}", *words)
+            # Patient: an answer that comes too late, on a busy machine, counts here and not there.
+            words = ("every=0", "tries=100", "patience=60", f"endpoint={drivers[-1].endpoint}", *words)
             return drivers[-1], start(program, harness, "drive", *words)
 
         yield play
@@ -91,13 +92,17 @@ def test_the_car_goes_where_pythons_goes(runtime: str, drive: Callable[..., Any]
 def test_a_lap_by_what_the_camera_sees(
     runtime: str, engine: dotnet.Engine, harness: Path, serve: Callable[..., Any], start: Callable[..., Program]
 ) -> None:
-    """The road is some 300 m long, and nobody but the camera tells the lesson's own server where it is."""
+    """The road is some 300 m long, and nobody but the camera tells the lesson's own server where it is.
+
+    In lock-step: else a busy machine steers by what was seen a second ago, and leaves the road.
+    """
     if runtime == "mono":
         needs_mono(engine)
     endpoint = serve("08_see_and_steer")[1]
     program = {"mono": "mono", ".net": "dotnet"}[runtime]
-    client = start(program, harness, "drive", f"endpoint={endpoint}", "every=0", "count=2200", "positions")
-    assert client.wait(120) == 0, client.output[-2000:]
+    words = ["every=0", "count=2200", "positions", "lockstep=true", "patience=60"]
+    client = start(program, harness, "drive", f"endpoint={endpoint}", *words)
+    assert client.wait(500) == 0, client.output[-2000:]
     road = world.Road()
     found = re.findall(r"^at \d+ (\S+) (\S+) ", client.output, re.MULTILINE)
     near = [road.nearest(float(x), float(y)) for x, y in found[::5]]
@@ -179,7 +184,8 @@ def test_without_a_graphics_card_it_says_so(drive: Callable[..., Any]) -> None:
 
 @on_each_runtime
 def test_a_person_takes_over_and_gives_back(runtime: str, drive: Callable[..., Any]) -> None:
-    driver, client = drive(lambda frame: {"steer": 0.25}, "count=300", "press=60", runtime=runtime)
+    # In lock-step each step has a picture, and none has a dozen steps to itself on a busy machine.
+    driver, client = drive(lambda frame: {"steer": 0.25}, "count=300", "press=60", "lockstep=true", runtime=runtime)
     assert client.wait() == 0, client.output
     said = [line for line in client.lines if line.endswith(" drives")]
     assert said == ["a person drives", "Python drives"]
@@ -207,11 +213,11 @@ def test_a_camera_of_ones_own_is_the_eye(drive: Callable[..., Any]) -> None:
     assert all((picture(frame, camera) == (200, 0, 0)).all() for frame in driver.frames for camera in range(2))
 
 
-def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, speeds: list[float]) -> None:
+def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, speeds: list[float], most: int) -> None:
     with context.socket(zmq.REP) as socket:
         socket.linger = 0
         socket.bind(endpoint)
-        while not over.is_set():
+        while not over.is_set() and len(speeds) < most:
             if socket.poll(50):
                 frame = read(socket.recv_multipart())
                 speeds.append(frame.values["speed"])
@@ -227,7 +233,9 @@ def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harnes
     with zmq.Context() as context:
         for there in speeds:
             over = threading.Event()
-            thread = threading.Thread(target=answer_at, args=(context, endpoint, over, there), daemon=True)
+            # The first one is gone after 50, however late this thread notices.
+            most = 50 if there is speeds[0] else 10_000
+            thread = threading.Thread(target=answer_at, args=(context, endpoint, over, there, most), daemon=True)
             begin = len(client.lines)
             thread.start()
             if there is speeds[0]:
@@ -246,8 +254,9 @@ def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harnes
         over.set()
         thread.join()
     client.wait_for("^done: 200 actions")
-    assert len(speeds[0]) + len(speeds[1]) == 200
-    assert len(speeds[1]) > 0 and speeds[1][-1] > 5
+    # An action that came too late is none.
+    assert len(speeds[0]) + len(speeds[1]) >= 200
+    assert max(speeds[1][-50:]) > 5
 
 
 @pytest.mark.xdist_group("times")

@@ -144,7 +144,7 @@ def test_a_build_holds_no_call(engine: dotnet.Engine, editor: Open, project: Pat
         words = [*engine.properties, f"-p:InEditor={inside}", f"-p:ArtifactsPath={tmp_path / inside}", "-v:quiet"]
         environment = {**os.environ, **dotnet.ENVIRONMENT}
         lessons = ROOT / "csharp-support" / "lessons"
-        subprocess.run(["dotnet", "build", lessons, *words], check=True, timeout=280, env=environment)
+        subprocess.run(["dotnet", "build", lessons, *words], check=True, timeout=500, env=environment)
         found += unity.do(f"calls {next(tmp_path.rglob(f'{inside}/bin/NetMQExample/release/NetMQExample.dll'))}")
     assert found[0] == "calls: 0"
     # In each class that sends or receives by itself; whoever adds one adds its calls.

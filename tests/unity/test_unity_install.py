@@ -160,7 +160,7 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
 
 
 @pytest.mark.long
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 @pytest.mark.parametrize("key", [lesson.key for lesson in lessons() if lesson.unity.is_dir()])
 def test_the_scripts_of_one_lesson_compile_alone(key: str, project: Path, nuget: Path, engine: dotnet.Engine) -> None:
     unity_install.install(project, key[:2], False)

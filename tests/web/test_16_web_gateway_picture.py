@@ -82,8 +82,8 @@ def test_drop_leads_to_a_retry_and_the_count_stays_right(serve, tap, run, open_p
     seen.evaluate("document.querySelector('#way').value = 'down'")
     seen.click("[data-fate=drop]")
     seen.wait_for("document.querySelector('[data-fate=drop]').getAttribute('aria-pressed') === 'true'")
-    client = run("02_lazy_pirate", endpoint, "--count", "3")
-    assert client.lines[1:3] == ["1: no reply within 0.5 s; try 2 of 5", "1: sent add 1, received 1"]
+    client = run("02_lazy_pirate", endpoint, "--count", "3", "--patience", "5")
+    assert client.lines[1:3] == ["1: no reply within 5 s; try 2 of 5", "1: sent add 1, received 1"]
     assert client.lines[-2:] == ["3: sent add 1, received 3", "done: 3 replies"]
     server.wait_for("from the journal")
     seen.wait_for(f"{ARROWS}.length === 8")
@@ -259,6 +259,8 @@ def test_a_saved_recording_plays_without_a_server(opened, tmp_path, open_page):
     program.kill()
     seen = open_page(file.as_uri())
     seen.wait_for("document.querySelector('#pause').innerText === 'Play'")
+    # They are drawn with the next picture of the browser.
+    seen.wait_for(f"{ARROWS}.length === 3")
     assert seen.evaluate(TEXTS)[0] == ["up", "7 · </script><b>text"]
     assert seen.text("#state") == "a recording"
     seen.evaluate(f"{ARROWS}[1].click()")

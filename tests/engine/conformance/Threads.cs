@@ -97,7 +97,7 @@ namespace NetMQExample.Conformance
             {
                 for (var i = 0; i < 200 || Volatile.Read(ref made) < 5000; i++) NetMQConfig.Cleanup(i % 2 == 0);
             }, TaskCreationOptions.LongRunning);
-            Say.That("Cleanup against constructors", cleaner.Wait(Say.Patience));
+            Say.That("Cleanup against constructors", cleaner.Wait(TimeSpan.FromSeconds(100)));
             Volatile.Write(ref stop, true);
             Say.That("the constructors ended", Task.WaitAll(makers, Say.Patience));
             Say.That("and threw at the most", kinds.Count == 0 ? "TerminatingException" : string.Join(" ", kinds));
