@@ -181,13 +181,9 @@ class FakePublisher:
         self.router.send_multipart([who, b"", frame])
 
     def asked_for_a_snapshot(self, frame):
-        """Answers with it whoever has asked: of two requests the first one was given up already."""
-        while True:
-            who, frames = self.request()
-            assert frames == [b"pose/"]
-            self.reply(who, frame)
-            if not self.router.poll(0):
-                return
+        who, frames = self.request()
+        assert frames == [b"pose/"]
+        self.reply(who, frame)
 
     def answers(self, frame, client, line="^(done|gave up): "):
         """Answers with it until the client has printed the line, however often that asks: one of the two may have had
@@ -225,16 +221,13 @@ def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
     fake.stream.send(pose("one", 5))
     who, frames = fake.request()
     assert frames == [b"pose/"]
-    # 6 and 7 are on their way when the snapshot, which contains 6, is made.
-    fake.stream.send(pose("one", 6))
-    fake.stream.send(pose("one", 7))
+    # 6 to 8 are on their way when the snapshot, which contains 6, is made.
+    for number in (6, 7, 8, 8):
+        fake.stream.send(pose("one", number))
     fake.reply(who, b"4000000000 " + pose("one", 6))
-    fake.stream.send(pose("one", 8))
-    fake.stream.send(pose("one", 8))
     fake.answers(b"4000000000 " + pose("one", 6), client, "^8: at")
     # 9 is lost.
     fake.stream.send(pose("one", 10))
-    fake.asked_for_a_snapshot(b"17 " + pose("one", 10))
     fake.stream.send(pose("one", 11))
     fake.answers(b"17 " + pose("one", 10), client, "^11: at")
     # What is no pose is checked against a snapshot, and changes nothing.
@@ -296,7 +289,6 @@ def test_every_message_counts_in_the_checksum(kind, fake, follow):
     client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0", "--patience", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 1))
-    fake.answers(b"4294967295 " + pose("one", 1), client, JOINED)
     checksum = 4294967295
     for number in range(2, 22):
         fake.stream.send(pose("one", number))
