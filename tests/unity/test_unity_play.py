@@ -511,7 +511,11 @@ def test_whoever_comes_in_the_midst_of_a_reload_opens_nothing(editor: Callable[.
 
 
 @pytest.mark.parametrize(
-    ("script", "last"), [("PooledJob", "the job is done"), ("LateConnection", "the connection has ended: True")]
+    ("script", "last"),
+    [
+        ("PooledJob", "the job is done"),
+        ("LateConnection", "the connection has ended: True, and what it sends: True"),
+    ],
 )
 def test_what_is_on_the_thread_pool_ends_before_a_reload(
     script: str, last: str, editor: Callable[..., Any], absent: str

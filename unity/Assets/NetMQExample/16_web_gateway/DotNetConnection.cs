@@ -19,7 +19,7 @@ namespace NetMQExample
         // .NET leaves a connection open that comes about just when nobody waits for it any more: it may do so first.
         // Mono, and so Unity's editor, does not, and recompiled scripts must not be waited for there.
         private static readonly bool WaitsForIt = Type.GetType("Mono.Runtime") == null;
-        // How many are at work on the thread pool.
+        // What is at work on the thread pool, or waits for its turn there.
         private static int running;
         private readonly ConcurrentQueue<string> received = new ConcurrentQueue<string>();
         private readonly CancellationTokenSource stop = new CancellationTokenSource();
@@ -28,21 +28,16 @@ namespace NetMQExample
         private volatile bool open;
         private Task sending = Task.CompletedTask;
 
-        // Who begins to connect only now, in the midst of an assembly reload, starts threads that nobody ends, and Mono
-        // can end itself of that. All have been told to leave, and most often nobody is left.
+        // What has its turn only now, in the midst of an assembly reload, starts threads that nobody ends, and Mono can
+        // end itself of that. All have been told to leave, and most often nothing is left.
         static DotNetConnection() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
         {
-            for (var rest = 1000; rest > 0 && Volatile.Read(ref running) > 0; rest--) Thread.Sleep(1);
+            for (var rest = 5000; rest > 0 && Volatile.Read(ref running) > 0; rest--) Thread.Sleep(1);
         };
 
         /// <summary>Begins to connect.</summary>
         /// <param name="address">A <c>ws://</c> or <c>wss://</c> address.</param>
-        public DotNetConnection(string address)
-        {
-            Interlocked.Increment(ref running);
-            // On Unity's own thread everything after an await would wait for the next frame.
-            Task.Run(() => Run(address));
-        }
+        public DotNetConnection(string address) => OnPool(() => Run(address));
 
         /// <inheritdoc/>
         public bool IsOpen => open && closed == null;
@@ -55,7 +50,7 @@ namespace NetMQExample
         {
             var before = sending;
             // One after the other: it refuses to send two messages at the same time.
-            sending = Task.Run(async () =>
+            sending = OnPool(async () =>
             {
                 await before.ConfigureAwait(false);
                 var (bytes, kind) = (new ArraySegment<byte>(Encoding.UTF8.GetBytes(text)), WebSocketMessageType.Text);
@@ -69,6 +64,14 @@ namespace NetMQExample
 
         /// <summary>Leaves at once. What is under way is dropped.</summary>
         public void Dispose() => stop.Cancel();
+
+        // On Unity's own thread everything after an await would wait for the next frame.
+        private static async Task OnPool(Func<Task> work)
+        {
+            Interlocked.Increment(ref running);
+            try { await Task.Run(work).ConfigureAwait(false); }
+            finally { Interlocked.Decrement(ref running); }
+        }
 
         private async Task Run(string address)
         {
@@ -90,11 +93,7 @@ namespace NetMQExample
             // Whatever it is: the caller reads it.
             catch (Exception e) { closed ??= e.Message; }
             // Not from another thread: a WebSocket that is disposed while it connects leaves its connection open.
-            finally
-            {
-                socket.Dispose();
-                Interlocked.Decrement(ref running);
-            }
+            finally { socket.Dispose(); }
         }
 
         private async Task<string> Receive()
