@@ -532,6 +532,20 @@ def test_what_is_on_the_thread_pool_ends_before_a_reload(
 
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
+def test_who_leaves_while_it_connects_leaves_no_connection(
+    runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    """.NET forgets a WebSocket's connection that comes about when nobody waits for it any more."""
+    endpoint = serve("16_web_gateway", endpoint=two_ports())[1]
+    unity = editor(runtime, "keep", "16_web_gateway", endpoint, 2, "16_web_gateway x 2, Stop while they connect")
+    for i in range(60):
+        unity.play()
+        time.sleep(i / 1000)
+        unity.stop_in_time()
+    unity.nothing_left()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
 def test_the_naive_client_freezes(runtime: str, editor: Callable[..., Any], silent: str) -> None:
     """An endless receive, joined in OnDestroy: the same checks find it."""
     unity = editor(runtime, "keep", "EndlessClient", silent, 1, "(naive: endless receive, server silent)")

@@ -16,9 +16,8 @@ namespace NetMQExample
     {
         // The gateway answers what it is asked: who sends more than this at once is no gateway.
         private const int Room = 64, MaxBytes = 4 * 1024 * 1024;
-        // .NET leaves a connection open that comes about just when nobody waits for it any more: it may do so first.
-        // Mono, and so Unity's editor, does not, and recompiled scripts must not be waited for there.
-        private static readonly bool WaitsForIt = Type.GetType("Mono.Runtime") == null;
+        // Says to all at once that an assembly reload has begun.
+        private static readonly CancellationTokenSource Reload = new CancellationTokenSource();
         // What is at work on the thread pool, or waits for its turn there.
         private static int running;
         private readonly ConcurrentQueue<string> received = new ConcurrentQueue<string>();
@@ -32,6 +31,7 @@ namespace NetMQExample
         // end itself of that. All have been told to leave, and most often nothing is left.
         static DotNetConnection() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
         {
+            Reload.Cancel();
             for (var rest = 5000; rest > 0 && Volatile.Read(ref running) > 0; rest--) Thread.Sleep(1);
         };
 
@@ -79,12 +79,10 @@ namespace NetMQExample
             {
                 // The way to this machine needs no proxy, whatever the system has set.
                 socket.Options.Proxy = null;
-                using var patience = new CancellationTokenSource();
-                using var stopped = stop.Token.Register(() =>
-                {
-                    if (WaitsForIt) patience.CancelAfter(1000);
-                    else patience.Cancel();
-                });
+                // A connection that comes about just when nobody waits for it any more stays open: it may do so first.
+                // Scripts that are loaded anew do not wait, and an AppDomain that goes takes it along.
+                using var patience = CancellationTokenSource.CreateLinkedTokenSource(Reload.Token);
+                using var stopped = stop.Token.Register(() => patience.CancelAfter(1000));
                 await socket.ConnectAsync(new Uri(address), patience.Token).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
