@@ -21,6 +21,8 @@ from kitlib.lessons import KitError
 ROOT = Path(__file__).resolve().parent.parent
 # Generous, since it only decides how long a broken program is waited for.
 LIMIT = 120.0
+# For a client, or a gateway, that is to have its answer: a busy machine may take longer than the seconds that it waits.
+PATIENT = ("--patience", "60")
 
 
 def free_port() -> int:

@@ -15,12 +15,10 @@ import zmq
 from tests.bad_peers import ProtocolBreaker, zmtp_frame
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import ROOT
+from tests.programs import PATIENT, ROOT
 
 KEY = "01_request_reply"
 SERVER = ROOT / "python" / KEY / "server.py"
-# Where a reply is expected: a busy machine may take longer than the 2.5 s that a client waits.
-PATIENT = ("--patience", "60")
 TEN = [*(f"{i}: sent Hello, received World" for i in range(1, 11)), "done: 10 replies"]
 
 

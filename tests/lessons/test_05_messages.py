@@ -18,11 +18,9 @@ import zmq
 from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import ROOT, steady_port
+from tests.programs import PATIENT, ROOT, steady_port
 
 KEY = "05_messages"
-# Where a reply is expected: a busy machine may take longer than the 2.5 s that a client waits.
-PATIENT = ("--patience", "60")
 FOLDER = ROOT / "python" / KEY
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / f"{KEY}.json").read_text(encoding="utf-8"))
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}

@@ -18,7 +18,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT, PATIENT, ROOT
 
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: pip install aiohttp")
 socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: pip install python-socketio")
@@ -27,8 +27,6 @@ KEY = "16_web_gateway"
 HELLO, BACKGROUND, POSES = "01_request_reply", "04_background_client", "03_publish_subscribe"
 # Nobody is there.
 ABSENT = [word for name in ("--hello", "--background", "--poses") for word in (name, "tcp://127.0.0.1:1")]
-# A server that a busy machine gives no processor for a second is not one that is away. A gateway and a client take it.
-PATIENT = ("--patience", "60")
 each_kind = pytest.mark.parametrize("kind", CLIENTS)
 each_way = pytest.mark.parametrize("socketio_too", [False, True], ids=["websocket", "socketio"])
 

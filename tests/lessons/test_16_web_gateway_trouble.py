@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.test_16_web_gateway import ABSENT, HELLO, KEY, PATIENT, asked, by, each_kind, each_way, in_browser
-from tests.programs import LIMIT, ROOT
+from tests.lessons.test_16_web_gateway import ABSENT, HELLO, KEY, asked, by, each_kind, each_way, in_browser
+from tests.programs import LIMIT, PATIENT, ROOT
 
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: pip install aiohttp")
 web = pytest.importorskip("aiohttp.web")

@@ -19,7 +19,7 @@ import zmq
 from kitlib.lessons import Lesson, lessons
 from tests.bad_peers import EndlessPeer, cuts_off_what_is_endless
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, free_port
+from tests.programs import LIMIT, PATIENT, ROOT, free_port
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 import keys
@@ -99,6 +99,10 @@ def only_publishes(key):
     """Whether its server only speaks: what it is sent is never answered."""
     sockets = set(re.findall(r"zmq\.(REP|ROUTER|PUB)\b", (ROOT / server_of(key)).read_text(encoding="utf-8")))
     return sockets == {"PUB"}
+
+
+def patient(key, kind):
+    return PATIENT if takes(key, kind, "--patience") else ()
 
 
 def impatient(key, kind, patience="0.3"):
@@ -338,9 +342,8 @@ def test_a_server_takes_windows_ctrl_break_for_ctrl_c(key, serve, tmp_path):
 @each_client
 def test_a_client_with_its_defaults_ends_by_itself(key, kind, serve, start, client_command):
     server, endpoint = serve(key)
-    # On a busy machine an exchange may take seconds.
-    patient = ["--patience", "60"] if takes(key, kind, "--patience") else []
-    client = start(*client_command(kind, key, endpoint, *others(server), *ENDLESS.get((key, kind), []), *patient))
+    options = [*others(server), *ENDLESS.get((key, kind), []), *patient(key, kind)]
+    client = start(*client_command(kind, key, endpoint, *options))
     ended(client, 0, limit=240)
 
 
@@ -419,8 +422,7 @@ def test_who_announces_too_much_is_cut_off_by_a_client(key, kind, start, client_
         # The stream's connection, and that for snapshots.
         second = ["--snapshots", peer.endpoint] if takes(key, kind, "--snapshots") else []
         # So that it does not hang up for another reason: before it sends its request again.
-        patient = ["--patience", "60"] if takes(key, kind, "--patience") else []
-        start(*client_command(kind, key, peer.endpoint, *second, *patient))
+        start(*client_command(kind, key, peer.endpoint, *second, *patient(key, kind)))
         for _ in ["", *second[1:]]:
             assert peer.cut_off.get(timeout=LIMIT)
 

@@ -21,7 +21,7 @@ import pytest
 from kitlib import lessons
 from kitlib.programs import quietly
 from kitlib.setup import dotnet
-from tests.programs import ROOT, Program, free_port, two_ports
+from tests.programs import PATIENT, ROOT, Program, free_port, two_ports
 
 WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "wine"))), None)
 # What goes on until Stop if nobody says otherwise.
@@ -90,8 +90,8 @@ def test_a_client(
     key: str, unity: bool, wine: Callable[..., Program], serve: Callable[..., Any], tmp_path: Path
 ) -> None:
     endpoint = serve(key, endpoint=two_ports())[1]
-    # The first request takes seconds on a busy machine. Whoever has many areas asks in none of them.
-    patient = [] if unity and key[:2] in ("10", "11", "17") else ["--patience", "60"]
+    # Whoever has many areas asks in none of them.
+    patient = () if unity and key[:2] in ("10", "11", "17") else PATIENT
     client = wine(
         "csharp-console.exe",
         key,

@@ -20,11 +20,9 @@ import zmq
 
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
-from tests.programs import ROOT
+from tests.programs import PATIENT, ROOT
 
 KEY = "16_web_gateway"
-# Of a gateway that is asked once: on a busy machine the server behind it may get no processor for a second.
-PATIENT = ("--patience", "60")
 POSE = "document.querySelector('#pose').innerText"
 NEWEST = "document.querySelector('#replies li')?.innerText"
 
