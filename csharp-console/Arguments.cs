@@ -15,18 +15,10 @@ namespace NetMQExample.Terminal
     /// <summary>Options such as <c>--count 3</c> or <c>--count=3</c>, read in the invariant culture.</summary>
     internal sealed class Arguments
     {
-        private readonly List<string> rest = new();
+        private readonly List<string> rest;
         private readonly List<string> declared = new();
 
-        public Arguments(IEnumerable<string> words)
-        {
-            foreach (var word in words)
-            {
-                var equals = word.StartsWith("--", StringComparison.Ordinal) ? word.IndexOf('=') : -1;
-                if (equals < 0) rest.Add(word);
-                else rest.AddRange(new[] { word[..equals], word[(equals + 1)..] });
-            }
-        }
+        public Arguments(IEnumerable<string> words) => rest = words.ToList();
 
         public bool Flag(string name)
         {
@@ -35,17 +27,14 @@ namespace NetMQExample.Terminal
         }
 
         /// <summary>Whether it was given, also with a value that is the standard one.</summary>
-        public bool Has(string name) => rest.Contains($"--{name}");
+        public bool Has(string name) => rest.Any(word => NameOf(word) == $"--{name}");
 
         public string Text(string name, string standard)
         {
             declared.Add($"--{name} {standard}");
-            var at = rest.IndexOf($"--{name}");
+            var at = rest.FindIndex(word => NameOf(word) == $"--{name}");
             if (at < 0) return standard;
-            if (at + 1 == rest.Count) throw new UsageException($"--{name} needs a value, such as: --{name} {standard}");
-            var value = rest[at + 1];
-            rest.RemoveRange(at, 2);
-            return value;
+            return TakeValue(at) ?? throw new UsageException($"--{name} needs a value, such as: --{name} {standard}");
         }
 
         public int Whole(string name, int standard)
@@ -71,9 +60,10 @@ namespace NetMQExample.Terminal
         {
             while (rest.Count > 0 && rest[0].StartsWith("--", StringComparison.Ordinal) && !rest.Contains("--help"))
             {
-                var alone = rest.Count == 1 || rest[1].StartsWith("--", StringComparison.Ordinal);
-                yield return (rest[0][2..], alone ? "true" : rest[1]);
-                rest.RemoveRange(0, alone ? 1 : 2);
+                var name = NameOf(rest[0])[2..];
+                var alone = rest[0].IndexOf('=') < 0 && (rest.Count == 1 || rest[1].StartsWith("--", StringComparison.Ordinal));
+                if (alone) rest.RemoveAt(0);
+                yield return (name, alone ? "true" : TakeValue(0)!);
             }
         }
 
@@ -82,7 +72,21 @@ namespace NetMQExample.Terminal
         {
             if (rest.Count == 0) return;
             var known = "options and what they are when left out: " + string.Join("  ", declared);
-            throw new UsageException(rest.Contains("--help") ? known : $"unknown: {rest.First()}; {known}");
+            throw new UsageException(rest.Contains("--help") ? known : $"unknown: {NameOf(rest.First())}; {known}");
+        }
+
+        private static string NameOf(string word) => word.StartsWith("--", StringComparison.Ordinal) ? word.Split('=')[0] : word;
+
+        // What follows the equals sign may begin with dashes: a CURVE key does, once in some thousand.
+        private string? TakeValue(int at)
+        {
+            var (word, equals) = (rest[at], rest[at].IndexOf('='));
+            rest.RemoveAt(at);
+            if (equals >= 0) return word[(equals + 1)..];
+            if (at == rest.Count) return null;
+            var value = rest[at];
+            rest.RemoveAt(at);
+            return value;
         }
     }
 }

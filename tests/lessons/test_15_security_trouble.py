@@ -109,8 +109,8 @@ def test_a_client_says_in_one_line_what_is_wrong_with_its_keys(kind, what, said,
             shutil.copy(folder / "client.key", folder / "client.key_secret")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.key*")}
     option = "--serverKey" if kind == "unity" else "--server-key"
-    # A key may begin with a dash, which argparse would take for an option without the equals sign.
-    words = ["--keys", str(folder), f"{option}=-{zmq.curve_keypair()[0].decode()[1:]}"]
+    # A key may begin with two dashes, and is no option after the equals sign.
+    words = ["--keys", str(folder), f"{option}=--{zmq.curve_keypair()[0].decode()[2:]}"]
     client = start(*client_command(kind, KEY, "tcp://127.0.0.1:1", *words))
     assert client.wait() == (1 if kind == "unity" else 2), client.output
     assert said.format(folder) in client.output
