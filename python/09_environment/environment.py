@@ -58,11 +58,7 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
         # The simulator gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.np_random.integers(2**53)) if seed is None else seed
         values, arrays = sendable(options, seed=seed)
-        try:
-            state = self.connection.ask("reset", values, arrays)
-        except Lost:
-            self.simulators.find(self.accept)
-            state = self.connection.ask("reset", values, arrays)
+        state = self.simulators.begin(self.accept, lambda _: self.connection.ask("reset", values, arrays))
         seen, self.seen = from_array(self.observation_space, state.arrays), state.arrays
         return seen, state.values
 

@@ -49,8 +49,9 @@ class EnvironmentClient:
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 # Nothing can be sent while there is no connection: so it is known whether there is one.
                 socket.linger, socket.maxmsgsize, socket.immediate = 0, 4 * LIMIT, True
-                # A pulled cable tells nobody. So a silent peer is asked, and taken for gone after a second.
-                socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 1000
+                # A pulled cable tells nobody: a silent peer is asked, and gone when 2.5 s bring no answer. After
+                # less, a computer that learns on all its cores would be taken for gone.
+                socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
                 if self.prepare:
                     self.prepare(socket)
                 socket.connect(self.endpoint)

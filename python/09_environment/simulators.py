@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import launched
 import zmq
@@ -75,6 +76,21 @@ class Simulators:
             self.end()
             self.process = launched.start([*self.launch, "--endpoint", endpoint])
         self.connection.wait(self.limit, accept, lambda: self.process.poll() if self.process else None)
+
+    def begin(self, accept: Callable[[Message], None], ask: Callable[[Lost | None], Any]) -> Any:
+        """What `ask` for a reset returns, in another simulator if one is lost; it is told what was lost before.
+
+        The next one may be lost as well: lesson 17's hub is started anew just then. Or each one ends of a reset, so
+        that after three it is over.
+        """
+        lost = None
+        for _ in range(2):
+            try:
+                return ask(lost)
+            except Lost as why:
+                lost = why
+                self.find(accept)
+        return ask(lost)
 
     def end(self) -> None:
         if process := self.process:

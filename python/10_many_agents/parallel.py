@@ -65,7 +65,7 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         values, begin = sendable(options, seed=seed, real_time=self.real_time)
         if begin:
             raise ValueError("state cannot be sent: a game begins by chance")
-        state = self.remote.begin(values)
+        state = self.remote.simulators.begin(self.remote.accept, lambda _: self.remote.ask("reset", values, []))
         self.next = time.monotonic() + self.remote.dt
         self.agents = self.possible_agents[:]
         seen, *_, infos = self.remote.read(state, self.agents)

@@ -13,7 +13,6 @@ from gymnasium.spaces import Box, Space
 
 # In its own lesson's folder; at home they lie beside this file.
 sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
-from connection import Lost
 from infos import unpack
 from messages import Array, Message, MessageError, take
 from simulators import Simulators
@@ -44,14 +43,6 @@ class RemoteAgents:
             raise MessageError("other-spaces", f"the simulator before this one had {self.spaces!s:.80}")
         # The same objects for ever: whoever draws actions by chance has seeded them.
         self.spaces, self.dt = self.spaces or spaces, take(hello.values, "dt", float)
-
-    def begin(self, options: dict[str, Any]) -> Message:
-        """A new episode, if need be in another simulator."""
-        try:
-            return self.ask("reset", options, [])
-        except Lost:
-            self.simulators.find(self.accept)
-            return self.ask("reset", options, [])
 
     def read(self, state: Message, living: list[str]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminated, truncated and infos, each by agent."""

@@ -34,7 +34,8 @@ class RemoteAreas:
         # With the seed that each was made of.
         self.random, self.seen = [seeding.np_random() for _ in range(count)], list[Array]()
         self.steps, self.spaces, self.fps = np.zeros(count, int), list[Any](), 0
-        most, self.pictures = np.finfo(np.float64).max, count * [np.zeros((240, 320, 3), np.uint8)]
+        self.pictures = count * [np.zeros((240, 320, 3), np.uint8)]
+        most = np.finfo(np.float64).max
         self.rewards, self.flags = Box(-most, most, (count,), np.float64), Box(0, 1, (count,), np.uint8)
         self.simulators = Simulators(default=ENDPOINT, **where)
         self.ask = self.simulators.connection.ask
@@ -49,22 +50,21 @@ class RemoteAreas:
             raise MessageError("too-big", f"{most} bytes of {self.count} areas are more than a message has, {LIMIT}")
         self.fps, self.seen_space = round(1 / max(1e-3, dt)), batch_space(self.spaces[0], self.count)
 
-    def begin(self, mask: Any, seed: Any = None, options: Any = None, tries: int = 3) -> tuple[Any, list[Any]]:
+    def begin(self, mask: Any, seed: Any = None, options: Any = None) -> tuple[Any, list[Any]]:
         """What is seen, and the infos. In another simulator all areas begin anew: those not asked to were lost."""
         values, state = sendable(options)
-        try:
-            answer = self.ask("reset", values, self.lots(mask, seed) + state)
-        except Lost as lost:
-            # The next one may be lost as well: lesson 17's hub is started anew just then. Or each one ends of a reset.
-            if tries == 1:
-                raise
-            self.simulators.find(self.accept)
-            seen, infos = self.begin(mask | True, seed, options, tries - 1)
-            for area in np.flatnonzero(~mask):
-                infos[area]["lost"] = str(lost)
-        else:
-            self.steps[mask] = 0
-            seen, *_, infos = self.read(answer)
+        new, why = mask, ""
+
+        def ask(lost: Lost | None) -> Message:
+            nonlocal new, why
+            if lost:
+                new, why = mask | True, str(lost)
+            return self.ask("reset", values, self.lots(new, seed) + state)
+
+        seen, *_, infos = self.read(self.simulators.begin(self.accept, ask))
+        self.steps[new] = 0
+        for area in np.flatnonzero(new & ~mask):
+            infos[area]["lost"] = why
         return seen, infos
 
     def step(self, actions: Any, again: Any) -> tuple[Any, Any, Any, Any, list[dict[str, Any]]]:

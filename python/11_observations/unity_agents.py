@@ -61,11 +61,7 @@ class Agents:
         if not isinstance(options, dict | None):
             raise ValueError(f"options must be a dict: {options!r:.80}")
         asked = {"agents": names, "options": options or {}}
-        try:
-            state = self.ask("reset", asked, seed=seed)
-        except Lost:
-            self.simulators.find(self.accept)
-            state = self.ask("reset", asked, seed=seed)
+        state = self.simulators.begin(self.accept, lambda _: self.ask("reset", asked, seed=seed))
         self.seen = {name: empty(space, name) for name, space in self.observations.items()}
         said = self.taken(names, state)
         # What C# alone has, was an error. What Python alone has may come later, from a sensor that is disabled now.

@@ -85,8 +85,8 @@ class FleetSocket:
         # Nothing can be sent while there is no connection: so it is known whether there is one.
         self.socket.linger, self.socket.maxmsgsize, self.socket.immediate = 500, 4 * LIMIT, True
         self.socket.rcvtimeo = self.socket.sndtimeo = 200
-        # A pulled cable is noticed within two seconds.
-        self.socket.heartbeat_ivl, self.socket.heartbeat_timeout = 500, 1000
+        # A pulled cable is noticed within three seconds.
+        self.socket.heartbeat_ivl, self.socket.heartbeat_timeout = 500, 2500
         if self.prepare:
             self.prepare(self.socket)
         self.socket.connect(self.endpoint)

@@ -91,9 +91,9 @@ def main() -> None:
         # A reply that nobody fetches is dropped at the end; waiting for its delivery could take for ever.
         # Who announces more than the largest message is disconnected before it is in memory.
         socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, LARGEST, 200
-        # A silent peer is asked every 0.5 s whether it is there, and cut off when 1 s brings no answer. Both engines
+        # A silent peer is asked every 0.5 s whether it is there, and cut off when 2.5 s bring no answer. Both engines
         # answer on a thread of their own: a busy program is not a dead one. To send to a peer that is gone is an error.
-        socket.heartbeat_ivl, socket.heartbeat_timeout, socket.router_mandatory = 500, 1000, True
+        socket.heartbeat_ivl, socket.heartbeat_timeout, socket.router_mandatory = 500, 2500, True
         options.allowed = keys_for(context, socket, options.keys)
         try:
             socket.bind(options.endpoint)

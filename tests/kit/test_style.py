@@ -40,8 +40,6 @@ LONGER = {
     "python/07_catch_up/server.py": 66,
     # What it needs takes seconds to import: what is missing, and Ctrl-C, are said in a line.
     "python/10_many_agents/server.py": 69,
-    # A simulator is lost, and so may be the next one.
-    "python/10_many_agents/remote_areas.py": 81,
     # Ctrl-C while it imports is no traceback; and the game's loop stands beside its thread for the network.
     "python/12_video/client.py": 65,
     # What is filmed is chosen here, and trouble by a slow disk.

@@ -42,9 +42,9 @@ namespace NetMQExample
             (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                // Nothing can be sent while there is no connection: so it is known whether there is one. A pulled cable
-                // tells nobody: so a silent peer is asked after a second, and taken for gone after another one.
-                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try },
+                // Nothing can be sent while there is no connection: so it is known whether there is one. A pulled
+                // cable tells nobody: a silent peer is asked after a second, and gone when two more bring no answer.
+                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
             }, 4 * Message.Limit);
         }
 
