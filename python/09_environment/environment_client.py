@@ -47,8 +47,10 @@ class EnvironmentClient:
         self.heard, self.why = time.monotonic(), NOTHING
         while time.monotonic() < self.heard + self.patience:
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
-                # Nothing can be sent while there is no connection: so it is known whether there is one.
-                socket.linger, socket.maxmsgsize, socket.immediate = 0, 4 * LIMIT, True
+                # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so
+                # between two looks, without a hello, and Python and simulator would wait for each other.
+                socket.immediate, socket.reconnect_ivl = True, -1
+                socket.linger, socket.maxmsgsize = 0, 4 * LIMIT
                 # A pulled cable tells nobody: a silent peer is asked, and gone when 2.5 s bring no answer. After
                 # less, a computer that learns on all its cores would be taken for gone.
                 socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500

@@ -36,8 +36,8 @@ class ViewSender:
                 waited = f"nobody films at {self.endpoint} within {self.patience:g} s"
                 raise TimeoutError(f"{waited}; is the server running? ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
-                # Nothing can be sent while there is no connection: so it is known whether there is one.
-                socket.linger, socket.maxmsgsize, socket.immediate = 0, LIMIT, True
+                # Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
+                socket.linger, socket.maxmsgsize, socket.immediate, socket.reconnect_ivl = 0, LIMIT, True, -1
                 socket.sndtimeo = int(1000 * min(TRY, self.patience))
                 socket.connect(self.endpoint)
                 try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import os
 import re
@@ -17,7 +18,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, Mark, finds_processes, free_port
+from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
@@ -131,6 +132,56 @@ def test_a_request_that_comes_again_is_not_done_again(kind, start, client_comman
     for action in (1, 1, 0):
         world.apply(action)
     assert world.observe() == pytest.approx(seen, abs=1e-6)
+
+
+class Cable(threading.Thread):
+    """Passes on each connection to a port, until it is cut; the next one finds it whole."""
+
+    def __init__(self, port):
+        super().__init__(daemon=True)
+        self.port, self.ends = port, []
+        self.listener = sockets.create_server(("127.0.0.1", 0))
+        self.endpoint = f"tcp://127.0.0.1:{self.listener.getsockname()[1]}"
+        self.start()
+
+    def run(self):
+        with contextlib.suppress(OSError):
+            while True:
+                near = self.listener.accept()[0]
+                far = sockets.create_connection(("127.0.0.1", self.port))
+                self.ends += [near, far]
+                for ways in (near, far), (far, near):
+                    threading.Thread(target=self.carry, args=ways, daemon=True).start()
+
+    def carry(self, one, other):
+        with contextlib.suppress(OSError):
+            while data := one.recv(65536):
+                other.sendall(data)
+        for end in one, other:
+            end.close()
+
+    def cut(self):
+        for end in self.ends:
+            with contextlib.suppress(OSError):
+                end.shutdown(sockets.SHUT_RDWR)
+        self.ends.clear()
+
+
+@each_client
+def test_a_connection_that_was_cut_is_not_taken_up_without_a_hello(kind, start, client_command):
+    """Python would wait for a hello, and the simulator for a request, each on a connection that is whole."""
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as trainer:
+        trainer.linger, trainer.rcvtimeo = 0, int(1000 * LIMIT)
+        cable = Cable(trainer.bind_to_random_port("tcp://127.0.0.1"))
+        client = start(*client_command(kind, KEY, cable.endpoint, *PATIENT))
+        for _ in range(10):
+            peer, *hello = trainer.recv_multipart()
+            assert read(hello).kind == "hello"
+            told = len(client.lines)
+            trainer.send_multipart([peer, *Message("welcome", read(hello).id).frames()])
+            client.wait_for("^simulating", start=told)
+            cable.cut()
+        cable.listener.close()
 
 
 def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(faked):

@@ -42,9 +42,12 @@ namespace NetMQExample
             (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                // Nothing can be sent while there is no connection: so it is known whether there is one. A pulled
-                // cable tells nobody: a silent peer is asked after a second, and gone when two more bring no answer.
-                Options = { DelayAttachOnConnect = true, HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
+                // Nothing can be sent while there is no connection, and this socket makes no second one: it might do so
+                // between two looks, without a hello, and Python and simulator would wait for each other.
+                // A pulled cable tells nobody: a silent peer is asked after a second, and gone when two more bring no
+                // answer.
+                Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan,
+                    HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
             }, 4 * Message.Limit);
         }
 

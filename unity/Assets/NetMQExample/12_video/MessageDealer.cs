@@ -25,12 +25,10 @@ namespace NetMQExample
         public MessageDealer(string endpoint, TimeSpan patience)
         {
             this.patience = patience;
-            connection = new NetMQConnection(endpoint, () =>
+            connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                var socket = new DealerSocket();
-                // Nothing can be sent while there is no connection: so it is known whether there is one.
-                socket.Options.DelayAttachOnConnect = true;
-                return socket;
+                // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
+                Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan },
             }, 4 * Message.Limit);
         }
 
