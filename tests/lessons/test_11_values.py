@@ -55,6 +55,9 @@ def world(monkeypatch):
             def find(self, accept):
                 accept(read(simulator.hello().frames()))
 
+            def begin(self, accept, ask):
+                return ask(None)
+
             def ask(self, kind, values, arrays):
                 self.id += 1
                 answer = read(simulator.answer(read(Message(kind, self.id, values, arrays).frames())))
