@@ -24,10 +24,8 @@ class SocketIORequester(WebRequester):
         # without an exception, that Socket.IO has not closed what an earlier try opened.
         asyncio.get_running_loop().set_exception_handler(lambda _, what: gone.set() if "exception" in what else None)
         self.client.on("connect_error", said.append)
-        # Its own patience is a second, and ours ends it in any case.
-        words = {"auth": {"token": self.token}, "transports": ["websocket"], "wait_timeout": self.patience}
         try:
-            await self.client.connect(self.endpoint, **words)
+            await self.client.connect(self.endpoint, auth={"token": self.token}, transports=["websocket"])
         except socketio.exceptions.ConnectionError:
             if "token" in str(said):
                 raise PermissionError(REFUSED.format(self.endpoint)) from None

@@ -29,9 +29,11 @@ from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
 from tests.conftest import PYTHON
-from tests.programs import ROOT, Mark, finds_processes
+from tests.programs import PATIENT, ROOT, Mark, finds_processes
 
 KIT = ROOT / "kit.py"
+# For the client: its first reply may take seconds on a busy machine.
+UNHURRIED = f"--options={' '.join(PATIENT)}"
 
 
 @pytest.fixture
@@ -74,32 +76,19 @@ def test_list_names_every_lesson_of_the_folders(start):
 
 @pytest.mark.parametrize("client", ["python", "csharp"])
 def test_run_shows_both_sides_and_ends_with_the_clients_code(client, engine, start):
-    program = start(
-        PYTHON, KIT, "run", "1", "--client", client, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"
-    )
+    words = ["--client", client, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
+    program = start(PYTHON, KIT, "run", "1", *words, UNHURRIED)
     assert program.wait(500) == 0, program.output
     assert "client | done: 10 replies" in program.lines
     assert program.lines.count("server | sent b'World'") == 10
-    failing = start(
-        PYTHON,
-        KIT,
-        "run",
-        "01",
-        "--client",
-        client,
-        "--engine",
-        engine.name,
-        "--endpoint",
-        "tcp://127.0.0.1:0",
-        "--server=--delay 30",
-        "--options=--patience 0.2",
-    )
+    failing = start(PYTHON, KIT, "run", "01", *words, "--server=--delay 30", "--options=--patience 0.2")
     assert failing.wait(500) == 1, failing.output
     assert any(line.startswith("client | gave up") for line in failing.lines)
 
 
 def test_a_second_build_happens_only_after_a_change(engine, prepared, start):
-    command = [PYTHON, prepared / "kit.py", "run", "1", "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
+    words = ["--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
+    command = [PYTHON, prepared / "kit.py", "run", "1", *words]
     first, second = start(*command), None
     assert first.wait(500) == 0, first.output
     assert "building" in first.output
@@ -214,8 +203,10 @@ def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy
         with Stopped([bare_python, copy / "kit.py", "run", "1", "--client", "python"], tmp_path, **env) as run:
             run.wait_for(lambda: any(" pip " in line and "install" in line for line in run.running()))
             assert run.stop(signal.SIGINT) == 130
-    again = [bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0"]
-    done = subprocess.run(again, capture_output=True, text=True, timeout=120)
+    words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
+    done = subprocess.run(
+        [bare_python, copy / "kit.py", "run", "1", *words], capture_output=True, text=True, timeout=120
+    )
     assert "client | done: 10 replies" in done.stdout, done.stdout
 
 
@@ -423,7 +414,7 @@ def test_without_a_dotnet_sdk_the_python_client_runs(tmp_path, start):
     tools = tmp_path / "tools"
     tools.mkdir()
     (tools / "python3").symlink_to(PYTHON)
-    program = start(PYTHON, KIT, "run", "1", "--endpoint", "tcp://127.0.0.1:0", PATH=str(tools))
+    program = start(PYTHON, KIT, "run", "1", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED, PATH=str(tools))
     assert program.wait(120) == 0, program.output
     assert any("no .NET SDK 8 or later here: get it from" in line for line in program.lines)
     assert "client | done: 10 replies" in program.lines
@@ -435,9 +426,8 @@ def test_without_an_index_an_interpreter_that_has_pyzmq_serves(copy, bare_python
         "PIP_FIND_LINKS": str(tmp_path),
         "PATH": f"{PYTHON.parent}{os.pathsep}{os.environ['PATH']}",
     }
-    program = start(
-        bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", **env
-    )
+    words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
+    program = start(bare_python, copy / "kit.py", "run", "1", *words, **env)
     assert program.wait(120) == 0, program.output
     assert re.search(r"kit    \| using \S+, which has pyzmq", program.output)
     # What did not help is no error: the first screen of a newcomer has no such word.

@@ -29,7 +29,7 @@ def quick(engine):
     command = [PYTHON, ROOT / "kit.py", "bench", "--quick", "--engine", engine.name]
     program = Program(command, **mark.environment)
     try:
-        assert program.wait(580) == 0, program.output
+        assert program.wait(1100) == 0, program.output
     finally:
         program.kill()
     results = json.loads((ROOT / ".build" / "bench" / "performance.json").read_text(encoding="utf-8"))

@@ -292,7 +292,7 @@ def three_laps(tmp_path_factory, camera, road):
 
 def learned(folder, out, seed):
     command = [PYTHON, LESSON / "train.py", folder, "--out", out, "--seed", str(seed)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=500)
     assert done.returncode == 0, done.stderr
     assert re.search(r"^read \d+ pictures, \d+ s\n", done.stdout)
     assert float(re.search(r"its steering is off by (\S+)", done.stdout)[1]) < 0.05
@@ -550,7 +550,7 @@ def test_what_is_no_recording_is_named_in_one_line(name, tmp_path):
     words = [tmp_path / "out.gif"] if name == "film.py" else []
     for folder in (tmp_path, tmp_path / "nowhere"):
         command = [PYTHON, LESSON / name, folder, *words]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=tmp_path)
         assert done.returncode == 1
         assert str(folder) in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
 
