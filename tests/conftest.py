@@ -12,7 +12,7 @@ import pytest
 
 from kitlib.lessons import KitError, Lesson, lessons
 from kitlib.setup import dotnet, python_setup
-from tests.programs import ROOT, Program
+from tests.programs import ROOT, Program, two_ports
 
 PYTHON = Path(sys.executable)
 CLIENTS = ("python", "csharp", "unity")
@@ -106,7 +106,7 @@ def serve(start: Callable[..., Program], tmp_path: Path) -> Callable[..., tuple[
         for name, other in Lesson(key).behind:
             if name not in options:
                 options = (*options, name, serve(other.key)[1])
-        place = endpoint.replace("tcp", Lesson(key).scheme) or Lesson(key).anywhere
+        place = (endpoint or two_ports()).replace("tcp", Lesson(key).scheme)
         words = [ROOT / "python" / key / "server.py", "--endpoint", place, *options]
         program = start(PYTHON, *words, folder=tmp_path, **environment)
         return program, program.wait_for(r"^listening on (\S+)")[1]

@@ -70,6 +70,7 @@ def two_ports() -> str:
     while True:
         port = steady_port()
         with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port + 100)):
+            reserve(port + 100)
             return f"tcp://127.0.0.1:{port}"
 
 

@@ -155,11 +155,6 @@ def places(server):
     return dict(re.findall(r"^(\w+) on ((?:tcp|http)://\S+)$", server.output, re.MULTILINE))
 
 
-def others(server):
-    """The options for what is not 100 higher than the endpoint, because the system chose the port."""
-    return [word for name, place in places(server).items() if name != "listening" for word in (f"--{name}", place)]
-
-
 def ended(program, code, limit=LIMIT):
     """The last line of a program that has ended with this code, and not in a traceback."""
     assert program.wait(limit) == code, program.output
@@ -288,7 +283,7 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
         # loses the next client's reply, and asking again is lesson 02.
         words = ["--count", "1"] if "--count" in options(client_of(key)) else []
         words += ["--patience", "20"] if takes(key, "python", "--patience") else []
-        client = start(*client_command("python", key, endpoint, *others(server), *words))
+        client = start(*client_command("python", key, endpoint, *words))
         assert client.wait() == 0, client.output
     assert server.stop() == 0, server.output
     assert "Traceback" not in server.output
@@ -319,7 +314,7 @@ def test_a_server_ends_at_once_and_leaves_its_ports(key, how, serve):
     # The contract says half a second; the rest is the interpreter's own end on a busy machine.
     assert server.stop(how, limit=30) == 0
     assert "Traceback" not in server.output
-    again, same = serve(key, *others(server), endpoint=endpoint)
+    again, same = serve(key, endpoint=endpoint)
     assert same == endpoint
     assert places(again) == places(server)
     assert again.stop() == 0
@@ -341,8 +336,8 @@ def test_a_server_takes_windows_ctrl_break_for_ctrl_c(key, serve, tmp_path):
 @each_lesson
 @each_client
 def test_a_client_with_its_defaults_ends_by_itself(key, kind, serve, start, client_command):
-    server, endpoint = serve(key)
-    options = [*others(server), *ENDLESS.get((key, kind), []), *patient(key, kind)]
+    _, endpoint = serve(key)
+    options = [*ENDLESS.get((key, kind), []), *patient(key, kind)]
     client = start(*client_command(kind, key, endpoint, *options))
     ended(client, 0, limit=240)
 

@@ -24,7 +24,7 @@ class Peer:
     """A client that is not the kit's: one job, and all that was said about it."""
 
     def __init__(self, context, endpoint, job=""):
-        self.job, self.heard = job or uuid.uuid4().hex, []
+        self.job, self.heard, self.asked_again = job or uuid.uuid4().hex, [], 0
         self.socket = context.socket(zmq.DEALER)
         self.socket.linger = 0
         self.socket.connect(endpoint)
@@ -46,6 +46,7 @@ class Peer:
                     return self.heard[-1]
             else:
                 self.ask("status")
+                self.asked_again += 1
         raise AssertionError(f"no {kinds}; heard {[(news.kind, news.values) for news in self.heard][-5:]}")
 
     def result(self, status=None):
