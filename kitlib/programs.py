@@ -26,8 +26,8 @@ if sys.platform == "win32":
     GROUP = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
 # Generous, since it only decides how long a broken program is waited for.
 PATIENCE = 60.0
-# A program is asked to end, and waited for this long.
-GOODBYE = 5.0
+# A program is asked to end, and waited for this long. One that has heard the terminal's Ctrl-C is not asked that soon.
+GOODBYE, MOMENT = 5.0, 1.0
 
 
 class Program:
@@ -99,9 +99,9 @@ class Program:
         found = {match[1]: match[2] for match in said}
         return {"endpoint": found.pop("listening"), **found}
 
-    def end(self) -> None:
-        """End it if it still runs, and read its last lines."""
-        stop(self.process)
+    def end(self, moment: float = 0) -> None:
+        """End it if it still runs after so many seconds, and read its last lines."""
+        stop(self.process, moment)
         self.reader.join(GOODBYE)
         if self.process.stdin:
             try:
@@ -123,15 +123,14 @@ def alone(command: Sequence[str | Path], folder: Path = ROOT) -> int:
     finally:
         if process:
             with uninterrupted():
-                try:
-                    process.wait(GOODBYE / 5)
-                except subprocess.TimeoutExpired:
-                    stop(process)
+                stop(process, MOMENT)
 
 
-def stop(process: subprocess.Popen[Any]) -> None:
-    """Ask a program to end if it still runs; what does not listen is ended all the same."""
-    if process.poll() is None:
+def stop(process: subprocess.Popen[Any], moment: float = 0) -> None:
+    """Ask a program to end that still runs after so many seconds; what does not listen is ended all the same."""
+    try:
+        process.wait(moment)
+    except subprocess.TimeoutExpired:
         ask_to_end(process)
         try:
             process.wait(GOODBYE)
@@ -201,10 +200,12 @@ def spawn(
 def wait(process: subprocess.Popen[Any]) -> int:
     """The exit code of a program; in slices, because on Windows a wait without a limit is deaf to Ctrl-C."""
     while True:
-        try:
-            return process.wait(0.2)
-        except subprocess.TimeoutExpired:
-            pass
+        # Popen asks with a lock, which a Ctrl-C in the wrong moment would leave locked: who clears up waited for ever.
+        with later():
+            code = process.poll()
+        if code is not None:
+            return code
+        time.sleep(0.05)
 
 
 def end(process: subprocess.Popen[bytes], limit: float = GOODBYE) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from kitlib import lessons
 from kitlib.lessons import KitError, Lesson, UsageError, find
-from kitlib.programs import PATIENCE, Program, quietly, wait
+from kitlib.programs import MOMENT, PATIENCE, Program, quietly, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import later, uninterrupted
 from kitlib.terminal import say, show
@@ -116,6 +116,7 @@ def run(
     started: list[Program] = []
     last: list[str] = []
     code: int | None = None
+    moment = 0.0
 
     def hear_client(line: str) -> None:
         show_last()
@@ -164,11 +165,12 @@ def run(
         return code
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
+        moment = MOMENT
         return 130 if code is None else code
     finally:
         with uninterrupted():
             for program in reversed(started):
-                program.end()
+                program.end(moment)
             show_last()
 
 

@@ -253,6 +253,32 @@ def test_a_second_ctrl_c_does_not_stop_the_clearing_up():
         signal.raise_signal(signal.SIGINT)
 
 
+class AtWorstMoment:
+    """Popen's lock, and a Ctrl-C that comes when it has just been taken."""
+
+    def __init__(self, lock):
+        self.lock, self.release = lock, lock.release
+
+    def acquire(self, *how):
+        got = self.lock.acquire(*how)
+        signal.raise_signal(signal.SIGINT)
+        return got
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there Popen needs no lock")
+def test_a_ctrl_c_at_the_worst_moment_does_not_keep_the_clearing_up_waiting():
+    with subprocess.Popen([PYTHON, "-c", "input()"], stdin=subprocess.PIPE) as process:
+        lock = process._waitpid_lock
+        process._waitpid_lock = AtWorstMoment(lock)
+        with pytest.raises(KeyboardInterrupt):
+            programs.wait(process)
+        process._waitpid_lock, locked = lock, lock.locked()
+        if locked:
+            lock.release()
+        process.kill()
+    assert not locked, "nobody could wait for it any more"
+
+
 def refused(start, *words):
     """The one line that answers wrong words."""
     program = start(PYTHON, KIT, *words)

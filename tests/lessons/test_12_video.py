@@ -267,7 +267,8 @@ def test_a_slow_python_makes_the_game_skip(serve, start, client_command, tmp_pat
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit for the size of a file")
 @each_format
 def test_a_full_disk_ends_the_film_and_not_the_game(end, start, client_command, tmp_path):
-    words = f"--endpoint tcp://127.0.0.1:0 --seconds 2 --film full{end}"
+    # A busy machine takes few pictures in a second.
+    words = f"--endpoint tcp://127.0.0.1:0 --seconds 8 --film full{end}"
     command = f"ulimit -f 24; exec {PYTHON} {ROOT}/python/{KEY}/server.py {words}"
     server = start("bash", "-c", command, folder=tmp_path)
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
