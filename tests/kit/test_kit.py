@@ -268,12 +268,12 @@ class AtWorstMoment:
 @pytest.mark.skipif(sys.platform == "win32", reason="there Popen needs no lock")
 def test_a_ctrl_c_at_the_worst_moment_does_not_keep_the_clearing_up_waiting():
     with subprocess.Popen([PYTHON, "-c", "input()"], stdin=subprocess.PIPE) as process:
-        lock = process._waitpid_lock
-        process._waitpid_lock = AtWorstMoment(lock)
+        lock = vars(process)["_waitpid_lock"]
+        vars(process)["_waitpid_lock"] = AtWorstMoment(lock)
         with pytest.raises(KeyboardInterrupt):
             programs.wait(process)
-        process._waitpid_lock, locked = lock, lock.locked()
-        if locked:
+        vars(process)["_waitpid_lock"] = lock
+        if locked := lock.locked():
             lock.release()
         process.kill()
     assert not locked, "nobody could wait for it any more"
