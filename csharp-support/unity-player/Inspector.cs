@@ -63,7 +63,8 @@ namespace UnityPlayer
             object value;
             try
             {
-                value = TypeDescriptor.GetConverter(field.FieldType).ConvertFromString(null, CultureInfo.InvariantCulture, text);
+                value = field.FieldType == typeof(Vector3) ? Vector(text)
+                    : TypeDescriptor.GetConverter(field.FieldType).ConvertFromString(null, CultureInfo.InvariantCulture, text);
             }
             // Converters wrap what goes wrong in a plain Exception, differently on each runtime.
             catch (Exception e) when (!(e is OutOfMemoryException))
@@ -74,6 +75,13 @@ namespace UnityPlayer
             if (field.GetCustomAttribute<MinAttribute>() is MinAttribute least && !(Convert.ToSingle(value, CultureInfo.InvariantCulture) >= least.min))
                 throw new ArgumentException(FormattableString.Invariant($"--{field.Name}: it must be at least {least.min}, not {text}"));
             return value;
+        }
+
+        // Unity's own have no converter. Written as 1,-0.5,0.
+        private static Vector3 Vector(string text)
+        {
+            var n = text.Split(',').Select(word => float.Parse(word, CultureInfo.InvariantCulture)).ToArray();
+            return n.Length == 3 ? new Vector3(n[0], n[1], n[2]) : throw new FormatException();
         }
     }
 }

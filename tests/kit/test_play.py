@@ -15,11 +15,12 @@ MINE = """using UnityEngine;
 public class MyOwn : MonoBehaviour
 {
     [SerializeField] private string endpoint = "tcp://127.0.0.1:5554";
+    [SerializeField] private Vector3 scale = new Vector3(1, 1, 1);
     private int unused = 3;
     private Greeting greeting;
 
     // Where it keeps files: beside itself, and not in the kit.
-    void Awake() { Debug.Log(Application.persistentDataPath); }
+    void Awake() { Debug.Log(Application.persistentDataPath); Debug.Log(scale); }
     void OnEnable() { greeting = new Greeting(endpoint); }
     void Update() { int alsoUnused; Debug.Log(greeting.Ask()); Application.Quit(); }
     void OnDisable() { greeting.Dispose(); }
@@ -56,11 +57,14 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     (folder / "Other.cs").write_text("no C#", encoding="utf-8")
     endpoint = serve("01_request_reply")[1]
     ours = play("MyOwn.cs", "Greeting.cs", "--endpoint", endpoint, folder=folder)
-    assert ours == (0, [str(folder), "World"])
+    assert ours == (0, [str(folder), "(1.00, 1.00, 1.00)", "World"])
     (folder / "Greeting.cs").write_text(ITS_CLASS.replace('"Hello"', '"Bye"'), encoding="utf-8")
-    code, lines = play(folder / "MyOwn.cs", folder / "Greeting.cs", "--endpoint", endpoint)
+    both = (folder / "MyOwn.cs", folder / "Greeting.cs")
+    code, lines = play(*both, "--endpoint", endpoint, "--scale=1,-0.5,0")
     assert code == 0
-    assert lines[1].startswith("error: expected Hello")
+    assert lines[1] == "(1.00, -0.50, 0.00)"
+    assert lines[2].startswith("error: expected Hello")
+    assert play(*both, "--scale", "1,2") == (2, ["--scale: '1,2' is no Vector3"])
 
 
 # What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.
@@ -93,7 +97,7 @@ def test_what_cannot_be_played_is_named(play, tmp_path):
     assert lines[0].startswith(
         "kit    | your script does not compile; the player knows only as much of UnityEngine as "
     )
-    assert re.search(r"Broken\.cs\(7,\d+\): error CS0246: .*'Greeting'[^\[]*$", lines[1])
+    assert re.search(r"Broken\.cs\(8,\d+\): error CS0246: .*'Greeting'[^\[]*$", lines[1])
     assert len(lines) == 2
     (tmp_path / "Plain.cs").write_text("class Plain { }", encoding="utf-8")
     assert play(tmp_path / "Plain.cs") == (2, ["there is no MonoBehaviour in these files"])
