@@ -6,6 +6,7 @@ from pathlib import Path
 from kitlib.lessons import KitError, UsageError
 from kitlib.programs import alone
 from kitlib.setup import dotnet, python_setup
+from kitlib.terminal import say
 
 ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
 
@@ -32,6 +33,9 @@ def do(options: argparse.Namespace) -> int:
             raise UsageError(f"there is no C# file {path}")
     if not dotnet.sdk():
         raise KitError(dotnet.DOWNLOAD)
+    for path in files:
+        if dotnet.of_the_kit(path) is False:
+            say(f"{path.name} is not the kit's any more: your scripts use yours, and the kit's go on with their own")
     python = python_setup.interpreter()
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)

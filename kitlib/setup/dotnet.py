@@ -41,7 +41,7 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
-KNOWN = "Update, OnEnable, Time, Transform, Debug.Log and little more; docs/guide/unity_project.md"
+KNOWN = "Update, OnEnable, Time, Transform, Debug.Log, and no keys or physics of yours; docs/guide/unity_project.md"
 # What NuGet says when it does not hold a package, or not this version of it, or cannot be reached at all.
 ABSENT = ("NU1101", "NU1102", "NU1103")
 UNREACHABLE = ("NU1301", "NU1801")
@@ -247,9 +247,11 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
     return dll
 
 
-def of_the_kit(path: Path) -> bool:
-    """Whether a script is the kit's, or an unchanged copy: compiled once more, its class would be another one."""
-    return any(path.read_bytes() == one.read_bytes() for one in PACKAGE.rglob(path.name))
+def of_the_kit(path: Path) -> bool | None:
+    """Whether a script is the kit's, or an unchanged copy: compiled once more, its class would be another one. False if
+    it is changed, None if the kit has none of that name."""
+    same = [path.read_bytes() == one.read_bytes() for one in PACKAGE.rglob(path.name)]
+    return any(same) if same else None
 
 
 def failure(result: Result) -> str:

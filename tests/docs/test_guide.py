@@ -31,7 +31,7 @@ GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
 # Blocks that nothing compares, all pages together. One more wants a reason better than haste.
-BY_HAND = 80
+BY_HAND = 81
 EXPECTED_PAGES = {
     *(f"{lesson.key}.md" for lesson in lessons()),
     "11_locators.md",
@@ -315,7 +315,7 @@ def test_every_other_csharp_block_compiles(tmp_path, console):
 PLAY = """
 using System; using System.Linq; using NetMQExample; using UnityEngine; using UnityPlayer;
 var player = new Player(typeof(MyClient).Assembly);
-MyCar car = null;
+DrivenBehaviour car = null;
 var answers = 0;
 Application.logMessageReceived += (line, _, _) => answers += line == "where to?" ? 1 : 0;
 player.Begin(() =>
@@ -323,15 +323,19 @@ player.Begin(() =>
     var thing = new GameObject("mine");
     thing.SetActive(false);
     var types = args[0] == "client" ? new[] { typeof(MyClient) }
-        : new[] { typeof(MyCar), typeof(CameraSender), typeof(RoadScene) };
+        : new[] { args[0] == "eye" ? typeof(MyEye) : typeof(MyCar), typeof(CameraSender), typeof(RoadScene) };
     Inspector.Set(types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray(), "endpoint", args[1]);
-    car = thing.GetComponent<MyCar>();
+    car = thing.GetComponent<DrivenBehaviour>();
+    // Beside the middle of the road.
+    if (car is MyEye) thing.transform.SetPositionAndRotation(new Vector3(52, 0, 12), Quaternion.Euler(0, 80, 0));
     thing.SetActive(true);
 });
 player.Run(TimeSpan.FromSeconds(car == null ? 30 : 40),
-    () => car == null ? answers >= 2 && Time.realtimeSinceStartup > 2.5f : car.Speed > 3);
-if (car != null) Console.WriteLine($"drives: {car.Speed > 3}");
+    () => car == null ? answers >= 2 && Time.realtimeSinceStartup > 2.5f : car.Speed > 3 || Turned());
+if (car is MyCar) Console.WriteLine($"drives: {car.Speed > 3}");
+if (car is MyEye) Console.WriteLine($"looks around: {Turned()}");
 player.Stop();
+bool Turned() => car is MyEye && Math.Abs(car.transform.rotation.y - Quaternion.Euler(0, 80, 0).y) > 0.01f;
 """
 
 
@@ -350,6 +354,7 @@ def test_a_script_of_yours_plays(tmp_path, console, serve):
         return (done.stdout + done.stderr).splitlines()
 
     assert play("car", "08_see_and_steer")[-1] == "drives: True"
+    assert play("eye", "08_see_and_steer")[-1] == "looks around: True"
     said = play("client", "04_background_client")
     # One at once, one after a second, one after two, and on a busy machine more, a second apart; and no error at Stop,
     # but of what was asked just then.

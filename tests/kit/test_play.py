@@ -67,6 +67,20 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     assert play(*both, "--scale", "1,2") == (2, ["--scale: '1,2' is no Vector3"])
 
 
+def test_a_changed_copy_of_the_kits_is_named(play, serve, tmp_path):
+    """The kit's own scripts do not use it."""
+    source = ROOT / "unity/Assets/NetMQExample/01_request_reply"
+    for name in ("HelloClient.cs", "HelloRequester.cs"):
+        (tmp_path / name).write_bytes((source / name).read_bytes())
+    with (tmp_path / "HelloRequester.cs").open("a", encoding="utf-8") as changed:
+        changed.write("// mine\n")
+    words = [tmp_path / "HelloClient.cs", tmp_path / "HelloRequester.cs", "--count", "1"]
+    code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])
+    assert (code, lines[-1]) == (0, "done: 1 replies")
+    other = "HelloRequester.cs is not the kit's any more: your scripts use yours, and the kit's go on with their own"
+    assert lines[0] == f"kit    | {other}"
+
+
 # What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.
 FREEZES = """using System.Threading;
 using UnityEngine;

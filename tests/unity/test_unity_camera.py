@@ -213,6 +213,16 @@ def test_a_camera_of_ones_own_is_the_eye(drive: Callable[..., Any]) -> None:
     assert all((picture(frame, camera) == (200, 0, 0)).all() for frame in driver.frames for camera in range(2))
 
 
+def test_size_and_rate_are_the_cars(drive: Callable[..., Any]) -> None:
+    """A picture for each five of the world's steps, or later; those that another one has overtaken are skipped."""
+    driver, client = drive(lambda frame: {}, "count=12", "width=64", "height=48", "steps=5")
+    assert client.wait() == 0, client.output
+    assert {tuple(frame.arrays[0].shape) for frame in driver.frames} == {(48, 64, 4)}
+    apart = [late.id - early.id for early, late in zip(driver.frames, driver.frames[1:], strict=False)]
+    assert min(apart) >= 5
+    client.wait_for(f"^done: 12 actions, {sum(each // 5 - 1 for each in apart)} pictures skipped$")
+
+
 def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, speeds: list[float], most: int) -> None:
     with context.socket(zmq.REP) as socket:
         socket.linger = 0

@@ -8,8 +8,10 @@ load context (.NET) of its own; without one, the default since Unity 6.6, every 
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import shutil
+import signal
 import socket
 import statistics
 import subprocess
@@ -536,13 +538,20 @@ def test_who_leaves_while_it_connects_leaves_no_connection(
     runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]
 ) -> None:
     """.NET forgets a WebSocket's connection that comes about when nobody waits for it any more."""
-    endpoint = serve("16_web_gateway", endpoint=two_ports())[1]
+    server, endpoint = serve("16_web_gateway", endpoint=two_ports())
     unity = editor(runtime, "keep", "16_web_gateway", endpoint, 2, "16_web_gateway x 2, Stop while they connect")
     for i in range(60):
         unity.play()
         time.sleep(i / 1000)
         unity.stop_in_time()
     unity.nothing_left()
+    for _ in range(5):  # A gateway that has other things to do for a moment.
+        os.kill(server.process.pid, signal.SIGSTOP)
+        unity.play()
+        unity.stop_in_time()
+        time.sleep(1.5)
+        os.kill(server.process.pid, signal.SIGCONT)
+        unity.nothing_left()
 
 
 @pytest.mark.parametrize("runtime", RUNTIMES)

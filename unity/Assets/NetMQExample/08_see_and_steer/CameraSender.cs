@@ -40,7 +40,7 @@ namespace NetMQExample
             using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
             // Those of a run before. Before there are others a frame may come, which must not look at what is gone.
             InUpdate(() => { shots?.Dispose(); shots = null; });
-            var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, car.CameraFor));
+            var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, lockstep ? 1 : car.Steps, car.CameraFor));
             for (var answered = 0; answered < count;)
             {
                 var action = driver.Ask(taker.Next(stop), stop);

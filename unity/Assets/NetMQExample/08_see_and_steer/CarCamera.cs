@@ -11,7 +11,10 @@ namespace NetMQExample
         /// <summary>Puts a camera on a car, 1.5 m above the ground and tilted down.</summary>
         /// <param name="car">What carries it.</param>
         /// <param name="right">Metres to the right of the middle.</param>
-        public static Camera On(Transform car, double right)
+        /// <param name="width">Pixels of a row.</param>
+        /// <param name="height">Rows of a picture.</param>
+        public static Camera On(
+            Transform car, double right, int width = DrawnCamera.Width, int height = DrawnCamera.Height)
         {
             var camera = new GameObject("Camera").AddComponent<Camera>();
             camera.transform.SetParent(car, false);
@@ -22,7 +25,7 @@ namespace NetMQExample
             camera.clearFlags = CameraClearFlags.SolidColor;
             camera.backgroundColor = new Color32(150, 190, 230, 255);
             // The bytes in it are those of the screen, also where a project computes its light in linear space.
-            camera.targetTexture = new RenderTexture(DrawnCamera.Width, DrawnCamera.Height, 24,
+            camera.targetTexture = new RenderTexture(width, height, 24,
                 RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
             return camera;
         }
@@ -30,9 +33,11 @@ namespace NetMQExample
         /// <summary>Puts a camera beside one of yours, to see as it does.</summary>
         /// <param name="own">It may be enabled, and show the game.</param>
         /// <param name="right">Metres to its right.</param>
-        public static Camera Beside(Camera own, double right)
+        /// <param name="width">Pixels of a row.</param>
+        /// <param name="height">Rows of a picture.</param>
+        public static Camera Beside(Camera own, double right, int width, int height)
         {
-            var camera = On(own.transform, right);
+            var camera = On(own.transform, right, width, height);
             var texture = camera.targetTexture;
             // It takes over the place as well, and where that one draws.
             camera.CopyFrom(own);

@@ -15,9 +15,15 @@ namespace NetMQExample
     public abstract class DrivenBehaviour : MonoBehaviour, ICar
     {
         [SerializeField, Tooltip("A camera whose view Python gets; none: one on the car")] private Camera eye;
+        [SerializeField, Min(1), Tooltip("Pixels of a picture")] private int width = DrawnCamera.Width;
+        [SerializeField, Min(1), Tooltip("Pixels of a picture")] private int height = DrawnCamera.Height;
+        [SerializeField, Min(1), Tooltip("A picture for each so many steps of 0.02 s")] private int steps = 1;
 
         /// <summary>What Python sees, or null for a camera on the car. Set it before CameraSender is enabled.</summary>
         public Camera Eye { get => eye; set => eye = value; }
+
+        /// <summary>For each so many of the world's steps there is a picture; in lock-step, for each one.</summary>
+        public int Steps => steps;
 
         /// <summary>What is driven, by Python or by <see cref="Drive.TakeOver"/>.</summary>
         public Drive Drive { get; private set; }
@@ -34,7 +40,7 @@ namespace NetMQExample
         /// <summary>Makes a camera for ShotTaker.cs.</summary>
         /// <param name="right">Metres to the right of the middle.</param>
         public Camera CameraFor(double right) =>
-            eye == null ? CarCamera.On(transform, right) : CarCamera.Beside(eye, right);
+            eye == null ? CarCamera.On(transform, right, width, height) : CarCamera.Beside(eye, right, width, height);
 
         /// <summary>Does what Python says; in lock-step for one step, in which the world waited for it.</summary>
         /// <param name="action">Null if nothing came.</param>

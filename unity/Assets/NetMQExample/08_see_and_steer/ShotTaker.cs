@@ -22,17 +22,19 @@ namespace NetMQExample
         private readonly Camera[] cameras;
         private readonly bool jpeg;
         private Taking newest, sent;
-        private long last = -1, number = -1;
+        private readonly int steps;
+        private long next, number = -1;
         private bool trouble;
 
         /// <summary>Makes room, and finds out which row of a picture comes first.</summary>
         /// <param name="names">The cameras' names, as in <see cref="Shot"/>.</param>
         /// <param name="jpeg">Whether they are sent as JPEG files.</param>
+        /// <param name="steps">A shot for each so many of the world's steps.</param>
         /// <param name="make">Makes a camera with a texture, so many metres to the right of the middle.</param>
         /// <exception cref="ArgumentException">There are no such cameras, or there is no graphics card.</exception>
-        public ShotTaker(string names, bool jpeg, Func<double, Camera> make)
+        public ShotTaker(string names, bool jpeg, int steps, Func<double, Camera> make)
         {
-            this.jpeg = jpeg;
+            (this.jpeg, this.steps) = (jpeg, steps);
             cameras = new Shot(names, 1, 1, 4).Right.Select(make).ToArray();
             for (var i = 0; i < 4; i++) free.Push(new Taking(names, cameras));
             var turned = free.Peek().Readbacks[0].IsTurned();
@@ -40,23 +42,23 @@ namespace NetMQExample
             foreach (var readback in free.SelectMany(taking => taking.Readbacks)) readback.Turned = turned;
         }
 
-        /// <summary>How many of the world's steps since the first shot have none that was sent.</summary>
+        /// <summary>How many shots since the first one were not sent, or not taken.</summary>
         public long Skipped { get; private set; }
 
-        /// <summary>Takes what has come, and a new shot if the world has moved. For Update.</summary>
+        /// <summary>Takes what has come, and a new shot if the world has moved far enough. For Update.</summary>
         /// <param name="drive">What is written beside the pictures.</param>
         /// <param name="wait">Whether the pictures are wanted in this very frame.</param>
         public void Look(Drive drive, bool wait)
         {
             Collect();
-            if (drive.Frame == last || begun.Count == 2) return;
+            if (drive.Frame < next || begun.Count == 2) return;
             Taking taking;
             // It is only ever held for an instant.
             lock (gate) taking = free.Pop();
             // Both now: what is written beside the pictures belongs to the moment that they show.
             drive.Note(taking.Shot);
             foreach (var readback in taking.Readbacks) readback.Begin();
-            last = drive.Frame;
+            next = drive.Frame + steps;
             begun.Enqueue(taking);
             if (!wait) return;
             foreach (var readback in taking.Readbacks) readback.Wait();
@@ -74,7 +76,7 @@ namespace NetMQExample
                 (sent, newest) = (newest, null);
             }
             var shot = sent.Shot;
-            if (number >= 0) Skipped += shot.Frame - number - 1;
+            if (number >= 0) Skipped += ((shot.Frame - number) / steps) - 1;
             number = shot.Frame;
             return shot.ToMessage(!jpeg ? (Func<byte[], byte[]>)null : pixels => ImageConversion.EncodeArrayToJPG(
                 pixels, GraphicsFormat.R8G8B8A8_SRGB, (uint)shot.Width, (uint)shot.Height));
@@ -103,16 +105,13 @@ namespace NetMQExample
                     Debug.Log(taking.Failed ? "trouble: the graphics card gave no picture" : "pictures again");
                 trouble = taking.Failed;
                 // A world that waits for its picture gets another one.
-                if (trouble) last = -1;
+                if (trouble) next = 0;
                 lock (gate)
                 {
-                    if (taking.Failed) free.Push(taking);
-                    else
-                    {
-                        if (newest != null) free.Push(newest);
-                        newest = taking;
-                        Monitor.Pulse(gate);
-                    }
+                    var unused = taking;
+                    if (!taking.Failed) (unused, newest) = (newest, taking);
+                    if (unused != null) free.Push(unused);
+                    Monitor.Pulse(gate);
                 }
             }
         }

@@ -79,10 +79,10 @@ namespace NetMQExample
             {
                 // The way to this machine needs no proxy, whatever the system has set.
                 socket.Options.Proxy = null;
-                // A connection that comes about just when nobody waits for it any more stays open: it may do so first.
-                // Scripts that are loaded anew do not wait, and an AppDomain that goes takes it along.
+                // On Mono a connection that is given up before it has come about stays open until garbage is collected:
+                // it may come about first. A reload of scripts does not wait: their AppDomain takes it along.
                 using var patience = CancellationTokenSource.CreateLinkedTokenSource(Reload.Token);
-                using var stopped = stop.Token.Register(() => patience.CancelAfter(1000));
+                using var stopped = stop.Token.Register(() => patience.CancelAfter(10000));
                 await socket.ConnectAsync(new Uri(address), patience.Token).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
