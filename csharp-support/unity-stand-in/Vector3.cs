@@ -37,6 +37,12 @@ namespace UnityEngine
         public static Vector3 Cross(Vector3 lhs, Vector3 rhs) =>
             new Vector3((lhs.y * rhs.z) - (lhs.z * rhs.y), (lhs.z * rhs.x) - (lhs.x * rhs.z), (lhs.x * rhs.y) - (lhs.y * rhs.x));
 
+        public static Vector3 MoveTowards(Vector3 current, Vector3 target, float maxDistanceDelta)
+        {
+            var way = target - current;
+            return way.magnitude <= maxDistanceDelta ? target : current + (way * (maxDistanceDelta / way.magnitude));
+        }
+
         public static Vector3 Lerp(Vector3 a, Vector3 b, float t) => a + ((b - a) * Math.Min(Math.Max(t, 0), 1));
 
         public static Vector3 operator +(Vector3 a, Vector3 b) => new Vector3(a.x + b.x, a.y + b.y, a.z + b.z);

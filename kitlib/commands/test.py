@@ -21,8 +21,8 @@ EXAMPLES = [
     "test -- --help          pytest's own options",
 ]
 PASSES_ON = True
-# Where a lesson's own tests are.
-FOLDERS = ("tests/lessons", "tests/docs", "tests/kit", "tests/web")
+# Where it is tested what a lesson does. Its page and its style are for all tests together.
+FOLDERS = ("tests/lessons", "tests/web")
 
 
 def do(options: argparse.Namespace) -> int:
@@ -61,7 +61,7 @@ def serves(extra: str, lesson: Lesson) -> bool:
 
 
 def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:
-    """What has the lesson's name: its own tests, its cases of the contract, its page."""
+    """What has the lesson's name: its own tests, and its cases of the contract."""
     own = f"test_{lesson.number:02}_"
     # The other lessons' tests are not even read: they may need packages that this one does not.
     others = [path for path in ROOT.glob("tests/*/test_[0-9]*.py") if not path.name.startswith(own)]

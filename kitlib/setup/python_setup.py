@@ -245,14 +245,15 @@ def from_debian(required: list[str], wanted: list[str]) -> Path | None:
     if os.name == "nt" or not shutil.which("apt-get") or os.geteuid() != 0 or not python.exists():
         return None
     env = {"DEBIAN_FRONTEND": "noninteractive"}
-    for requirements in [wanted] if wanted == required else [wanted, required]:
-        packages = [DEBIAN.get(name(need), f"python3-{name(need)}") for need in requirements]
-        command = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
-        what = f"installing {', '.join(packages)} with apt"
-        # The lists may be missing or old on a machine where nobody has installed anything yet.
-        result = step(what, command, limit=300, env=env)
-        if not result.ok and step("apt-get update", ["apt-get", "update"], limit=120, env=env).ok:
-            result = step(what, command, limit=300, env=env)
+    # The lists may be missing or old on a machine where nobody has installed anything yet.
+    step("apt-get update", ["apt-get", "update"], limit=120, env=env)
+    packages = {need: DEBIAN.get(name(need), f"python3-{name(need)}") for need in wanted}
+    # One that is not in this distribution must not keep the others away.
+    known = [need for need in wanted if need in required or quietly(["apt-cache", "show", packages[need]], limit=60).ok]
+    for requirements in [known] if known == required else [known, required]:
+        asked = [packages[need] for need in requirements]
+        command = ["apt-get", "install", "--yes", "--no-install-recommends", *asked]
+        result = step(f"installing {', '.join(asked)} with apt", command, limit=300, env=env)
         if result.ok and has(python, required):
             return python
         say(f"apt could not: {result.first('E:')}")

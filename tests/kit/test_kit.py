@@ -484,6 +484,25 @@ def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
         python_setup.interpreter("tests")
 
 
+def test_what_debian_lacks_keeps_nothing_else_away(monkeypatch):
+    asked = []
+
+    def apt(command, *rest, **named):
+        asked.append(command)
+        return Result(int("python3-ruff" in command), "E: Unable to locate package python3-ruff")
+
+    monkeypatch.setattr(python_setup, "quietly", apt)
+    monkeypatch.setattr(python_setup, "step", lambda what, command, **named: apt(command))
+    monkeypatch.setattr(python_setup, "has", lambda *_: True)
+    monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}")
+    monkeypatch.setattr(os, "geteuid", lambda: 0, raising=False)
+    if not Path("/usr/bin/python3").exists():
+        pytest.skip("no /usr/bin/python3")
+    found = python_setup.from_debian(["pyzmq>=24"], ["pyzmq>=24", "ruff>=0.17", "numpy>=1.24"])
+    assert found == Path("/usr/bin/python3")
+    assert asked[-1][-2:] == ["python3-zmq", "python3-numpy"]
+
+
 def test_a_venv_without_pip_is_filled_by_the_pip_outside(monkeypatch, tmp_path):
     links = os.environ.get("PIP_FIND_LINKS", "")
     if not any(Path(links).glob("pyzmq-*.whl")):

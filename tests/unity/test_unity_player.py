@@ -82,7 +82,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         'JSON: {"hp":3,"speeds":[1,0.5],"path":[{"x":0,"y":1,"z":0}],"to":{"who":""},"text":"a \\"word\\",\\n",'
         '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
         *["no JSON: JSON parse error: Invalid value."] * 3,
-        "Mathf: 3 0.5 2 1 30 2",
+        "Mathf: 3 0.5 2 1 30 2 (0.00, 0.50, 0.00)",
         "OnApplicationFocus True",
         "OnApplicationPause False",
         "Start of what was made in frame 1",

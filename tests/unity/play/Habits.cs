@@ -52,7 +52,7 @@ namespace NetMQExample.PlayTest
                     try { Console.WriteLine($"read {wrong}: {JsonUtility.FromJson<Order>(wrong).hp}"); }
                     catch (ArgumentException e) { Console.WriteLine($"no JSON: {e.Message}"); }
                 Console.WriteLine(FormattableString.Invariant(
-                    $"Mathf: {Mathf.Clamp(5, 0, 3)} {Mathf.MoveTowards(1, -1, 0.5f)} {Mathf.Repeat(-1, 3)} {Mathf.PingPong(5, 3)} {Mathf.DeltaAngle(350, 20)} {Mathf.RoundToInt(2.5f)}"));
+                    $"Mathf: {Mathf.Clamp(5, 0, 3)} {Mathf.MoveTowards(1, -1, 0.5f)} {Mathf.Repeat(-1, 3)} {Mathf.PingPong(5, 3)} {Mathf.DeltaAngle(350, 20)} {Mathf.RoundToInt(2.5f)} {Vector3.MoveTowards(Vector3.zero, Vector3.up * 2, 0.5f)}"));
             });
             for (var i = 0; i < 3 || !sent; i++)
             {
