@@ -82,7 +82,7 @@ def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
         packages = [python_setup.name(need) for need in python_setup.needs(extra)[len(python_setup.needs()) :]]
         missing = python_setup.not_found(python, packages)
         cure = f"no {', '.join(missing)}; `{python} -m pip install {' '.join(missing)}` installs it"
-        yield True, part, f"optional, for lesson {lesson.number:02}: {cure if missing else 'there'}"
+        yield not missing, part, f"optional, for lesson {lesson.number:02}: {cure if missing else 'there'}"
 
 
 def csharp_rows() -> Iterator[Row]:

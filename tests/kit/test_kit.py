@@ -563,7 +563,7 @@ def test_doctor_looks_for_what_a_webcam_needs_and_imports_none_of_it(bare_python
     lesson = lessons.find("20")
     for found, missing in (("mediapipe", "mediapipe, opencv-python"), ("cv2", "opencv-python")):
         cure = f"no {missing}; `{bare_python} -m pip install {missing.replace(',', '')}` installs it"
-        row = (True, "camera", f"optional, for lesson 20: {cure}")
+        row = (False, "camera", f"optional, for lesson 20: {cure}")
         assert list(doctor.optional_rows(bare_python, lesson)) == [row]
         (tmp_path / found).mkdir()
         (tmp_path / found / "__init__.py").write_text("raise SystemExit('imported')")
