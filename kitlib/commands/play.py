@@ -35,7 +35,9 @@ def do(options: argparse.Namespace) -> int:
         raise KitError(dotnet.DOWNLOAD)
     for path in files:
         if dotnet.of_the_kit(path) is False:
-            say(f"{path.name} is not the kit's any more: your scripts use yours, and the kit's go on with their own")
+            say(
+                f"{path.name} has the name of one of the kit's: your scripts use yours, and the kit's go on with their own"
+            )
     python = python_setup.interpreter()
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)

@@ -33,7 +33,7 @@ def whole(text: str) -> int:
 def figure(path: str) -> str:
     """Whether it can be drawn is to be known before the training, and not after it."""
     if not importlib.util.find_spec("matplotlib"):
-        raise argparse.ArgumentTypeError("it needs matplotlib: pip install matplotlib")
+        raise argparse.ArgumentTypeError(f"it needs matplotlib: {sys.executable} -m pip install matplotlib")
     if not Path(path).absolute().parent.is_dir() or Path(path).is_dir():
         raise argparse.ArgumentTypeError(f"cannot write '{path}': give a file in a folder that there is")
     return path

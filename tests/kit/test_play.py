@@ -77,7 +77,9 @@ def test_a_changed_copy_of_the_kits_is_named(play, serve, tmp_path):
     words = [tmp_path / "HelloClient.cs", tmp_path / "HelloRequester.cs", "--count", "1"]
     code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])
     assert (code, lines[-1]) == (0, "done: 1 replies")
-    other = "HelloRequester.cs is not the kit's any more: your scripts use yours, and the kit's go on with their own"
+    other = (
+        "HelloRequester.cs has the name of one of the kit's: your scripts use yours, and the kit's go on with their own"
+    )
     assert lines[0] == f"kit    | {other}"
 
 

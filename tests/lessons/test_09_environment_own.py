@@ -380,7 +380,10 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     script = page[page.index("using System;\nusing System.Collections.Generic;\nusing NetMQExample;") :].split("```")[0]
     for old, new in (
         ('Name => "Ball";', 'Name => gameObject == null ? "" : "Ball";\n' + TICKS),
-        ("=> Observation.Of(place, speed);", "=> place > 5 ? null : Observation.Of(place, speed);"),
+        (
+            "=> Observation.Of(place, speed);",
+            "=> place > 5 ? null : place < -5 ? Observation.Of(place) : Observation.Of(place, speed);",
+        ),
         (
             "=>\n        (-Math.Abs(place)",
             '{ info["frame"] = UnityEngine.Time.frameCount; return\n        (-Math.Abs(place)',
@@ -417,6 +420,7 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
     for wrong, text in (
         (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
         (lambda: env.reset(options={"state": [6, 0]}), "^error-in-simulation: .*: Observe gave null$"),
+        (lambda: env.reset(options={"state": [-6, 0]}), r"not-in-space: 1 numbers, and Box\(.*\) has 2$"),
     ):
         with pytest.raises(MessageError, match=text):
             wrong()

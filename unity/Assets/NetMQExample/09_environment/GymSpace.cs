@@ -49,7 +49,10 @@ namespace NetMQExample
             new MessageArray("uint8", Enumerable.Repeat((byte)255, height * width * 3).ToArray(), height, width, 3));
 
         /// <summary>Numbers as an array of this space; it is not checked whether they are in it.</summary>
-        public MessageArray Of(params double[] numbers) => ToArray(Form.Dtype, numbers, Form.Shape);
+        /// <exception cref="MessageException">It has not so many.</exception>
+        public MessageArray Of(params double[] numbers) => numbers.Length == low.Length
+            ? ToArray(Form.Dtype, numbers, Form.Shape)
+            : throw new MessageException("not-in-space", $"{numbers.Length} numbers, and {this} has {low.Length}");
 
         /// <summary>The numbers of an array that somebody sent.</summary>
         /// <exception cref="MessageException">It is not in this space.</exception>
