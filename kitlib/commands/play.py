@@ -35,9 +35,7 @@ def do(options: argparse.Namespace) -> int:
         raise KitError(dotnet.DOWNLOAD)
     for path in files:
         if dotnet.of_the_kit(path) is False:
-            say(
-                f"{path.name} has the name of one of the kit's: your scripts use yours, and the kit's go on with their own"
-            )
+            say(f"{path.name} is named like one of the kit's: your scripts use yours, and its own go on with theirs")
     python = python_setup.interpreter()
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)

@@ -77,9 +77,7 @@ def test_a_changed_copy_of_the_kits_is_named(play, serve, tmp_path):
     words = [tmp_path / "HelloClient.cs", tmp_path / "HelloRequester.cs", "--count", "1"]
     code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])
     assert (code, lines[-1]) == (0, "done: 1 replies")
-    other = (
-        "HelloRequester.cs has the name of one of the kit's: your scripts use yours, and the kit's go on with their own"
-    )
+    other = "HelloRequester.cs is named like one of the kit's: your scripts use yours, and its own go on with theirs"
     assert lines[0] == f"kit    | {other}"
 
 
