@@ -18,11 +18,11 @@ from typing import Any
 from environment_parameters_channel import EnvironmentParametersChannel
 from side_channel_manager import SideChannelManager
 from stats_side_channel import StatsSideChannel
-from step_carrier import SideChannelSimulator, carry
 from unity_channels import EnvironmentParameters, StatsRecorder
 
-# The imports above have made lesson 09's folder known.
 try:
+    # The first of them makes lesson 09's folder known.
+    from step_carrier import SideChannelSimulator, carry  # isort: skip
     import numpy as np
     from environment import ZmqEnv
     from environment_client import EnvironmentClient

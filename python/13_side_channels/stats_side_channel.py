@@ -19,10 +19,13 @@ class StatsAggregationMethod(IntEnum):
     HISTOGRAM = 3
 
 
+EnvironmentStats = dict[str, list[tuple[float, StatsAggregationMethod]]]
+
+
 class StatsSideChannel(SideChannel):
     def __init__(self) -> None:
         super().__init__(uuid.UUID("a1d8f7b7-cec8-50f9-b78b-d3e165a78520"))
-        self.stats: dict[str, list[tuple[float, StatsAggregationMethod]]] = {}
+        self.stats: EnvironmentStats = {}
 
     def on_message_received(self, msg: IncomingMessage) -> None:
         key, value, method = msg.read_string(), msg.read_float32(), msg.read_int32()
@@ -30,6 +33,6 @@ class StatsSideChannel(SideChannel):
             raise UnitySideChannelException(f"statistics are aggregated by 0 to 3, not by {method}")
         self.stats.setdefault(key, []).append((value, StatsAggregationMethod(method)))
 
-    def get_and_reset_stats(self) -> dict[str, list[tuple[float, StatsAggregationMethod]]]:
+    def get_and_reset_stats(self) -> EnvironmentStats:
         stats, self.stats = self.stats, {}
         return stats

@@ -256,13 +256,18 @@ PROGRAMS = [
 
 @pytest.mark.parametrize(
     ("program", "missing"),
-    [*((program, "gymnasium") for program in PROGRAMS), ("10_many_agents/server.py", "pettingzoo")],
+    [
+        *((program, "gymnasium") for program in PROGRAMS),
+        ("10_many_agents/server.py", "pettingzoo"),
+        ("13_side_channels/falling_ball.py", "numpy"),
+    ],
 )
 def test_a_python_without_what_a_lesson_needs_says_what_is_missing(program, missing, start, tmp_path):
     (tmp_path / f"{missing}.py").write_text(f"raise ImportError('No module named {missing}')", encoding="utf-8")
     ended = start(PYTHON, ROOT / "python" / program, PYTHONPATH=str(tmp_path))
     assert ended.wait() == 1
-    assert re.search(f"this lesson needs .*{missing}", ended.lines[-1]) and len(ended.lines) == 1
+    said = f"this lesson needs .*{missing}|No module named {missing}: this lesson needs "
+    assert re.search(said, ended.lines[-1]) and len(ended.lines) == 1
 
 
 @posix
@@ -451,6 +456,9 @@ def test_the_pages_own_file_plays_the_pages_own_environment(engine, console, sta
     # The first start builds it.
     assert ball.wait(500) == 0, ball.output
     assert re.search(r"^the ball is at -?0\.\d\d$", ball.output, re.MULTILINE), ball.output
+    # It has no Heuristic: by hand nothing is pressed, which for its action is to the left until it is out.
+    alone = start(PYTHON, "kit.py", "play", tmp_path / "Ball.cs", "--engine", engine.name, "--byHand", "true")
+    alone.wait_for(r"^by hand: \d+ steps, return -\d+\.\d$")
 
 
 # What somebody does in the inspector meanwhile.

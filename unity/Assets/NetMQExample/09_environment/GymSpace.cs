@@ -48,6 +48,9 @@ namespace NetMQExample
             new MessageArray("uint8", new byte[height * width * 3], height, width, 3),
             new MessageArray("uint8", Enumerable.Repeat((byte)255, height * width * 3).ToArray(), height, width, 3));
 
+        /// <summary>The action of somebody who touches nothing: zeros.</summary>
+        public double[] Nothing => new double[low.Length];
+
         /// <summary>Numbers as an array of this space; it is not checked whether they are in it.</summary>
         /// <exception cref="MessageException">It has not so many.</exception>
         public MessageArray Of(params double[] numbers) => numbers.Length == low.Length

@@ -38,7 +38,7 @@ namespace NetMQExample
         public abstract string Name { get; }
 
         /// <inheritdoc/>
-        public abstract int StateSize { get; }
+        public virtual int StateSize => 0;
 
         /// <inheritdoc/>
         public abstract GymSpace Observation { get; }
@@ -61,8 +61,9 @@ namespace NetMQExample
         /// <inheritdoc/>
         public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
 
-        /// <summary>What a person does, from Input, when it is played by hand.</summary>
-        protected abstract double[] Heuristic();
+        /// <summary>What a person does, from Input, when it is played by hand; if it is not overridden,
+        /// nothing.</summary>
+        protected virtual double[] Heuristic() => Action.Nothing;
 
         /// <inheritdoc/>
         public void Apply(double[] action)

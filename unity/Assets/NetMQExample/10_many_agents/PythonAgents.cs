@@ -56,8 +56,9 @@ namespace NetMQExample
         /// <inheritdoc/>
         public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
 
-        /// <summary>What a person does for an agent, from Input, when it is played by hand.</summary>
-        protected abstract double[] Heuristic(string agent);
+        /// <summary>What a person does for an agent, from Input, when it is played by hand; if it is not overridden,
+        /// nothing.</summary>
+        protected virtual double[] Heuristic(string agent) => Agents.First(one => one.Name == agent).Action.Nothing;
 
         /// <inheritdoc/>
         public void Apply(IReadOnlyDictionary<string, double[]> actions)
