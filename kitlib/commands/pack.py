@@ -22,11 +22,16 @@ SYSTEMS = {
 }
 NOTE = """For a room without internet: packages for NetMQExample, {system}, Python {python}.
 
-On every machine install Python {python} and the .NET SDK, 8 or later; fetch their installers from
-    https://www.python.org/downloads/
-    {installer}
+{install}
 Copy the kit to a folder there and this folder into it, under the name `packages`. Then: {py} kit.py run 1
 """
+
+INSTALL = f"""On every machine install Python {{python}} and the .NET SDK, 8 or later; fetch their installers from
+    https://www.python.org/downloads/
+    {dotnet.INSTALLER}"""
+INSTALL_ON_LINUX = f"""On every machine Python {{python}} is the system's own: `python3 --version` shows which.
+The .NET SDK, 8 or later, is the file *Binaries* of {dotnet.INSTALLER}:
+unpack it into a folder, and put that on PATH."""
 
 ABOUT = "Fetches what a room without internet needs: wheels for Python, NuGet packages, and where the installers are."
 EXAMPLES = [
@@ -58,7 +63,8 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     nuget(folder)
     py = "py" if system == "windows" else "python3"
     note = folder / f"READ_ME_{system}.txt"
-    text = NOTE.format(system=system, python=version, installer=dotnet.INSTALLER, py=py)
+    install = (INSTALL_ON_LINUX if system == "linux" else INSTALL).format(python=version)
+    text = NOTE.format(system=system, python=version, install=install, py=py)
     note.write_text(text, encoding="utf-8")
     say(f"{folder} is ready; its {note.name} says what to do with it")
 
@@ -82,7 +88,7 @@ def wheels(folder: Path, system: str, version: str) -> None:
     command += ["--disable-pip-version-check", "--only-binary=:all:", "--python-version", version, *tags, *needs]
     result = step(f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version}", command, 600)
     if not result.ok:
-        raise KitError(f"pip could not fetch them: {result.first('ERROR', 'No module')}")
+        raise KitError(f"pip could not fetch them for {system}, Python {version}: {result.first('ERROR', 'No module')}")
 
 
 def nuget(folder: Path) -> None:

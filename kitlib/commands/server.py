@@ -2,6 +2,7 @@
 
 import argparse
 import socket
+import sys
 
 from kitlib.commands.run import add_folder, behind, own_options, run, server_command
 from kitlib.lessons import find
@@ -12,6 +13,8 @@ from kitlib.terminal import say
 ABOUT = "Runs a lesson's server in this terminal, until Ctrl-C. Other words are its own options: `server 2 --help`."
 EXAMPLES = ["server 1", "server 2 --drop 3   it loses reply 3"]
 PASSES_ON = True
+# The commands that show a machine's addresses.
+SHOWS = {"win32": "ipconfig", "linux": "hostname -I"}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -42,4 +45,5 @@ def address() -> str:
             probe.connect(("192.0.2.1", 9))
             return str(probe.getsockname()[0])
         except OSError:
-            return "its address, but it is in no network now"
+            # Where no router is, as in many a classroom, the system does not say which address others know.
+            return f"its address, which `{SHOWS.get(sys.platform, 'ifconfig')}` shows"

@@ -65,7 +65,7 @@ def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:
     own = f"test_{lesson.number:02}_"
     # The other lessons' tests are not even read: they may need packages that this one does not.
     others = [path for path in ROOT.glob("tests/*/test_[0-9]*.py") if not path.name.startswith(own)]
-    return ["-k", f"{lesson.key} or {own}", *FOLDERS, *(f"--ignore={path}" for path in others), *more]
+    return ["--tb=short", "-k", f"{lesson.key} or {own}", *FOLDERS, *(f"--ignore={path}" for path in others), *more]
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:

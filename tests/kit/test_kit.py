@@ -23,6 +23,7 @@ import kit
 from kitlib import commands, lessons, programs, signals, terminal
 from kitlib.commands import doctor
 from kitlib.commands import run as runner
+from kitlib.commands import server as served
 from kitlib.docs import guide
 from kitlib.lessons import KitError
 from kitlib.programs import Result
@@ -548,6 +549,15 @@ def test_a_restore_that_hangs_counts_as_unreachable():
     assert dotnet.refusal(Result(124, "dotnet did not end within 60 s")) == "NuGet cannot be reached"
 
 
+def test_where_no_router_is_the_command_that_shows_the_address_is_named(monkeypatch):
+    class Alone(socket.socket):
+        def connect(self, _):
+            raise OSError("Network is unreachable")
+
+    monkeypatch.setattr(socket, "socket", Alone)
+    assert re.fullmatch("its address, which `(hostname -I|ipconfig|ifconfig)` shows", served.address())
+
+
 def test_doctor_names_each_thing_once(start):
     program = start(PYTHON, KIT, "doctor")
     assert program.wait(200) == 0, program.output
@@ -977,4 +987,4 @@ def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
         assert code == 1 and "no .NET SDK 8 or later here: get it from" in program.output, program.output
         return
     assert "for windows, Python 3.13 …" in program.output
-    assert code == 0 or "kit    | pip could not fetch them" in program.output, program.output
+    assert code == 0 or "kit    | pip could not fetch them for windows, Python 3.13: " in program.output, program.output
