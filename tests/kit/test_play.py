@@ -103,6 +103,15 @@ def test_a_script_that_would_freeze_the_editor_is_ended_and_says_so(play, tmp_pa
     assert play(tmp_path / "Freezes.cs", "--seconds", "0.1", *where) == (1, [said])
 
 
+# Its Update would not be called by whoever calls the kit's.
+HIDES = """class Hides : NetMQExample.NetworkBehaviour
+{
+    void Update() { }
+    protected override void Talk(System.Threading.CancellationToken stop) { }
+}
+"""
+
+
 def test_what_cannot_be_played_is_named(play, tmp_path):
     (tmp_path / "Broken.cs").write_text(MINE, encoding="utf-8")
     code, lines = play(tmp_path / "Broken.cs")
@@ -113,6 +122,9 @@ def test_what_cannot_be_played_is_named(play, tmp_path):
     )
     assert re.search(r"Broken\.cs\(8,\d+\): error CS0246: .*'Greeting'[^\[]*$", lines[1])
     assert len(lines) == 2
+    (tmp_path / "Hides.cs").write_text(HIDES, encoding="utf-8")
+    code, lines = play(tmp_path / "Hides.cs")
+    assert code == 1 and re.search(r"Hides\.cs\(3,\d+\): error CS0114: .*Update", lines[1]), lines
     (tmp_path / "Plain.cs").write_text("class Plain { }", encoding="utf-8")
     assert play(tmp_path / "Plain.cs") == (2, ["there is no MonoBehaviour in these files"])
     assert play(tmp_path / "absent.cs") == (2, [f"kit    | there is no C# file {tmp_path / 'absent.cs'}"])
