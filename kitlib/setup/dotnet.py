@@ -247,11 +247,9 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
     return dll
 
 
-def of_the_kit(path: Path) -> bool | None:
-    """Whether a script is the kit's, or an unchanged copy: compiled once more, its class would be another one. False if
-    it is changed, None if the kit has none of that name."""
-    same = [path.read_bytes() == one.read_bytes() for one in PACKAGE.rglob(path.name)]
-    return any(same) if same else None
+def of_the_kit(path: Path) -> bool:
+    """Whether a script is the kit's, or an unchanged copy: compiled once more, its class would be another one."""
+    return any(path.read_bytes() == one.read_bytes() for one in PACKAGE.rglob(path.name))
 
 
 def failure(result: Result) -> str:

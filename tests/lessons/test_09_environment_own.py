@@ -457,8 +457,8 @@ def test_the_pages_own_file_plays_the_pages_own_environment(engine, console, sta
     assert ball.wait(500) == 0, ball.output
     assert re.search(r"^the ball is at -?0\.\d\d$", ball.output, re.MULTILINE), ball.output
     # It has no Heuristic: by hand nothing is pressed, which for its action is to the left until it is out.
-    words = ["--engine", engine.name, "--byHand", "true", "--seconds", "60"]
-    alone = start(PYTHON, "kit.py", "play", tmp_path / "Ball.cs", *words)
+    by_hand = ["--engine", engine.name, "--byHand", "true", "--seconds", "60"]
+    alone = start(PYTHON, "kit.py", "play", tmp_path / "Ball.cs", *by_hand)
     alone.wait_for(r"^by hand: \d+ steps, return -\d+\.\d$")
     # It ends with what it has started.
     alone.stop()
