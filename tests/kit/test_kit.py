@@ -937,6 +937,7 @@ def test_what_a_reader_has_left_is_not_touched_by_the_tests(prepared, start, mon
     assert not list(prepared.rglob("*.sqlite3*"))
 
 
+@pytest.mark.long
 @pytest.mark.timeout(1200)
 def test_a_room_without_internet_runs_from_what_was_packed(copy, engine, bare_python, tmp_path, start):
     links = has_wheels()

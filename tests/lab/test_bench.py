@@ -36,7 +36,6 @@ def quick(engine):
     return program.output, results, mark.processes()
 
 
-# Some twenty seconds, but it builds programs and takes what other work leaves of the processor.
 # It measures: not beside Play and Stop.
 pytestmark = [pytest.mark.timeout(1200), pytest.mark.xdist_group("times")]
 
@@ -45,6 +44,7 @@ def labels(results, title):
     return [row["label"] for row in report.rows_of(results, title)]
 
 
+@pytest.mark.long
 def test_a_quick_run_measures_everything_that_can_run_here(quick):
     output, results, _ = quick
     skipped = " ".join(results["skipped"])
@@ -80,10 +80,12 @@ def test_what_measures_is_in_one_group(request):
     assert request.node.nodeid.endswith("@times") == side_by_side
 
 
+@pytest.mark.long
 def test_nothing_of_a_run_is_left(quick):
     assert quick[2] == {}
 
 
+@pytest.mark.long
 def test_a_request_one_at_a_time_is_the_sum_of_its_waits(quick):
     """Messages a second, and the waits, are measured apart; they must agree."""
     _, results, _ = quick
@@ -110,6 +112,7 @@ def test_the_busy_wait_shows_its_price(engine):
     assert busy > 2 * hello
 
 
+@pytest.mark.long
 def test_the_main_thread_allocates_nothing(quick):
     _, results, _ = quick
     assert all(row["bytes"] == 0 for row in results["frames"])

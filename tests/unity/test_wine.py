@@ -30,6 +30,7 @@ KEYS = [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.
 # What most Stops take at the most, in milliseconds: far from the usual 60, and from one that waits for something.
 STOP_LIMIT = 2000
 pytestmark = [
+    pytest.mark.long,
     pytest.mark.skipif(sys.platform == "win32", reason="this is Windows itself"),
     pytest.mark.skipif(not WINE, reason="no wine64 here (on Debian: apt install wine64)"),
     pytest.mark.timeout(1200),
