@@ -53,6 +53,18 @@ namespace UnityEngine
             this.b = b;
             this.a = a;
         }
+
+        public Color(float r, float g, float b) : this(r, g, b, 1) { }
+
+        public static Color red => new Color(1, 0, 0);
+
+        public static Color green => new Color(0, 1, 0);
+
+        public static Color blue => new Color(0, 0, 1);
+
+        public static Color white => new Color(1, 1, 1);
+
+        public static Color black => new Color(0, 0, 0);
     }
 
     public struct Color32

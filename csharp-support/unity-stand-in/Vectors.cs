@@ -11,6 +11,8 @@ namespace UnityEngine
             this.x = x;
             this.y = y;
         }
+
+        public static Vector2 zero => new Vector2(0, 0);
     }
 
     public struct Vector4

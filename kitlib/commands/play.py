@@ -7,7 +7,6 @@ from kitlib.lessons import KitError, UsageError
 from kitlib.programs import alone
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
-from kitlib.unity.meta import PACKAGE
 
 ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
 
@@ -35,8 +34,8 @@ def do(options: argparse.Namespace) -> int:
     if not dotnet.sdk():
         raise KitError(dotnet.DOWNLOAD)
     for path in files:
-        if any(PACKAGE.rglob(path.name)) and not dotnet.of_the_kit(path):
-            say(f"{path.name} is named like one of the kit's: your scripts use yours, and its own go on with theirs")
+        if dotnet.changed_copy(path):
+            say(f"{path.name} is named like one of the kit's: the scripts you name here use yours, all others its own")
     python = python_setup.interpreter()
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)

@@ -237,7 +237,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
         forget_damaged(engine)
         words = [*properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
         # MSBuild takes a variable for a property; on its command line a semicolon would end it. A name is escaped.
-        kit = [path for path in own if of_the_kit(path)]
+        kit = taken_from_the_kit(own)
         names = [str(path).replace("%", "%25").replace(";", "%3B") for path in own if path not in kit]
         environment = {**ENVIRONMENT, "OwnScripts": ";".join(names), "KitScripts": ";".join(path.stem for path in kit)}
         result = step(f"building {name} with {engine.name}", ["dotnet", "build", project, *words], 500, environment)
@@ -247,9 +247,18 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
     return dll
 
 
-def of_the_kit(path: Path) -> bool:
-    """Whether a script is the kit's, or an unchanged copy: compiled once more, its class would be another one."""
-    return any(path.read_bytes() == one.read_bytes() for one in PACKAGE.rglob(path.name))
+def taken_from_the_kit(own: Sequence[Path]) -> list[Path]:
+    """The kit's scripts and unchanged copies: compiled once more, their classes would be other ones.
+
+    Beside a changed copy they are the reader's too: it is the changed one that they are to use.
+    """
+    return [] if any(map(changed_copy, own)) else [path for path in own if any(PACKAGE.rglob(path.name))]
+
+
+def changed_copy(path: Path) -> bool:
+    """Whether a script is named like one of the kit's, and is another one."""
+    namesakes = [*PACKAGE.rglob(path.name)]
+    return bool(namesakes) and all(path.read_bytes() != one.read_bytes() for one in namesakes)
 
 
 def failure(result: Result) -> str:

@@ -693,7 +693,7 @@ def test_the_tests_can_be_started_in_the_background():
     """There a shell ignores Ctrl-C for all that is started, and the tests that press it would wait in vain."""
     words = f"'{PYTHON}' -m pytest -q -p no:cacheprovider tests/kit/test_kit.py -k 'second_ctrl_c or ctrl_c_in_a_run'"
     done = subprocess.run(
-        ["sh", "-c", f"trap '' INT; exec {words}"], cwd=ROOT, capture_output=True, text=True, timeout=200
+        ["sh", "-c", f"trap '' INT; exec {words}"], cwd=ROOT, capture_output=True, text=True, timeout=500
     )
     assert done.returncode == 0, done.stdout
 

@@ -67,17 +67,19 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     assert play(*both, "--scale", "1,2") == (2, ["--scale: '1,2' is no Vector3"])
 
 
-def test_a_changed_copy_of_the_kits_is_named(play, serve, tmp_path):
-    """The kit's own scripts do not use it."""
+def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path):
+    """Also those that are unchanged copies; alone they are the kit's own."""
     source = ROOT / "unity/Assets/NetMQExample/01_request_reply"
-    for name in ("HelloClient.cs", "HelloRequester.cs"):
-        (tmp_path / name).write_bytes((source / name).read_bytes())
-    with (tmp_path / "HelloRequester.cs").open("a", encoding="utf-8") as changed:
-        changed.write("// mine\n")
+    text = (source / "HelloRequester.cs").read_text(encoding="utf-8")
+    (tmp_path / "HelloClient.cs").write_bytes((source / "HelloClient.cs").read_bytes())
+    (tmp_path / "HelloRequester.cs").write_text(
+        text.replace("Send(patience, stop, text)", 'Send(patience, stop, "Bye")'), encoding="utf-8"
+    )
     words = [tmp_path / "HelloClient.cs", tmp_path / "HelloRequester.cs", "--count", "1"]
     code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])
-    assert (code, lines[-1]) == (0, "done: 1 replies")
-    other = "HelloRequester.cs is named like one of the kit's: your scripts use yours, and its own go on with theirs"
+    assert code == 0
+    assert "received error: expected Hello, got 'Bye'" in lines[-2]
+    other = "HelloRequester.cs is named like one of the kit's: the scripts you name here use yours, all others its own"
     assert lines[0] == f"kit    | {other}"
 
 

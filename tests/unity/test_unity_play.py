@@ -36,8 +36,8 @@ import keys
 # do not share makes every Stop longer, and one for a reply takes more than a second.
 STOP_LIMIT = 400.0
 ONE_STOP_LIMIT = 1000.0
-# It waits at most five seconds for what Stop did not. On a busy machine all takes longer; a hang has no end.
-UNLOAD_LIMIT = 10_000.0
+# It waits at most ten seconds for what Stop did not. On a busy machine all takes longer; a hang has no end.
+UNLOAD_LIMIT = 20_000.0
 RUNTIMES = ("mono", ".net")
 MODES = ("reload", "keep")
 # What each runtime keeps for itself, and starts and ends as it likes.

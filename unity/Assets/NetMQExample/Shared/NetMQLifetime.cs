@@ -34,14 +34,14 @@ namespace NetMQExample
 
         // An assembly reload aborts the threads of its domain. NetMQ's leave sockets open when that hits them at work,
         // and now and then Mono itself ends. What Stop's 200 ms were too short for is waited for here; most often that
-        // is nothing. On a machine that is too busy for anything else, more than two seconds were seen.
+        // is nothing. On a machine that is too busy for anything else, more than five seconds were seen.
         static NetMQLifetime() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
         {
             lock (Gate)
             {
                 unloading = true;
                 var waited = Stopwatch.StartNew();
-                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 5000) Monitor.Wait(Gate, 50);
+                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 10000) Monitor.Wait(Gate, 50);
             }
             // The last events of NetMQ's sockets come by the thread pool, a moment after they are disposed, and Mono
             // can end when it aborts one. Others may use the pool for longer, and are not waited for.
