@@ -661,6 +661,24 @@ def test_a_lesson_says_what_else_is_started(prepared, start):
     program.stop(signal.SIGINT)
 
 
+def test_the_client_is_the_last_to_start(tmp_path, monkeypatch):
+    """By the order in which they are started: which one prints first is the system's choice."""
+    started = []
+
+    class Noted(programs.Program):
+        def __init__(self, command, **how):
+            started.append(Path(command[1]).name)
+            super().__init__(command, **how)
+
+    monkeypatch.setattr(runner, "Program", Noted)
+    lesson = ROOT / "python" / "01_request_reply"
+    (tmp_path / "second.py").write_text(SECOND, encoding="utf-8")
+    server = [str(PYTHON), str(lesson / "server.py"), "--endpoint", "tcp://127.0.0.1:0"]
+    client = [str(PYTHON), str(lesson / "client.py"), "--count", "1", *PATIENT]
+    assert runner.run(tmp_path, server, [[str(PYTHON), str(tmp_path / "second.py")]], client, {}) == 0
+    assert started == ["server.py", "second.py", "client.py"]
+
+
 def test_a_server_on_every_network_says_where_it_is_reached(start):
     server = start(PYTHON, KIT, "server", "1", "--endpoint", "tcp://0.0.0.0:0", "--open-to-anyone")
     assert re.search(
