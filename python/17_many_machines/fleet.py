@@ -78,7 +78,8 @@ class FleetSocket:
         if not self.waits:
             self.say(f"asking the hub at {self.endpoint} anew")
         elif self.said:
-            self.say(f"no answer from a hub at {self.endpoint}: is it there, and is this trainer's key on its list?")
+            keys = ", and is this trainer's key on its list" if self.prepare else ", without keys"
+            self.say(f"no answer from a hub at {self.endpoint}: is it there{keys}?")
         self.waits = True
         self.socket.close()
         self.socket = self.context.socket(zmq.DEALER)

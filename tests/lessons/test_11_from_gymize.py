@@ -62,6 +62,13 @@ public sealed class Speeder : Agent
     public override void OnAction(object action) { }
 }
 
+public sealed class Clocked : Agent
+{
+    public override void OnReset() { }
+    public override void OnAction(object action) { }
+    private void FixedUpdate() { }
+}
+
 public static class Program
 {
     public static void Main(string[] args)
@@ -86,6 +93,11 @@ public static class Program
                 var (third, last) = (new GameObject("third"), new GameObject("last"));
                 third.AddComponent<Runner>().Name = "one";
                 last.AddComponent<Runner>();
+            }
+            if (args[1] == "clock")
+            {
+                ((Agent)scripts[0]).Name = "one";
+                other.AddComponent<Clocked>();
             }
             if (args[1] == "twice") other.AddComponent<Runner>();
             if (args[1] == "sensor") other.AddComponent<CameraSensor>();
@@ -193,6 +205,13 @@ def test_agents_without_a_manager_say_so_at_once(scene, start):
     player = start(*scene, f"tcp://127.0.0.1:{free_port()}", "alone")
     player.wait_for("^trouble: agent waits for a GymManager: put one on any game object of the scene")
     assert player.output.count("GymManager") == 1
+
+
+def test_an_agent_that_goes_by_the_clock_is_told(scene, start):
+    player = start(*scene, f"tcp://127.0.0.1:{free_port()}", "clock")
+    why = r"what belongs to a step is done in OnTick\(double dt\)"
+    player.wait_for(f"^trouble: Clocked.FixedUpdate runs by the clock: {why}")
+    assert player.output.count("FixedUpdate") == 1
 
 
 @pytest.mark.long

@@ -14,6 +14,7 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
+using System.Reflection;
 using UnityEngine;
 
 namespace NetMQExample
@@ -116,6 +117,10 @@ namespace NetMQExample
         {
             if (GymManager.Current == null && ReferenceEquals(All.FirstOrDefault(), this))
                 Debug.LogError($"trouble: {Name} waits for a GymManager: put one on any game object of the scene");
+            const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic;
+            if (GetType().GetMethod("FixedUpdate", Own) != null)
+                Debug.LogWarning($"trouble: {GetType().Name}.FixedUpdate runs by the clock: "
+                    + "what belongs to a step is done in OnTick(double dt)");
         }
 
         private void Join()
