@@ -18,6 +18,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+import zmq
 
 from kitlib.docs import guide, lesson_map, pictures, terminal_picture
 from kitlib.lessons import find, lessons
@@ -31,7 +32,7 @@ GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
 # Blocks that nothing compares, all pages together. One more wants a reason better than haste.
-BY_HAND = 81
+BY_HAND = 82
 EXPECTED_PAGES = {
     *(f"{lesson.key}.md" for lesson in lessons()),
     "11_locators.md",
@@ -438,6 +439,22 @@ for i in range(5000):
     assert unity.lines[-1] == "(0.50, -1.00, 2.00) -1.25 (7.00, -8.00, 9.00)", unity.output
     others = [line for line in unity.lines[:-1] if not line.startswith("trouble: ")]
     assert others == ["HandReceiver: drag the points of your hand into its field Joints, and leave none empty"]
+
+
+def test_unity_tells_one_who_publishes(tmp_path, start):
+    """The page's lines, asked twice in the bytes of lesson 02, the second time while it does something else."""
+    (hear,) = (block.body for block in BLOCKS if "test_unity_tells_one_who_publishes" in block.source)
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    program = hear.replace("tcp://127.0.0.1:5053", endpoint) + "\nwhile True:\n    hear()\n    time.sleep(0.03)\n"
+    (tmp_path / "publisher.py").write_text(f"import time\n\nimport zmq\n\n{program}", encoding="utf-8")
+    python = start(PYTHON, tmp_path / "publisher.py")
+    with zmq.Context() as context, context.socket(zmq.REQ) as unity:
+        unity.linger, unity.rcvtimeo = 0, 100_000
+        unity.connect(endpoint)
+        for id in (b"1", b"2"):
+            unity.send_multipart([id, b"left hand"])
+            assert unity.recv_multipart() == [id, b"heard"]
+    python.wait_for(r"^Unity says \[b'left hand'\]$")
 
 
 # Twice Stop while the server is away, which the old one does not survive; then until it is done.
