@@ -57,7 +57,8 @@ def endpoint(text: str) -> tuple[str, int]:
     """Who can read and drop all messages is on this machine."""
     parts = re.fullmatch(r"tcp://(127\.0\.0\.1|localhost):(\d{1,5})", text, re.ASCII)
     if not parts or int(parts[2]) > 65535:
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {ENDPOINT}, port 0 to 65535")
+        why = f"the tap listens on this machine only: write it like {ENDPOINT}, port 0 to 65535"
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': {why}")
     return "127.0.0.1", int(parts[2])
 
 
