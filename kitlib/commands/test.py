@@ -15,7 +15,7 @@ ABOUT = "Runs every test that this machine can run, and says what it skipped and
 EXAMPLES = [
     "test                    all of them: a quarter of an hour",
     "test 4                  what belongs to lesson 04: some minutes",
-    "test -k request_reply   those with this word in their name",
+    "test -k request_reply   those with this word in their name; also of one lesson: test 4 -k slow",
     "test --long             also those that take minutes each",
     "test -n 0               one after the other; otherwise side by side, with pytest-xdist",
     "test -- --help          pytest's own options",
@@ -65,7 +65,12 @@ def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:
     own = f"test_{lesson.number:02}_"
     # The other lessons' tests are not even read: they may need packages that this one does not.
     others = [path for path in ROOT.glob("tests/*/test_[0-9]*.py") if not path.name.startswith(own)]
-    return ["--tb=short", "-k", f"{lesson.key} or {own}", *FOLDERS, *(f"--ignore={path}" for path in others), *more]
+    # pytest goes by the last -k alone.
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("-k")
+    options, more = parser.parse_known_args(more)
+    which = f"({lesson.key} or {own}) and ({options.k})" if options.k else f"{lesson.key} or {own}"
+    return ["--tb=short", "-k", which, *FOLDERS, *(f"--ignore={path}" for path in others), *more]
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:

@@ -81,10 +81,10 @@ def main() -> None:
         socket.connect(options.endpoint)
         try:
             for i in range(1, options.count + 1):
-                header, pixels = picture(i).frames()
+                header, pixels, *more = picture(i).frames()
                 if options.wrong_shape:
                     header = header.replace(b"[240,320,3]", b"[240,320,4]")
-                reply = request(socket, [header, pixels], options.patience)
+                reply = request(socket, [header, pixels, *more], options.patience)
                 found = ", ".join(f"{name} {value}" for name, value in reply.values.items())
                 print(f"{i}: sent frame {i}, {len(pixels)} bytes; brightest at {printable(found)}", flush=True)
         except zmq.Again:

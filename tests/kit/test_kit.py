@@ -363,6 +363,13 @@ def test_a_lesson_is_tested_without_what_only_the_others_need():
     assert extras == ["tests_faster", "05_messages", "08_see_and_steer", "05_messages_tests"]
 
 
+def test_a_word_in_the_name_chooses_from_a_lesson_s_tests():
+    module = importlib.import_module("kitlib.commands.test")
+    words = module.of_a_lesson(lessons.find("8"), ["-k", "slow or frame", "-n", "0"])
+    assert words.count("-k") == 1 and words[-2:] == ["-n", "0"]
+    assert words[words.index("-k") + 1] == "(08_see_and_steer or test_08_) and (slow or frame)"
+
+
 def test_what_comes_after_test_is_for_pytest(start):
     wanted = ["tests/kit/test_kit.py", "-k", "not_a_test or what_comes_after", "--collect-only", "-q"]
     program = start(PYTHON, KIT, "test", *wanted, "--", "--no-header")

@@ -32,7 +32,7 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
         asker.linger = 0
         asker.connect(endpoint)
         asker.send_multipart(frames)
-        assert asker.poll(20_000), f"no reply to {frames!r:.80}"
+        assert asker.poll(100_000), f"no reply to {frames!r:.80}"
         return asker.recv_multipart()
 
 

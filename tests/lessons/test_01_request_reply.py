@@ -157,7 +157,7 @@ def test_raw_bytes_on_the_port_and_peers_that_leave_half_way(serve, context):
         dealer.connect(endpoint)
         dealer.send(b"Hello")
         dealer.send_multipart([b"", b"Hello"])
-        assert dealer.poll(20_000)
+        assert dealer.poll(100_000)
         assert dealer.recv_multipart() == [b"", b"World"]
     assert ask(context, endpoint, b"", b"Hello", kind=zmq.DEALER) == [b"", b"World"]
     assert server.stop() == 0
@@ -192,7 +192,7 @@ def test_the_clients_are_answered_by_any_rep_server(kind, start, client_command,
         port = rep.bind_to_random_port("tcp://127.0.0.1")
         client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "2", *PATIENT))
         for reply in ([b"W\xc3\xb6rld \xe2\x9c\x93"], [b"one", b"two"]):
-            assert rep.poll(20_000)
+            assert rep.poll(100_000)
             assert rep.recv_multipart() == [b"Hello"]
             rep.send_multipart(reply)
         assert client.wait() == 0, client.output
@@ -237,7 +237,7 @@ def test_what_a_server_sends_is_printed_without_harm(kind, start, client_command
         count = ("--count", str(len(replies)), *PATIENT)
         client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", *count))
         for reply in replies:
-            assert rep.poll(20_000)
+            assert rep.poll(100_000)
             rep.recv()
             rep.send(reply.encode())
         assert client.wait() == 0, client.output
@@ -252,7 +252,7 @@ def test_no_print_ends_a_program(serve, start, client_command, context):
         port = rep.bind_to_random_port("tcp://127.0.0.1")
         command = client_command("python", KEY, f"tcp://127.0.0.1:{port}", "--count", "1", *PATIENT)
         client = start(*command, **poor)
-        assert rep.poll(20_000)
+        assert rep.poll(100_000)
         rep.recv()
         rep.send("✓ Grüße".encode())
         assert client.wait() == 0, client.output
@@ -267,7 +267,7 @@ def test_a_request_that_is_too_large_is_not_read(serve, context):
         monitor = rude.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         rude.connect(endpoint)
         rude.send(b"Hello" + b" " * 10_000_000)
-        assert monitor.poll(20_000), "it is still connected"
+        assert monitor.poll(100_000), "it is still connected"
         assert ask(context, endpoint, b"Hello") == [b"World"]
         assert not rude.poll(0)
         rude.disable_monitor()
@@ -282,7 +282,7 @@ def test_a_reply_that_is_too_large_is_not_read(kind, start, client_command, cont
         rep.linger = 0
         port = rep.bind_to_random_port("tcp://127.0.0.1")
         client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--patience", "6"))
-        assert rep.poll(20_000)
+        assert rep.poll(100_000)
         rep.recv()
         rep.send(b"x" * 10_000_000)
         assert client.wait() == 1, client.output[:1000]
@@ -335,7 +335,7 @@ def test_a_flood_of_bad_requests_is_no_flood_of_lines(serve, context):
         asker.connect(endpoint)
         for _ in range(100):
             asker.send(b"\x1b[2J")
-            assert asker.poll(20_000)
+            assert asker.poll(100_000)
             assert asker.recv() == rb"error: expected Hello, got '\x1b[2J'"
     assert ask(context, endpoint, b"Hello") == [b"World"]
     server.wait_for("^sent b'World'$")

@@ -54,7 +54,7 @@ def request(context, endpoint, *frames):
         asker.linger = 0
         asker.connect(endpoint)
         asker.send_multipart(frames)
-        assert asker.poll(20_000), f"no reply to {frames!r:.80}"
+        assert asker.poll(100_000), f"no reply to {frames!r:.80}"
         (reply,) = asker.recv_multipart()
         return reply
 
@@ -167,12 +167,12 @@ class FakePublisher:
         self.router.close()
 
     def subscribed(self):
-        assert self.stream.poll(20_000), "nobody subscribed"
+        assert self.stream.poll(100_000), "nobody subscribed"
         return self.stream.recv()
 
     def request(self):
         """The next request: who asks, and what."""
-        assert self.router.poll(20_000), "nobody asked for a snapshot"
+        assert self.router.poll(100_000), "nobody asked for a snapshot"
         who, empty, *frames = self.router.recv_multipart()
         assert empty == b""
         return who, frames
@@ -460,11 +460,11 @@ def test_the_bytes_of_the_stream_and_of_a_snapshot(publish, context):
         stream.linger = 0
         stream.subscribe("")
         stream.connect(endpoint)
-        assert stream.poll(20_000)
+        assert stream.poll(100_000)
         checksum, at = snapshot_of(request(context, snapshots, b"pose/"))
         last, target, runs = 0, None, set()
         while not target or last < target[1]:
-            assert stream.poll(20_000)
+            assert stream.poll(100_000)
             (frame,) = stream.recv_multipart()
             topic, run, number, body = frame.decode().split(" ", 3)
             assert (topic, int(number)) == ("pose/", last + 1 if last else int(number))
@@ -508,7 +508,7 @@ def test_a_broken_request_does_not_hold_the_stream(publish, context):
         stream.linger = rude.linger = 0
         stream.subscribe("pose/")
         stream.connect(endpoint)
-        assert stream.poll(20_000)
+        assert stream.poll(100_000)
         rude.connect(snapshots)
         for _ in range(3):
             rude.send(b"no empty frame in front")

@@ -269,7 +269,7 @@ def test_a_game_that_sends_nonsense_gets_errors_and_the_film_goes_on(films, cont
 
         def said(*frames):
             peer.send_multipart(frames or hello("a b").frames())
-            assert peer.poll(20_000)
+            assert peer.poll(100_000)
             return json.loads(peer.recv_multipart()[0])
 
         def hello(names, size=b"\x08\0\0\0\x08\0\0\0"):

@@ -277,7 +277,7 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
         for frames in strange * (1 if only_publishes(key) else 50):
             rude.send_multipart(frames)
         if not only_publishes(key) and Lesson(key).scheme == "tcp":
-            assert rude.poll(20_000), "no answer to what is no request"
+            assert rude.poll(100_000), "no answer to what is no request"
             assert HARM not in rude.recv_multipart()[-1:]
         # While the stranger is still there: when one that sends REP no empty frame leaves at once, libzmq up to 4.3.5
         # loses the next client's reply, and asking again is lesson 02.
