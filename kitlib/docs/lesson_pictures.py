@@ -199,7 +199,7 @@ class Picture(NamedTuple):
 
 def rows_run() -> Picture:
     """The eighth picture of lesson 05."""
-    request, reply = tapped("05", "--count 8")[-2:]
+    request, reply = tapped("05", "--count 8 --patience 60")[-2:]
     # Without REQ's empty frame.
     header, pixels = request.frames[-2:]
     height, width, depth = json.loads(header)["arrays"][0]["shape"]

@@ -161,7 +161,8 @@ def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind,
     client = start(*client_command(kind, KEY, there.endpoint, "--count", "8", "--every", "1"))
     assert client.wait() == 0, client.output
     ages = [int(age) for age in re.findall(r"age (\d+)", client.output)]
-    assert len(ages) == 8 and all(age >= 9 for age in ages), "0.2 s are ten steps"
+    # A client that got no processor has made fewer of them meanwhile.
+    assert len(ages) == 8 and statistics.median(ages) >= 9, "0.2 s are ten steps"
     numbers = [frame.id for frame in there.frames]
     # One after the other would be 1; of a client that got no processor meanwhile the newest is not so new.
     assert statistics.median(after - before for before, after in itertools.pairwise(numbers)) > 1
