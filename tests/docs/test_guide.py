@@ -442,7 +442,7 @@ for i in range(5000):
 
 
 def test_unity_tells_one_who_publishes(tmp_path, start):
-    """The page's lines, asked twice in the bytes of lesson 02, the second time while it does something else."""
+    """The page's lines, asked twice in the bytes of lesson 02."""
     (hear,) = (block.body for block in BLOCKS if "test_unity_tells_one_who_publishes" in block.source)
     endpoint = f"tcp://127.0.0.1:{steady_port()}"
     program = hear.replace("tcp://127.0.0.1:5053", endpoint) + "\nwhile True:\n    hear()\n    time.sleep(0.03)\n"

@@ -43,7 +43,7 @@ class Peer:
     def hear(self, *kinds):
         """The next message of one of these kinds; what the hub repeats is passed over."""
         end = time.monotonic() + 20
-        while time.monotonic() < end and self.socket.poll(100_000):
+        while time.monotonic() < end and self.socket.poll(20_000):
             message = messages.read(self.socket.recv_multipart())
             if message.kind in kinds and (message.id > self.asked or not message.id):
                 self.asked = message.id
