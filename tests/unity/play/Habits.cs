@@ -53,6 +53,15 @@ namespace NetMQExample.PlayTest
                     catch (ArgumentException e) { Console.WriteLine($"no JSON: {e.Message}"); }
                 Console.WriteLine(FormattableString.Invariant(
                     $"Mathf: {Mathf.Clamp(5, 0, 3)} {Mathf.MoveTowards(1, -1, 0.5f)} {Mathf.Repeat(-1, 3)} {Mathf.PingPong(5, 3)} {Mathf.DeltaAngle(350, 20)} {Mathf.RoundToInt(2.5f)} {Vector3.MoveTowards(Vector3.zero, Vector3.up * 2, 0.5f)}"));
+                var turned = text.transform;
+                turned.position = Vector3.one;
+                turned.eulerAngles = new Vector3(-10, 200, 30);
+                Console.Write($"turned: {turned.eulerAngles}");
+                turned.LookAt(thing.transform);
+                Console.Write($" {turned.forward.ToString("F3")} {turned.eulerAngles}");
+                turned.rotation = Quaternion.AngleAxis(90, Vector3.up * 2);
+                turned.Rotate(-90, 0, 0);
+                Console.WriteLine($" {turned.eulerAngles} {turned.forward}");
             });
             for (var i = 0; i < 3 || !sent; i++)
             {

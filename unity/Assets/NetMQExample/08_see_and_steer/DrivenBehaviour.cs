@@ -18,6 +18,7 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("Pixels of a picture")] private int width = DrawnCamera.Width;
         [SerializeField, Min(1), Tooltip("Pixels of a picture")] private int height = DrawnCamera.Height;
         [SerializeField, Min(1), Tooltip("A picture for each so many steps of 0.02 s")] private int steps = 1;
+        private Drive drive;
 
         /// <summary>What Python sees, or null for a camera on the car. Set it before CameraSender is enabled.</summary>
         public Camera Eye { get => eye; set => eye = value; }
@@ -25,8 +26,8 @@ namespace NetMQExample
         /// <summary>For each so many of the world's steps there is a picture; in lock-step, for each one.</summary>
         public int Steps => steps;
 
-        /// <summary>What is driven, by Python or by <see cref="Drive.TakeOver"/>.</summary>
-        public Drive Drive { get; private set; }
+        /// <summary>What is driven, with the brake on at first, by Python or by <see cref="Drive.TakeOver"/>.</summary>
+        public Drive Drive => drive ??= new Drive(this, Debug.Log);
 
         /// <inheritdoc/>
         public abstract double Speed { get; }
@@ -49,9 +50,6 @@ namespace NetMQExample
             Drive.Apply(action);
             if (Drive.Lockstep) Drive.Step();
         }
-
-        /// <summary>Begins with the brake on.</summary>
-        protected virtual void Awake() => Drive = new Drive(this, Debug.Log);
 
         private void FixedUpdate()
         {

@@ -28,10 +28,8 @@ namespace NetMQExample
             Place();
         }
 
-        /// <inheritdoc/>
-        protected override void Awake()
+        private void Awake()
         {
-            base.Awake();
             Car = new Car(new Road(), start);
             Part(new Vector3(0, 0.45f, -1), new Vector3(1.6f, 0.5f, 3));
             Part(new Vector3(0, 0.9f, -1.5f), new Vector3(1.4f, 0.5f, 1.6f));
