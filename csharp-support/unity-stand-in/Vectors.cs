@@ -1,4 +1,6 @@
 // Unity's other vectors, as much of them as a lesson reads.
+using System;
+
 namespace UnityEngine
 {
     public struct Vector2
@@ -13,6 +15,22 @@ namespace UnityEngine
         }
 
         public static Vector2 zero => new Vector2(0, 0);
+
+        public float magnitude => (float)Math.Sqrt((x * x) + (y * y));
+
+        public static Vector2 operator +(Vector2 a, Vector2 b) => new Vector2(a.x + b.x, a.y + b.y);
+
+        public static Vector2 operator -(Vector2 a, Vector2 b) => new Vector2(a.x - b.x, a.y - b.y);
+
+        public static Vector2 operator *(Vector2 a, float d) => new Vector2(a.x * d, a.y * d);
+
+        public static Vector2 operator *(float d, Vector2 a) => a * d;
+
+        public static Vector2 operator /(Vector2 a, float d) => new Vector2(a.x / d, a.y / d);
+
+        public static implicit operator Vector2(Vector3 v) => new Vector2(v.x, v.y);
+
+        public static implicit operator Vector3(Vector2 v) => new Vector3(v.x, v.y, 0);
     }
 
     public struct Vector4

@@ -276,7 +276,7 @@ def own_failure(result: Result) -> str:
     """The same for a reader's own scripts: each error once, without what MSBuild says around them."""
     # After an error stands the project, which is ours.
     errors = dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", result.output, re.MULTILINE))
-    unknown = any(re.search(r"error CS(0103|0117|0234|0246|1061|1501|7036)\b", line) for line in errors)
+    unknown = any(re.search(r"error CS(0019|0103|0117|0234|0246|1061|1501|7036)\b", line) for line in errors)
     why = f"; the player knows only as much of UnityEngine as the lessons use: {KNOWN}" if unknown else ":"
     return "\n".join([f"your script does not compile{why}", *errors]) if errors else failure(result)
 

@@ -84,7 +84,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         *["no JSON: JSON parse error: Invalid value."] * 3,
         "Mathf: 3 0.5 2 1 30 2 (0.00, 0.50, 0.00)",
         "turned: (350.00, 200.00, 30.00) (-0.577, -0.577, -0.577) (35.26, 225.00, 0.00)"
-        " (270.00, 90.00, 0.00) (0.00, 1.00, 0.00)",
+        " (270.00, 90.00, 0.00) (0.00, 1.00, 0.00) 5 (9.00, 12.00, 0.00)",
         "OnApplicationFocus True",
         "OnApplicationPause False",
         "Start of what was made in frame 1",

@@ -61,7 +61,9 @@ namespace NetMQExample.PlayTest
                 Console.Write($" {turned.forward.ToString("F3")} {turned.eulerAngles}");
                 turned.rotation = Quaternion.AngleAxis(90, Vector3.up * 2);
                 turned.Rotate(-90, 0, 0);
-                Console.WriteLine($" {turned.eulerAngles} {turned.forward}");
+                Vector2 flat = new Vector3(3, 6, 9);
+                flat += 2 * new Vector2(1, 1) - new Vector2(4, 8) / 2;
+                Console.WriteLine($" {turned.eulerAngles} {turned.forward} {flat.magnitude} {(Vector3)(flat * 3f)}");
             });
             for (var i = 0; i < 3 || !sent; i++)
             {
