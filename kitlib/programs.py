@@ -25,7 +25,7 @@ GROUP: dict[str, Any] = {"start_new_session": True}
 if sys.platform == "win32":
     GROUP = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
 # Generous, since it only decides how long a broken program is waited for.
-PATIENCE = 60.0
+PATIENCE = 120.0
 # A program is asked to end, and waited for this long. One that has heard the terminal's Ctrl-C is not asked that soon.
 GOODBYE, MOMENT = 5.0, 1.0
 

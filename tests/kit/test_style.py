@@ -72,7 +72,7 @@ LONGER = {
 
 def check(*command, **options):
     done = subprocess.run(
-        [str(word) for word in command], cwd=ROOT, capture_output=True, text=True, timeout=300, **options
+        [str(word) for word in command], cwd=ROOT, capture_output=True, text=True, timeout=900, **options
     )
     assert done.returncode == 0, done.stdout + done.stderr
 

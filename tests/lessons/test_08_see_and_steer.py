@@ -115,7 +115,7 @@ def check_recording(folder, lost=0):
 def test_the_numbered_picture_is_the_recorded_one(kind, words, serve, start, client_command, tmp_path):
     server, endpoint = serve(KEY, "--record", "runs")
     client = start(*client_command(kind, KEY, endpoint, "--count", "100", "--patience", "20", *words))
-    assert client.wait() == 0, client.output
+    assert client.wait(500) == 0, client.output
     server.wait_for(f"^recorded 100 pictures to {re.escape(str(Path('runs/run_0001')))}$")
     known = check_recording(tmp_path / "runs" / "run_0001")
     assert len(known) == 100

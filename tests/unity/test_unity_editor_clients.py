@@ -89,7 +89,7 @@ def test_the_traffic_window_shows_what_the_clients_say(number: str, editor: Open
     unity = editor(project)
     unity.do("menu Tools/NetMQ Example/Traffic")
     _, endpoint = serve(key)
-    unity.do(f"play {number} {endpoint} 3")
+    unity.do(f"play {number} {endpoint} 3 60")
     for pattern in filter(None, (sent, received)):
         assert [line for line in exchanged(unity.draw_until(f" {pattern}$")) if re.fullmatch(pattern, line)]
     unity.do("stop")
