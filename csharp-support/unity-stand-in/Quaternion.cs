@@ -36,8 +36,8 @@ namespace UnityEngine
             {
                 var (ahead, side, above) = (this * Vector3.forward, this * Vector3.right, this * Vector3.up);
                 return Math.Abs(ahead.y) > 0.999999f
-                    ? new Vector3(ahead.y < 0 ? 90 : 270, Degrees(-side.z, side.x), 0)
-                    : new Vector3(Degrees(-ahead.y, Math.Sqrt((ahead.x * ahead.x) + (ahead.z * ahead.z))), Degrees(ahead.x, ahead.z), Degrees(side.y, above.y));
+                    ? new Vector3(ahead.y < 0 ? 90 : 270, Positive(Degrees(-side.z, side.x)), 0)
+                    : new Vector3(Positive(Down(ahead)), Positive(Degrees(ahead.x, ahead.z)), Positive(Degrees(side.y, above.y)));
             }
             set => this = Euler(value);
         }
@@ -50,9 +50,7 @@ namespace UnityEngine
                 Debug.Log("Look rotation viewing vector is zero");
                 return identity;
             }
-            const double degrees = 180 / Math.PI;
-            var level = Math.Sqrt((forward.x * forward.x) + (forward.z * forward.z));
-            return Euler((float)(-Math.Atan2(forward.y, level) * degrees), (float)(Math.Atan2(forward.x, forward.z) * degrees), 0);
+            return Euler(Down(forward), Degrees(forward.x, forward.z), 0);
         }
 
         // With its own up as near to this one as can be.
@@ -100,12 +98,13 @@ namespace UnityEngine
             return new Quaternion((float)(half.x / length), (float)(half.y / length), (float)(half.z / length), (float)(w / length));
         }
 
+        // How far it looks below the horizon.
+        private static float Down(Vector3 forward) => Degrees(-forward.y, Math.Sqrt((forward.x * forward.x) + (forward.z * forward.z)));
+
+        private static float Degrees(double y, double x) => (float)(Math.Atan2(y, x) * (180 / Math.PI));
+
         // Unity calls what is less than 0.0001 radians below 0 nothing, not 360.
-        private static float Degrees(double y, double x)
-        {
-            var degrees = Math.Atan2(y, x) * 180 / Math.PI;
-            return (float)(degrees < -0.0001 * 180 / Math.PI ? degrees + 360 : degrees);
-        }
+        private static float Positive(float degrees) => degrees < -0.0001 * 180 / Math.PI ? degrees + 360 : degrees;
 
         private static Quaternion About(Vector3 axis, float degrees)
         {

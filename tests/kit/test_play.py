@@ -114,7 +114,7 @@ HIDES = """class Hides : NetMQExample.NetworkBehaviour
 """
 
 
-MINE_LACKS = """using UnityEngine;
+LACKS = """using UnityEngine;
 class Lacks : MonoBehaviour { void Update() => Debug.Log($"{new Vector4() + new Vector4()}"); }
 """
 
@@ -130,7 +130,7 @@ def test_what_cannot_be_played_is_named(play, tmp_path):
     assert re.search(r"Broken\.cs\(8,\d+\): error CS0246: .*'Greeting'[^\[]*$", lines[1])
     assert len(lines) == 2
     # An operator that Unity has.
-    (tmp_path / "Lacks.cs").write_text(MINE_LACKS, encoding="utf-8")
+    (tmp_path / "Lacks.cs").write_text(LACKS, encoding="utf-8")
     code, lines = play(tmp_path / "Lacks.cs")
     assert code == 1 and "the player knows only as much" in lines[0] and "error CS0019" in lines[1], lines
     (tmp_path / "Hides.cs").write_text(HIDES, encoding="utf-8")
