@@ -160,18 +160,24 @@ def test_who_trained_and_died_leaves_the_simulators_to_the_next(serve, simulator
     assert played(train(endpoint, 2, 6)) == returns(6)
 
 
+@pytest.mark.timeout(1500)
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_hub_that_was_killed_gets_all_back_and_no_return_changes(kind, serve, simulators, train):
     place = f"tcp://127.0.0.1:{steady_port()}"
     hub, endpoint = serve(KEY, *STAY, endpoint=place)
-    simulators(endpoint, kind, kind)
+    others = simulators(endpoint, kind, kind)
+    # So many that it is not done before.
     trainer = train(endpoint, 2, 400)
     for _ in range(2):
         hub.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work, [1-9]\d* episodes")
         hub.kill()
         hub, _ = serve(KEY, *STAY, endpoint=place)
-    # So many that it is not done before; a busy machine takes minutes for them.
-    trainer.wait(240)
+    # 8,000 steps, each of which wakes four programs: a very busy machine takes many minutes for them.
+    try:
+        trainer.wait(1200)
+    except AssertionError as error:
+        said = "\n".join(f"{one.name}:\n{one.output}" for one in (hub, *others))
+        raise AssertionError(f"{error}\n{said}") from None
     assert played(trainer) == returns(400)
     assert f"asking the hub at {place} anew" in trainer.lines
     assert trainer.lines.count("the hub has given this trainer 2 simulators") == 3
