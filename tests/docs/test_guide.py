@@ -320,15 +320,17 @@ using System; using System.Linq; using NetMQExample; using UnityEngine; using Un
 var player = new Player(typeof(MyClient).Assembly);
 DrivenBehaviour car = null;
 var answers = 0;
-Application.logMessageReceived += (line, _, _) => answers += line == "where to?" ? 1 : 0;
+Application.logMessageReceived += (line, _, _) => answers += line is "where to?" or "it says 3.5" ? 1 : 0;
 player.Begin(() =>
 {
     var thing = new GameObject("mine");
     thing.SetActive(false);
     var types = args[0] == "client" ? new[] { typeof(MyClient) }
+        : args[0] == "asker" ? new[] { typeof(Asker) }
         : new[] { args[0] == "eye" ? typeof(MyEye) : typeof(MyCar), typeof(CameraSender), typeof(RoadScene) };
     Inspector.Set(types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray(), "endpoint", args[1]);
     car = thing.GetComponent<DrivenBehaviour>();
+    thing.transform.position = new Vector3(3.5f, 0, 0);
     // Beside the middle of the road.
     if (car is MyEye) thing.transform.SetPositionAndRotation(new Vector3(52, 0, 12), Quaternion.Euler(0, 80, 0));
     thing.SetActive(true);
@@ -343,7 +345,7 @@ bool Turned() => car is MyEye && Math.Abs(car.transform.rotation.y - Quaternion.
 
 
 def test_a_script_of_yours_plays(tmp_path, console, serve):
-    """The components that lessons 04 and 08 give a Unity developer to begin with, each against its lesson's server."""
+    """The components that lessons 04, 05 and 08 give a Unity developer to begin with, each against its server."""
     for block in (each for each in BLOCKS if each.language == "csharp" and "a_script_of_yours_plays" in each.source):
         name = re.search(r"class (\w+)", block.body)[1]
         (tmp_path / f"{name}.cs").write_text(block.body, encoding="utf-8")
@@ -358,6 +360,8 @@ def test_a_script_of_yours_plays(tmp_path, console, serve):
 
     assert play("car", "08_see_and_steer")[-1] == "drives: True"
     assert play("eye", "08_see_and_steer")[-1] == "looks around: True"
+    said = play("asker", "05_messages")
+    assert said == ["it says 3.5"] * len(said) and len(said) >= 2, said
     said = play("client", "04_background_client")
     # One at once, one after a second, one after two, and on a busy machine more, a second apart; and no error at Stop,
     # but of what was asked just then.

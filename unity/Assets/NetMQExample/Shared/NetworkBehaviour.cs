@@ -2,7 +2,8 @@
 // Talk, which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the
 // scene.
 //
-// Take home: this file, with ConnectedBehaviour.cs and NetMQLifetime.cs. For a component of your own, derive from it.
+// Take home: this file, with ConnectedBehaviour.cs and NetMQLifetime.cs. For a component of your own, derive from it;
+// an Update of its own overrides this one, and calls base.Update().
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
