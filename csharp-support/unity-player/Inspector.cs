@@ -31,7 +31,7 @@ namespace UnityPlayer
             return Fields(script).Select(field => (field.Name, Convert.ToString(field.GetValue(one), CultureInfo.InvariantCulture)));
         }
 
-        /// <summary>Sets a field of every script that has it.</summary>
+        /// <summary>Sets a field of every script that has it, or, as <c>ViewRecorder.endpoint</c>, that of one class.</summary>
         /// <exception cref="ArgumentException">No script has it, or the text is no such value; the message says what is.</exception>
         public static void Set(IReadOnlyCollection<MonoBehaviour> scripts, string name, string text)
         {
@@ -39,8 +39,9 @@ namespace UnityPlayer
             // The terminal's --cancel-at is the field cancelAt.
             var written = Regex.Replace(name, "-([a-z])", letter => letter.Groups[1].Value.ToUpperInvariant());
             foreach (var script in scripts)
-                foreach (var field in Fields(script.GetType()).Where(field => field.Name == written))
+                foreach (var field in Fields(script.GetType()))
                 {
+                    if (written != field.Name && written != $"{script.GetType().Name}.{field.Name}") continue;
                     field.SetValue(script, Parse(field, text));
                     found = true;
                 }

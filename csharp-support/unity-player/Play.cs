@@ -3,6 +3,7 @@
 //
 //     --count 3           a serialized field, as in the inspector; --help says which there are
 //     --set count=3       the same
+//     --MyClient.count 3  that of one class, whatever the others have
 //     --seconds 5         stop then; without it, once every script with a Done property is done
 //
 // The scene is one game object with every MonoBehaviour of the lesson's folder, as in the lesson's Unity scene, or of the DLL.
@@ -79,7 +80,7 @@ namespace NetMQExample.Terminal
             thing.SetActive(false);
             // One may have brought another along, by RequireComponent.
             var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
-            foreach (var (name, value) in settings) Inspector.Set(scripts, name, value);
+            foreach (var (name, value) in settings.OrderBy(one => one.Name.Contains('.'))) Inspector.Set(scripts, name, value);
             thing.SetActive(true);
         }
 

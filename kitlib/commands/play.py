@@ -12,7 +12,8 @@ ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBe
 
   --seconds 5         stops then; without it at Application.Quit(), or once every public `bool Done` property is true
   --count 3           sets the serialized field `count`, as the inspector does
-  --set count=3       the same, also for a field that has the name of an option, such as engine"""
+  --set count=3       the same, also for a field that has the name of an option, such as engine
+  --MyClient.count 3  sets it in this class alone; without a class in each one that has it"""
 EXAMPLES = [
     "play MyClient.cs",
     "play MyClient.cs MyQueue.cs --endpoint tcp://127.0.0.1:5554   with a class that it uses; sets a field",
@@ -35,7 +36,8 @@ def do(options: argparse.Namespace) -> int:
         raise KitError(dotnet.DOWNLOAD)
     for path in files:
         if dotnet.changed_copy(path):
-            say(f"{path.name} is named like one of the kit's: the scripts you name here use yours, all others its own")
+            whose = "the scripts you name here use yours, all others its own: name what needs yours, too"
+            say(f"{path.name} is named like one of the kit's: {whose}")
     python = python_setup.interpreter()
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)

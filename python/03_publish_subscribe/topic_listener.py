@@ -14,7 +14,7 @@ class TopicListener:
 
     def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
         """The socket is a new SUB socket, which the caller closes."""
-        self.socket, self.endpoint, self.heard = socket, endpoint, False
+        self.socket, self.endpoint, self.topic, self.heard = socket, endpoint, topic, False
         # A peer that announces more than the largest message is disconnected before it is in memory.
         # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
         socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 65_536, 200
@@ -32,7 +32,8 @@ class TopicListener:
                 return frames[0].decode(errors="replace")
             waited = time.monotonic() - start
             if waited >= patience:
-                raise TimeoutError(f"nothing from {self.endpoint} within {patience:g} s; is the server running?")
+                why = f"is the server running, with topic '{self.topic}'?"
+                raise TimeoutError(f"nothing from {self.endpoint} within {patience:g} s; {why}")
             if not self.heard and waited >= renew:
                 # Where another program had the port before, libzmq connects no more. On a far line it takes its time.
                 self.socket.disconnect(self.endpoint)

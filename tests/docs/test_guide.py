@@ -437,7 +437,8 @@ for i in range(5000):
     unity = start("dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), endpoint)
     for _ in range(2):
         begin = len(unity.lines)
-        unity.wait_for(f"^trouble: nothing from {endpoint} within 0.3 s; is the server running[?]$", start=begin)
+        why = "is the server running, with topic 'hand/'[?]"
+        unity.wait_for(f"^trouble: nothing from {endpoint} within 0.3 s; {why}$", start=begin)
     start(PYTHON, tmp_path / "publisher.py")
     assert unity.wait() == 0, unity.output
     assert unity.lines[-1] == "(0.50, -1.00, 2.00) -1.25 (7.00, -8.00, 9.00)", unity.output

@@ -79,7 +79,8 @@ def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path
     code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])
     assert code == 0
     assert "received error: expected Hello, got 'Bye'" in lines[-2]
-    other = "HelloRequester.cs is named like one of the kit's: the scripts you name here use yours, all others its own"
+    whose = "the scripts you name here use yours, all others its own: name what needs yours, too"
+    other = f"HelloRequester.cs is named like one of the kit's: {whose}"
     assert lines[0] == f"kit    | {other}"
 
 

@@ -223,7 +223,8 @@ def test_a_server_that_is_away_is_waited_for(
     publish(stream, [walk()[0]], 1, program)
     for _ in range(2):
         begin = len(program.lines)
-        program.wait_for("^trouble: nothing from .* within 0.3 s; is the server running[?]$", start=begin)
+        why = "is the server running, with topic 'pose/[^']*'[?]"
+        program.wait_for(f"^trouble: nothing from .* within 0.3 s; {why}$", start=begin)
     publish(stream, [walk()[1]], 1, program)
     assert program.wait() == 0, program.output
     assert "done: 2 poses, 0 skipped" in program.lines

@@ -199,6 +199,7 @@ def test_a_sender_that_was_switched_off_begins_again(drive: Callable[..., Any]) 
     driver, client = drive(lambda frame: {}, "count=60", "disable=30")
     assert client.wait() == 0, client.output
     assert sum(line.startswith("asking ") for line in client.lines) == 2
+    assert "trouble: the graphics card gave no picture" not in client.lines
     client.wait_for("^done: 60 actions")
     numbers = [frame.id for frame in driver.frames]
     assert len(set(numbers)) == len(numbers) == numbers.index(max(numbers)) + 1, "each picture is newer than the last"

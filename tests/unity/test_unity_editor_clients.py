@@ -172,8 +172,9 @@ def test_one_asset_says_where_the_servers_are(editor: Open, project: Path, serve
         ("--endpoint tcp://127.0.0.1:9", "asking tcp://127.0.0.1:9"),
         ("--endpoint=tcp://127.0.0.1:9", "asking tcp://127.0.0.1:9"),
         ("--endpoint tcp://127.0.0.1:8 -x --endpoint tcp://127.0.0.1:9", "asking tcp://127.0.0.1:9"),
+        ("--HelloClient.endpoint tcp://127.0.0.1:9 --endpoint tcp://127.0.0.1:8", "asking tcp://127.0.0.1:9"),
     ],
-    ids=["two words", "one word", "twice: the last one, as in Python"],
+    ids=["two words", "one word", "twice: the last one, as in Python", "of one class"],
 )
 def test_a_build_takes_the_endpoint_from_its_command_line(words: str, line: str, editor: Open, project: Path) -> None:
     unity = editor(project, words=words.split())

@@ -153,8 +153,13 @@ def test_plays_the_console_twins_lines(
     endpoint = serve("01_request_reply")[1]
     twin = start(*console, "1", "--endpoint", endpoint, "--count", "3")
     assert twin.wait() == 0, twin.output
-    # The twin's own options set the fields of these names.
-    for words in (("--endpoint", endpoint, "--count", "3"), ("--set", f"endpoint={endpoint}", "--set", "count=3")):
+    # The twin's own options set the fields of these names; one class is set apart from all, in whatever order.
+    for words in (
+        ("--endpoint", endpoint, "--count", "3"),
+        ("--set", f"endpoint={endpoint}", "--set", "count=3"),
+        ("--HelloClient.endpoint", endpoint, "--HelloClient.count", "3", "--endpoint", "tcp://127.0.0.1:9"),
+        ("--set", "HelloClient.count=3", "--count", "4", "--endpoint", endpoint),
+    ):
         played = start(*console, "1", "--unity", *words)
         assert played.wait() == 0, played.output
         assert played.lines == twin.lines
@@ -174,6 +179,7 @@ def test_an_error_in_the_log_is_exit_code_1(console: list[str], start: Callable[
             ["1", "--unity", "--set", "nope=3"],
             "unknown: --nope; the fields that a script has here: endpoint count patience",
         ),
+        (["1", "--unity", "--MyClient.count", "3"], "unknown: --MyClient.count; the fields that a script has here"),
         (["1", "--unity", "--set", "count=three"], "'three' is no Int32"),
         (["1", "--unity", "--count", "three"], "--count: 'three' is no Int32"),
         (["1", "--unity", "--count", "-1"], "--count: it must be at least 0, not -1"),

@@ -3,7 +3,7 @@
 //     topfirst, noreadback, nographics       another graphics card, or none
 //     fail=20                                three readbacks end with an error after so many steps
 //     press=20                               somebody takes over after so many steps, and gives back 100 later
-//     disable=20                             the sender is switched off and on after so many steps
+//     disable=20                             the sender is switched off after so many steps, and on 10 later
 //     eye                                    another camera is the driver's eye: it looks at the sky, which is red
 //     numbered                               the sky's colour is the number of the step
 //     positions                              prints where the car is after each step
@@ -60,7 +60,7 @@ namespace NetMQExample.PlayTest
             var logged = false;
             Application.logMessageReceived += (line, stack, type) => logged = true;
             var clock = Stopwatch.StartNew();
-            for (long frame = 1, step = -1; !player.Done && !(frames > 0 && cost.Done); frame++)
+            for (long frame = 1, step = -1; !(player.Done && (sender.enabled || disable < 0)) && !(frames > 0 && cost.Done); frame++)
             {
                 var rendering = Player.Rendering;
                 logged = false;
@@ -73,7 +73,13 @@ namespace NetMQExample.PlayTest
                 if (step < press && now >= press) Player.Press(-0.5f, 1);
                 if (press >= 0 && step < press + 50 && now >= press + 50) Player.Press(0, 0);
                 if (press >= 0 && step < press + 100 && now >= press + 100) Player.Press(0, 0, KeyCode.Return);
-                if (step < disable && now >= disable) (sender.enabled, sender.enabled) = (false, true);
+                if (step < disable && now >= disable) sender.enabled = false;
+                if (disable >= 0 && step < disable + 10 && now >= disable + 10)
+                {
+                    sender.enabled = true;
+                    // At once, while the sender's thread has only begun.
+                    player.Frame();
+                }
                 step = now;
                 var rest = TimeSpan.FromSeconds(frame / 60.0) - clock.Elapsed;
                 if (rest > TimeSpan.Zero) Thread.Sleep(rest);

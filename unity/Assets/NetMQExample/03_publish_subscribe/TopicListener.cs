@@ -17,7 +17,7 @@ namespace NetMQExample
     public sealed class TopicListener : IDisposable
     {
         private readonly NetMQConnection connection;
-        private readonly string endpoint;
+        private readonly string endpoint, topic;
         private bool heard;
 
         /// <summary>Subscribes and connects, which succeeds even while no publisher is there.</summary>
@@ -27,7 +27,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public TopicListener(string endpoint, string topic, int hwm = 1000)
         {
-            this.endpoint = endpoint;
+            (this.endpoint, this.topic) = (endpoint, topic);
             connection = new NetMQConnection(endpoint, () =>
             {
                 var socket = new SubscriberSocket { Options = { ReceiveHighWatermark = hwm } };
@@ -60,7 +60,7 @@ namespace NetMQExample
                 renew *= 3;
             }
             throw new TimeoutException(FormattableString.Invariant(
-                $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+                $"nothing from {endpoint} within {patience.TotalSeconds} s; is the server running, with topic '{topic}'?"));
         }
 
         /// <summary>Waits for a message, then takes all that wait behind it: only the last one counts. (libzmq can keep

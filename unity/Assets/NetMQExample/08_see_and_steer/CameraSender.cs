@@ -38,8 +38,8 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}");
             using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
-            // Those of a run before. Before there are others a frame may come, which must not look at what is gone.
-            InUpdate(() => { shots?.Dispose(); shots = null; });
+            // On the main thread, which cancels. What is on its way then is lost before the component is enabled again.
+            stop.Register(() => { shots?.Dispose(); shots = null; });
             var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, lockstep ? 1 : car.Steps, car.CameraFor));
             for (var answered = 0; answered < count;)
             {
@@ -57,7 +57,5 @@ namespace NetMQExample
             // After an end by trouble nobody needs pictures.
             if (!Done) shots?.Look(car.Drive, lockstep);
         }
-
-        private void OnDestroy() => shots?.Dispose();
     }
 }

@@ -2,6 +2,7 @@
 //
 //     Tools > NetMQ Example > Server address       makes the asset; its host takes the place of 127.0.0.1 everywhere
 //     MyGame.exe --endpoint tcp://192.168.1.20:5554                this Play's endpoint, whatever the scene says
+//     MyGame.exe --ViewRecorder.endpoint tcp://192.168.1.20:5562   that of one class, whatever the others have
 //
 // Take home: this file, with ConnectedBehaviour.cs. Without asset and option the fields of the components count.
 using System;
@@ -32,7 +33,8 @@ namespace NetMQExample
             // NaN in another field is no JSON. The component says so itself when it checks its fields.
             catch (ArgumentException) { return null; }
             var asset = Resources.Load<ServerAddress>(File);
-            return Choose(own, asset == null ? "" : asset.host, Environment.GetCommandLineArgs());
+            var words = Environment.GetCommandLineArgs();
+            return Choose(own, asset == null ? "" : asset.host, words, component.GetType().Name);
         }
 
         /// <summary>Writes it into the field. Not while a scene is edited: it would be saved.</summary>
@@ -44,11 +46,12 @@ namespace NetMQExample
             JsonUtility.FromJsonOverwrite(JsonUtility.ToJson(new Field { endpoint = endpoint }), component);
         }
 
-        private static string Choose(string own, string host, string[] words)
+        private static string Choose(string own, string host, string[] words, string type)
         {
             if (string.IsNullOrEmpty(own)) return null;
             // The last one counts, and one word is as good as two: as in Python.
-            var at = Array.FindLastIndex(words, word => Regex.IsMatch(word, "^--endpoint(=|$)"));
+            var at = Array.FindLastIndex(words, word => Regex.IsMatch(word, $@"^--{type}\.endpoint(=|$)"));
+            if (at < 0) at = Array.FindLastIndex(words, word => Regex.IsMatch(word, "^--endpoint(=|$)"));
             if (at >= 0 && words[at].Contains("=")) return words[at].Split('=')[1];
             if (at >= 0) return words.ElementAtOrDefault(at + 1) ?? "";
             // Whoever has written another machine into a field meant it.
