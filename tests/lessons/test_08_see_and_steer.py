@@ -69,6 +69,23 @@ def plain(camera, road):
 
 
 @pytest.fixture
+def driven(start, tmp_path):
+    """driven("return 1, 0, 0", "--record", "runs"): the lesson's server with this `drive`, whatever a reader has made of
+    it: (program, endpoint)."""
+
+    def serve(drive, *options):
+        folder = shutil.copytree(LESSON, tmp_path / "mine")
+        shutil.copy(ROOT / "python" / "05_messages" / "messages.py", folder)
+        path = folder / "server.py"
+        mine = f"def drive(picture, speed):\n    {drive}\n\n\nif __name__"
+        path.write_text(path.read_text(encoding="utf-8").replace("if __name__", mine), encoding="utf-8")
+        server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0", *options, folder=tmp_path)
+        return server, server.wait_for(r"^listening on (\S+)")[1]
+
+    return serve
+
+
+@pytest.fixture
 def ask(context):
     return lambda endpoint, message: read(exchange(context, endpoint, *message.frames()))
 
@@ -208,8 +225,8 @@ def replay(start, folder, endpoint, *words):
     return program.lines
 
 
-def test_a_replay_gives_the_same_actions_to_the_bit(serve, start, client_command, tmp_path):
-    server, endpoint = serve(KEY, "--record", "runs")
+def test_a_replay_gives_the_same_actions_to_the_bit(driven, start, client_command, tmp_path):
+    server, endpoint = driven("return follow_road(picture, speed)", "--record", "runs")
     for words in ["--jpeg"], []:
         client = start(*client_command("python", KEY, endpoint, "--count", "100", "--patience", "20", *words))
         assert client.wait() == 0, client.output
@@ -519,16 +536,8 @@ def test_half_a_message_of_a_peer_that_leaves_is_none(serve, ask, tmp_path, plai
     assert [row["frame"] for row in rows(tmp_path / "runs" / "run_0001")] == ["4", "6"]
 
 
-def test_a_driver_that_says_nan_is_told_so(start, ask, tmp_path, plain):
-    shutil.copytree(LESSON, tmp_path / "mine")
-    shutil.copy(ROOT / "python" / "05_messages" / "messages.py", tmp_path / "mine")
-    path = tmp_path / "mine" / "server.py"
-    text = path.read_text(encoding="utf-8")
-    # After the lesson's own, whatever a reader has made of it.
-    mine = "def drive(picture, speed):\n    return speed / 8, 0.0, float('nan') if speed > 8 else 7\n\n\n"
-    path.write_text(text.replace("if __name__", mine + "if __name__"), encoding="utf-8")
-    server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0")
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+def test_a_driver_that_says_nan_is_told_so(driven, ask, plain):
+    _, endpoint = driven("return speed / 8, 0.0, float('nan') if speed > 8 else 7")
     assert ask(endpoint, frame(1, plain)).values == {"frame": 1, "throttle": 1, "brake": 0, "steer": 7}
     reply = ask(endpoint, frame(2, plain, speed=9.0))
     assert (reply.kind, reply.id, reply.values["code"]) == ("error", 2, "error-in-driver")
@@ -536,9 +545,9 @@ def test_a_driver_that_says_nan_is_told_so(start, ask, tmp_path, plain):
     assert ask(endpoint, frame(3, plain)).kind == "action"
 
 
-def test_pictures_of_1080p(serve, ask, tmp_path, plain):
+def test_pictures_of_1080p(driven, ask, tmp_path, plain):
     """6 MB each, raw."""
-    _, endpoint = serve(KEY, "--record", "runs")
+    _, endpoint = driven("return follow_road(picture, speed)", "--record", "runs")
     large = np.ascontiguousarray(np.asarray(Image.fromarray(plain.copy()).resize((1920, 1080))))
     action = ask(endpoint, frame(1, large))
     assert (action.values["frame"], action.values["steer"]) == (1, pytest.approx(driver.follow_road(large, 8.0)[2]))

@@ -212,7 +212,7 @@ namespace NetMQExample.Tests
                 client.Request("hello", reply => got = reply, why => got = why);
                 Until(() => got != null, client);
                 Equal("world", got);
-                // NetMQ's end is waited for by whoever comes next, 2 s.
+                // NetMQ's end is waited for by whoever comes next, 10 s.
                 StopInTime(client, 1500);
             }
             Thread.Sleep(300);

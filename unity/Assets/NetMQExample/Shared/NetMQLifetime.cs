@@ -23,8 +23,9 @@ namespace NetMQExample
     /// </summary>
     public sealed class NetMQLifetime : IDisposable
     {
-        // NetMQ cleans up within milliseconds, or not at all.
-        private const int Patience = 2000;
+        // NetMQ cleans up within milliseconds, or not at all; on a machine that is too busy for anything else within
+        // seconds. Who leaves waits for less of that than who comes next, and could not begin before.
+        private const int Leaving = 2000, Coming = 10000;
         private static readonly object Gate = new object();
         private static readonly Stopwatch Joining = new Stopwatch(), SinceJoin = new Stopwatch();
         private static int users;
@@ -41,7 +42,7 @@ namespace NetMQExample
             {
                 unloading = true;
                 var waited = Stopwatch.StartNew();
-                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < 10000) Monitor.Wait(Gate, 50);
+                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < Coming) Monitor.Wait(Gate, 50);
             }
             // The last events of NetMQ's sockets come by the thread pool, a moment after they are disposed, and Mono
             // can end when it aborts one. Others may use the pool for longer, and are not waited for.
@@ -63,7 +64,7 @@ namespace NetMQExample
                 // A thread that had no core until now: it would be aborted with its sockets open.
                 if (unloading) throw new OperationCanceledException("the scripts are being loaded anew");
                 // Meanwhile older versions of NetMQ refuse a socket.
-                if (!Cleaned())
+                if (!Cleaned(Coming))
                     throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and "
                         + "cannot start again: dispose every socket; "
                         + "on macOS take NetMQ 4.0.4.5, those before 4.0.4.1 never end");
@@ -86,7 +87,7 @@ namespace NetMQExample
                 if (--users > 0 || aborted) return;
                 cleaning = Stopwatch.StartNew();
                 new Thread(Cleanup) { IsBackground = true, Name = "NetMQ cleanup" }.Start();
-                Cleaned();
+                Cleaned(Leaving);
             }
         }
 
@@ -108,11 +109,11 @@ namespace NetMQExample
 
         // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never
         // ends is waited for once.
-        private static bool Cleaned()
+        private static bool Cleaned(int patience)
         {
             while (cleaning != null)
             {
-                var rest = Patience - cleaning.ElapsedMilliseconds;
+                var rest = patience - cleaning.ElapsedMilliseconds;
                 if (rest <= 0) return false;
                 // It lets go of the lock meanwhile.
                 Monitor.Wait(Gate, (int)rest);
