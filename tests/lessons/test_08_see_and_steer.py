@@ -70,8 +70,8 @@ def plain(camera, road):
 
 @pytest.fixture
 def driven(start, tmp_path):
-    """driven("return 1, 0, 0", "--record", "runs"): the lesson's server with this `drive`, whatever a reader has made of
-    it: (program, endpoint)."""
+    """driven("return 1, 0, 0", "--record", "runs"): the lesson's server with this `drive`, whatever a reader has made
+    of it: (program, endpoint)."""
 
     def serve(drive, *options):
         folder = shutil.copytree(LESSON, tmp_path / "mine")

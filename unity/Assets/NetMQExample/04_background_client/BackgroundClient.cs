@@ -78,8 +78,8 @@ namespace NetMQExample
         /// <summary>What is known about the server.</summary>
         public ClientState State => Status.State;
 
-        /// <summary>Why the last try or request without a reply had none, also after others that had one; or an empty text.
-        /// </summary>
+        /// <summary>Why the last try or request that had no reply had none, also after others that had one; or an
+        /// empty text.</summary>
         public string LastError => Status.LastError;
 
         /// <summary>How long the last reply took to come, with all its tries, or zero.</summary>
