@@ -12,7 +12,7 @@ ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBe
 
   --seconds 5         stops then; without it at Application.Quit(), or once every public `bool Done` property is true
   --count 3           sets the serialized field `count`, as the inspector does
-  --set count=3       the same, also for a field that has the name of an option, such as engine
+  --set count=3       the same, also for a field that has the name of an option, such as engine; --endpoint counts more
   --MyClient.count 3  sets it in this class alone; without a class in each one that has it"""
 EXAMPLES = [
     "play MyClient.cs",

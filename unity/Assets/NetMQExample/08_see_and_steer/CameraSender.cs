@@ -38,9 +38,11 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}");
             using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
-            // On the main thread, which cancels. What is on its way then is lost before the component is enabled again.
-            stop.Register(() => { shots?.Dispose(); shots = null; });
-            var taker = FromUpdate(() => shots = new ShotTaker(cameras, jpeg, lockstep ? 1 : car.Steps, car.CameraFor));
+            ShotTaker taker = null;
+            // On the main thread, which cancels: what is on its way then is lost before the component is enabled again.
+            stop.Register(() => { taker?.Dispose(); shots = shots == taker ? null : shots; });
+            FromUpdate(() => shots = taker = stop.IsCancellationRequested ? null
+                : new ShotTaker(cameras, jpeg, lockstep ? 1 : car.Steps, car.CameraFor));
             for (var answered = 0; answered < count;)
             {
                 var action = driver.Ask(taker.Next(stop), stop);

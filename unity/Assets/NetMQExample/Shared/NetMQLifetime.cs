@@ -61,13 +61,13 @@ namespace NetMQExample
         {
             lock (Gate)
             {
-                // A thread that had no core until now: it would be aborted with its sockets open.
-                if (unloading) throw new OperationCanceledException("the scripts are being loaded anew");
                 // Meanwhile older versions of NetMQ refuse a socket.
                 if (!Cleaned(Coming))
                     throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and "
                         + "cannot start again: dispose every socket; "
                         + "on macOS take NetMQ 4.0.4.5, those before 4.0.4.1 never end");
+                // A thread that had no core until now, or has waited: it would be aborted with its sockets open.
+                if (unloading) throw new OperationCanceledException("the scripts are being loaded anew");
                 // On Windows NetMQ would use I/O completion ports, which outlive a domain reload in the Unity editor.
                 // Elsewhere this call does nothing. It only counts before the first socket.
                 if (users++ == 0) ForceDotNet.Force();
