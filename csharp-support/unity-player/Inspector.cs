@@ -39,9 +39,8 @@ namespace UnityPlayer
             // The terminal's --cancel-at is the field cancelAt.
             var written = Regex.Replace(name, "-([a-z])", letter => letter.Groups[1].Value.ToUpperInvariant());
             foreach (var script in scripts)
-                foreach (var field in Fields(script.GetType()))
+                foreach (var field in Fields(script.GetType()).Where(field => written == field.Name || written == $"{script.GetType().Name}.{field.Name}"))
                 {
-                    if (written != field.Name && written != $"{script.GetType().Name}.{field.Name}") continue;
                     field.SetValue(script, Parse(field, text));
                     found = true;
                 }

@@ -80,6 +80,7 @@ namespace NetMQExample.Terminal
             thing.SetActive(false);
             // One may have brought another along, by RequireComponent.
             var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+            // What is said of one class comes after, and so counts more than, what is said of all.
             foreach (var (name, value) in settings.OrderBy(one => one.Name.Contains('.'))) Inspector.Set(scripts, name, value);
             thing.SetActive(true);
         }

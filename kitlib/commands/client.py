@@ -19,7 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def program_help(lesson: str) -> str:
-    return f"with --client python, or none:\n{own_options(lesson, 'client.py')}"
+    return f"with --client python; the others have most of them:\n{own_options(lesson, 'client.py')}"
 
 
 def do(options: argparse.Namespace) -> int:

@@ -73,7 +73,7 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=50, help="print one action in so many; 0: none")
     parser.add_argument("--patience", type=float, default=1, help="seconds to wait for each action")
     parser.add_argument("--tries", type=int, default=20, help="pictures in a row that may stay without an action")
-    parser.add_argument("--cameras", choices=CAMERAS, default="center", metavar="NAMES", help=f"{' or '.join(CAMERAS)}")
+    parser.add_argument("--cameras", choices=CAMERAS, default="center", metavar="NAMES", help=" or ".join(CAMERAS))
     parser.add_argument("--start", type=int, default=0, help="the point of the road to begin at")
     parser.add_argument("--lockstep", action="store_true", help="the world waits for each action")
     parser.add_argument("--drive", action="store_true", help="arrow keys take over, Enter gives back")

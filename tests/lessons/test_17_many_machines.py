@@ -172,7 +172,7 @@ def test_a_hub_that_was_killed_gets_all_back_and_no_return_changes(kind, serve, 
         hub.wait_for(r"^2 simulators, \d free, 1 trainers, 1 at work, [1-9]\d* episodes")
         hub.kill()
         hub, _ = serve(KEY, *STAY, endpoint=place)
-    # 8,000 steps, each of which wakes four programs: a very busy machine takes many minutes for them.
+    # Some 8,500 steps, each of which wakes four programs: a very busy machine takes many minutes for them.
     try:
         trainer.wait(1200)
     except AssertionError as error:

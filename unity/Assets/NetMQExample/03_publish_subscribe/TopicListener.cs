@@ -59,9 +59,9 @@ namespace NetMQExample
                 connection.Close();
                 renew *= 3;
             }
-            var waits = FormattableString.Invariant($"{patience.TotalSeconds} s");
-            throw new TimeoutException(
-                $"nothing from {endpoint} within {waits}; is the server running, with topic '{topic}'?");
+            throw new TimeoutException(FormattableString.Invariant(
+                $"nothing from {endpoint} within {patience.TotalSeconds} s; ")
+                + $"is the server running, with topic '{topic}'?");
         }
 
         /// <summary>Waits for a message, then takes all that wait behind it: only the last one counts. (libzmq can keep

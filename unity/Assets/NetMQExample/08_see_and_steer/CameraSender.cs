@@ -40,7 +40,7 @@ namespace NetMQExample
             using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
             ShotTaker taker = null;
             // On the main thread, which cancels: what is on its way then is lost before the component is enabled again.
-            stop.Register(() => { taker?.Dispose(); shots = shots == taker ? null : shots; });
+            stop.Register(() => { taker?.Dispose(); if (shots == taker) shots = null; });
             FromUpdate(() => shots = taker = stop.IsCancellationRequested ? null
                 : new ShotTaker(cameras, jpeg, lockstep ? 1 : car.Steps, car.CameraFor));
             for (var answered = 0; answered < count;)

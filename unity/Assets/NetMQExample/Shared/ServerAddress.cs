@@ -50,8 +50,9 @@ namespace NetMQExample
         {
             if (string.IsNullOrEmpty(own)) return null;
             // The last one counts, and one word is as good as two: as in Python.
-            var at = Array.FindLastIndex(words, word => Regex.IsMatch(word, $@"^--{type}\.endpoint(=|$)"));
-            if (at < 0) at = Array.FindLastIndex(words, word => Regex.IsMatch(word, "^--endpoint(=|$)"));
+            int At(string option) => Array.FindLastIndex(words, word => Regex.IsMatch(word, $"^--{option}(=|$)"));
+            var at = At($@"{type}\.endpoint");
+            if (at < 0) at = At("endpoint");
             if (at >= 0 && words[at].Contains("=")) return words[at].Split('=')[1];
             if (at >= 0) return words.ElementAtOrDefault(at + 1) ?? "";
             // Whoever has written another machine into a field meant it.
