@@ -98,10 +98,10 @@ def test_a_request_one_at_a_time_is_the_sum_of_its_waits(quick):
 def test_the_busy_wait_shows_its_price(engine):
     place = Lab(PYTHON, {"dotnet": engine}, rounds=2, moment=0.5, free=True)
     try:
-        echo = "echo {name} {endpoint} 32 0.5"
-        # So many that .NET has compiled all of it for good: on a machine that is busy itself, that work would be most
-        # of what a few slow requests take.
-        place.work("the same at once", [contest.HELLO, contest.BUSY], echo)
+        # So many that .NET has compiled all of it for good, and then so long that what is left of that work is little
+        # beside the waiting: on a machine that is busy itself, it would be most of what a few slow requests take.
+        place.work("the same at once", [contest.HELLO, contest.BUSY], "echo {name} {endpoint} 32 0.5")
+        echo = "echo {name} {endpoint} 32 3"
         work = place.work("a server that takes 10 ms", [contest.HELLO, contest.BUSY], echo, "--delay", "0.01")
     finally:
         place.end()
