@@ -12,7 +12,7 @@ import pytest
 
 from kitlib.docs import guide
 from kitlib.lessons import lessons
-from kitlib.setup import dotnet
+from kitlib.setup import dotnet, lock
 from tests.conftest import PYTHON
 from tests.programs import ROOT
 
@@ -106,7 +106,9 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     words = ["-warnaserror", "-p:NoWarn=NU1603", "-o", tmp_path / "out"]
     command = ["dotnet", "build", project, *engine.properties, *words]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=environment)
+    # The engine's project is the kit's, and another test's build may have one with other properties.
+    with lock.alone(dotnet.LOCK):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=environment)
     assert done.returncode == 0, done.stdout
     _, endpoint = serve("01_request_reply")
     done = subprocess.run(
