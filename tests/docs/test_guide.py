@@ -146,7 +146,8 @@ def run_kit(words, serve, start, engine, folder):
         words = [*words, "--engine", engine.name, "--endpoint", serve(find(words[1]).key)[1], "--folder", str(folder)]
     elif words[0] == "run":
         # The same words as in a transcript are not run again; the exit code is looked at there.
-        assert not [line for line in printed(shlex.join(words[1:]), engine) if "Traceback" in line]
+        said = printed(shlex.join(words[1:]), engine)
+        assert not [line for line in said if "Traceback" in line], "\n".join(said)
         return
     elif words[0] == "test":
         # This very run, or a part of it; only its words are checked.

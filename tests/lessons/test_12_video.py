@@ -5,6 +5,7 @@ sides. What a script does with films is in test_12_films.py.
 from __future__ import annotations
 
 import itertools
+import re
 import sys
 import time
 
@@ -247,11 +248,16 @@ def test_the_game_is_killed_and_another_one_comes(kind, serve, start, client_com
     line = server.wait_for(r"^trouble: the game is gone; film map_1\.gif: (\d+) frames")
     pictures, times = shown(film)
     assert len(pictures) == int(line[1]) >= 2 and sum(times) > 0
+    said = len(server.lines)
     start(*client_command(kind, KEY, endpoint, "--count", "0"))
-    growing(tmp_path / "map_2.gif")
+    film = tmp_path / "map_2.gif"
+    server.wait_for("^begin map ", start=said)
+    growing(film, film.stat().st_size if film.exists() else 0)
     assert server.stop() == 0
-    assert server.lines[-1].startswith("film map_2.gif: "), "the server ends its film"
-    assert shown(tmp_path / "map_2.gif")[0]
+    # A game that does not answer within a second, as on a busy machine, is left as one that is gone.
+    end = r"(trouble: the game is gone; )?film map_2\.gif: "
+    assert re.match(end, server.lines[-1]), "the server ends its film"
+    assert shown(film)[0]
 
 
 def test_a_slow_python_makes_the_game_skip(serve, start, client_command, tmp_path):
