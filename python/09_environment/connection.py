@@ -32,8 +32,7 @@ class Connection:
     """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
 
     def __init__(self, socket: zmq.Socket[bytes], patience: float) -> None:
-        self.socket, self.patience = socket, patience
-        self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
+        self.socket, self.patience, self.endpoint = socket, patience, socket.getsockopt_string(zmq.LAST_ENDPOINT)
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True
         self.peer, self.id, self.closed = b"", 0, False
@@ -93,6 +92,8 @@ class Connection:
 
     def receive(self) -> tuple[bytes, Message | None]:
         """Who sent something, and the message: none if nothing came, or nothing that is a message."""
+        # Lesson 17's socket reads what it receives itself.
+        peer = self.peer
         try:
             peer, *frames = self.socket.recv_multipart()
             return peer, read(frames)

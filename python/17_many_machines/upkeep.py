@@ -38,12 +38,13 @@ def tick(hub: Hub) -> None:
             hub.send(peer, Message("close", member.last.id + 1))
             hub.lose(peer, f"nothing to do for {hub.options.idle:g} s" if idle else f"no answer for {DEAF:g} s")
     for peer, trainer in list(hub.trainers.items()):
-        if now > trainer.told + AGAIN:
-            # Its hello, until it asks for something: that may have gone to a connection that is no more.
-            trainer.tell(trainer.kept if trainer.request.kind == "join" else Message("alive"))
         if trainer.there:
+            # First: until then nobody knows what is missing.
             serve(hub, trainer, now)
-        else:
+            if now > trainer.told + AGAIN:
+                # Its hello, until it asks for something: that may have gone to a connection that is no more.
+                trainer.tell(trainer.kept if trainer.request.kind == "join" else Message("alive"))
+        if not trainer.there:
             trainer.release()
             del hub.trainers[peer]
     hub.lease()

@@ -21,9 +21,11 @@ sys.path += [str(ROOT / "python" / folder) for folder in FOLDERS]
 import episode  # noqa: E402
 import keys  # noqa: E402
 import messages  # noqa: E402
+import upkeep  # noqa: E402
 import vector  # noqa: E402, F401
 from cart_pole import CartPole  # noqa: E402
 from fleet import FleetSocket  # noqa: E402
+from hub import Hub  # noqa: E402
 from simulation import draws  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
@@ -350,3 +352,30 @@ def test_a_hub_is_found_by_its_beacon_and_by_its_key(kind, serve, start, console
     without = start(*command, "--find", str(port), "--patience", "10")
     assert without.wait() == 1
     assert without.lines[-1] == f"{heard} one that has keys, 127.0.0.1; give its keys"
+
+
+def test_a_hub_that_was_away_says_first_what_is_missing():
+    """On a busy machine it comes to a trainer late, and would have told it nothing but that it is alive."""
+    sent = []
+
+    class Socket:
+        def send_multipart(self, frames, flags=0):
+            sent.append(messages.read(frames[1:]))
+
+    hub = Hub(Socket(), None, print)
+    hub.take(b"trainer", messages.Message("join", 0, {"name": "CartPole", "areas": 2}).frames())
+    hub.trainers[b"trainer"].told -= 10
+    upkeep.tick(hub)
+    assert [(one.kind, one.values) for one in sent] == [("alive", {"simulators": 0, "taken": 0})]
+
+
+def test_a_trainer_says_in_one_line_what_it_cannot_read(context, start):
+    """From a hub that is not the kit's."""
+    router = context.socket(zmq.ROUTER)
+    port = router.bind_to_random_port("tcp://127.0.0.1")
+    trainer = start(PYTHON, ROOT / "python" / KEY / "train.py", "--endpoint", f"tcp://127.0.0.1:{port}")
+    peer, _ = router.recv_multipart()[:2]
+    router.send_multipart([peer, *messages.Message("alive").frames()])
+    assert trainer.wait() == 1
+    assert trainer.lines[-1] == "gave up: missing-field: there is no 'simulators'", trainer.output
+    assert "Traceback" not in trainer.output
