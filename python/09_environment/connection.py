@@ -92,13 +92,12 @@ class Connection:
 
     def receive(self) -> tuple[bytes, Message | None]:
         """Who sent something, and the message: none if nothing came, or nothing that is a message."""
-        # Lesson 17's socket reads what it receives itself.
-        peer = self.peer
         try:
             peer, *frames = self.socket.recv_multipart()
-            return peer, read(frames)
         except zmq.Again:
             return b"", None
+        try:
+            return peer, read(frames)
         except MessageError as error:
             self.refuse(peer, error)
             if peer == self.peer:

@@ -5,7 +5,6 @@ sides. What a script does with films is in test_12_films.py.
 from __future__ import annotations
 
 import itertools
-import re
 import sys
 import time
 
@@ -250,14 +249,17 @@ def test_the_game_is_killed_and_another_one_comes(kind, serve, start, client_com
     assert len(pictures) == int(line[1]) >= 2 and sum(times) > 0
     said = len(server.lines)
     start(*client_command(kind, KEY, endpoint, "--count", "0"))
-    film = tmp_path / "map_2.gif"
-    server.wait_for("^begin map ", start=said)
-    growing(film, film.stat().st_size if film.exists() else 0)
-    assert server.stop() == 0
-    # A game that does not answer within a second, as on a busy machine, is left as one that is gone.
-    end = r"(trouble: the game is gone; )?film map_2\.gif: "
-    assert re.match(end, server.lines[-1]), "the server ends its film"
-    assert shown(film)[0]
+    for number in range(2, 7):
+        film = tmp_path / f"map_{number}.gif"
+        server.wait_for("^begin map ", start=said)
+        growing(film, film.stat().st_size if film.exists() else 0)
+        assert server.stop() == 0
+        assert shown(film)[0]
+        # On a busy machine the game may not answer within the second that is left for it, and is tried once more.
+        if not server.lines[-1].startswith("trouble: the game is gone; "):
+            break
+        said, (server, _) = 0, serve(KEY, "--seconds", "60", "--view", "map", endpoint=endpoint)
+    assert server.lines[-1].startswith(f"film map_{number}.gif: "), "the server ends its film"
 
 
 def test_a_slow_python_makes_the_game_skip(serve, start, client_command, tmp_path):
