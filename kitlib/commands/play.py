@@ -34,10 +34,8 @@ def do(options: argparse.Namespace) -> int:
             raise UsageError(f"there is no C# file {path}")
     if not dotnet.sdk():
         raise KitError(dotnet.DOWNLOAD)
-    for path in files:
-        if dotnet.changed_copy(path):
-            whose = "the scripts you name here use yours, all others its own: name what needs yours, too"
-            say(f"{path.name} is named like one of the kit's: {whose}")
+    if changed := ", ".join(path.name for path in files if dotnet.changed_copy(path)):
+        say(f"{changed}: in place of the kit's, for the scripts named here; name each other one that needs it, too")
     python = python_setup.interpreter()
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)

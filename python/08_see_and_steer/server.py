@@ -45,8 +45,8 @@ def drive(picture: Any, speed: float) -> tuple[float, float, float]:
 def answer(frame: Message, driver: Any) -> Message:
     """What the middle camera sees, or the left one of two, decides. The action names its picture."""
     seen = pictures(frame)
-    decided = driver(main_camera(seen), float(frame.values["speed"]))
-    action = dict(zip(("throttle", "brake", "steer"), map(float, decided), strict=True))
+    throttle, brake, steer = driver(main_camera(seen), float(frame.values["speed"]))
+    action = {"throttle": float(throttle), "brake": float(brake), "steer": float(steer)}
     return Message("action", frame.id, {"frame": frame.id, **action})
 
 

@@ -79,9 +79,8 @@ def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path
     code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])
     assert code == 0
     assert "received error: expected Hello, got 'Bye'" in lines[-2]
-    whose = "the scripts you name here use yours, all others its own: name what needs yours, too"
-    other = f"HelloRequester.cs is named like one of the kit's: {whose}"
-    assert lines[0] == f"kit    | {other}"
+    whose = "in place of the kit's, for the scripts named here; name each other one that needs it, too"
+    assert lines[0] == f"kit    | HelloRequester.cs: {whose}"
 
 
 # What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.

@@ -1,0 +1,82 @@
+"""Lesson 08's page says in which lines a value of one's own goes with a picture, and comes with an action."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+
+import pytest
+
+from tests.conftest import PYTHON
+from tests.programs import ROOT, two_ports
+
+pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
+
+SCRIPTS = ROOT / "unity/Assets/NetMQExample/08_see_and_steer"
+MINE = """using NetMQExample;
+using UnityEngine;
+
+public sealed class MyCar : DrivenBehaviour
+{
+    public double Battery => 0.75;
+    public override double Speed => 0;
+    public override void Step(double throttle, double brake, double steer) { }
+}
+"""
+# What the page's table says, in what is copied.
+CHANGES = {
+    "server.py": [('"steer": float(steer)}', '"steer": float(steer), "zoom": 2 * frame.values["battery"]}')],
+    "recording.py": [
+        ('ANSWERED = ("throttle",', 'ANSWERED = ("zoom", "throttle",'),
+        ('KNOWN = ("frame",', 'KNOWN = ("battery", "frame",'),
+    ],
+    "Shot.cs": [
+        ("public double Speed { get", "public double Battery { get; set; } public double Speed { get"),
+        ("var values = message.Values;", 'var values = message.Values; values["battery"] = Battery;'),
+    ],
+    "Drive.cs": [("shot.WallTime =", "shot.Battery = ((MyCar)car).Battery; shot.WallTime =")],
+    "DriverClient.cs": [
+        ("public long Frame { get; }", "public long Frame { get; } public double Zoom { get; }"),
+        ("double milliseconds = 0)", "double milliseconds = 0, double zoom = 0)"),
+        ("(Frame, Throttle,", "(Zoom, Frame, Throttle,"),
+        ("= (frame, Math", "= (zoom, frame, Math"),
+        ("clock.Elapsed.TotalMilliseconds);", 'clock.Elapsed.TotalMilliseconds, Take(reply, "zoom"));'),
+    ],
+    "DrivenBehaviour.cs": [("Drive.Apply(action);", 'Drive.Apply(action); Debug.Log($"zoom {action?.Zoom}");')],
+    # Unchanged, and made anew with those that are.
+    "ShotTaker.cs": [],
+    "CameraSender.cs": [],
+    "RoadScene.cs": [],
+}
+
+
+def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console, engine):
+    for lesson in ("05_messages", "08_see_and_steer"):
+        shutil.copytree(ROOT / "python" / lesson, tmp_path / lesson)
+    for name, changes in CHANGES.items():
+        source = SCRIPTS if name.endswith(".cs") else ROOT / "python/08_see_and_steer"
+        text = (source / name).read_text(encoding="utf-8")
+        for old, new in changes:
+            assert text.count(old) == 1, (name, old)
+            text = text.replace(old, new)
+        (tmp_path / ("" if name.endswith(".cs") else "08_see_and_steer") / name).write_text(text, encoding="utf-8")
+    (tmp_path / "MyCar.cs").write_text(MINE, encoding="utf-8")
+    words = [tmp_path / "08_see_and_steer/server.py", "--endpoint", two_ports(), "--record", tmp_path / "runs"]
+    server = start(PYTHON, *words)
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+
+    def play(*names):
+        files = [tmp_path / name for name in ("MyCar.cs", *names)]
+        options = ["--engine", engine.name, "--endpoint", endpoint, "--count", "3"]
+        program = start(PYTHON, ROOT / "kit.py", "play", *files, *options)
+        return program.wait(300), program.lines
+
+    scripts = [name for name in CHANGES if name.endswith(".cs")]
+    code, lines = play(*scripts)
+    assert code == 0 and lines.count("zoom 1.5") == 3, lines
+    with (tmp_path / "runs/run_0001/metadata.csv").open() as table:
+        rows = list(csv.DictReader(table))
+    assert {(row["battery"], row["answered_zoom"]) for row in rows} == {("0.75", "1.5")}
+    # One that needs a changed one, and is the kit's.
+    code, lines = play(*(name for name in scripts if name != "ShotTaker.cs"))
+    assert code == 1 and any("with each other one that needs them:" in line for line in lines), lines
