@@ -35,7 +35,8 @@ def do(options: argparse.Namespace) -> int:
     if not dotnet.sdk():
         raise KitError(dotnet.DOWNLOAD)
     if changed := ", ".join(path.name for path in files if dotnet.changed_copy(path)):
-        say(f"{changed}: in place of the kit's, for the scripts named here; name each other one that needs it, too")
+        whose = "by the scripts named here; name each other file of the kit that needs it, too"
+        say(f"{changed}: named like the kit's, and used in its place {whose}")
     python = python_setup.interpreter()
     engine = dotnet.choose_engine(options.engine)
     player = dotnet.build(python, engine)

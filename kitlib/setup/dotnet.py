@@ -42,7 +42,7 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
 KNOWN = "Update, OnEnable, Time, Transform, Debug.Log, and no keys, physics or UI of yours; docs/guide/unity_project.md"
-CHANGED = "of the kit's files it uses yours only if you name them here, with each other one that needs them:"
+CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes:"
 # What NuGet says when it does not hold a package, or not this version of it, or cannot be reached at all.
 ABSENT = ("NU1101", "NU1102", "NU1103")
 UNREACHABLE = ("NU1301", "NU1801")
@@ -279,8 +279,8 @@ def own_failure(result: Result) -> str:
     errors = dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", result.output, re.MULTILINE))
     unknown = any(re.search(r"error CS(0019|0103|0117|0234|0246|1061|1501|7036)\b", line) for line in errors)
     why = f"; the player knows only as much of UnityEngine as the lessons use: {KNOWN}" if unknown else ":"
-    # Two classes of one name, or a member that only the reader's own file has.
-    if any("NetMQExample.dll]" in line or "error CS0115" in line for line in errors):
+    # Two classes of one name; or a member to override that only the reader's own file has.
+    if any("NetMQExample.dll]" in line or (not unknown and "error CS0115" in line) for line in errors):
         why = f"; {CHANGED}"
     return "\n".join([f"your script does not compile{why}", *errors]) if errors else failure(result)
 

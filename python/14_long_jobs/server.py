@@ -34,18 +34,14 @@ ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5564", zmq.ROUTER, 65_536
 
 def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     jobs, limit = Jobs(options.journal, options.workers, options.queue, options.grace), options.crash_on or float("inf")
-
-    def beyond() -> set[str]:
-        return {id for id, job in jobs.live.items() if job.news.values.get("done", 0) >= limit}
-
     with contextlib.closing(jobs.workers):
         # After a crash, and started in the same way, it goes on.
-        before = beyond()
+        before = [id for id, job in jobs.live.items() if job.news.values.get("done", 0) >= limit]
         while True:
             for client, news in exchange(jobs, socket):
                 # This never waits: ROUTER drops what is for a client that has gone, or does not read: it asks again.
                 socket.send_multipart([client, *news.frames()])
-            if beyond() - before:
+            if any(jobs.live[id].news.values.get("done", 0) >= limit for id in jobs.workers.busy if id not in before):
                 os._exit(1)
 
 

@@ -79,8 +79,8 @@ def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path
     code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])
     assert code == 0
     assert "received error: expected Hello, got 'Bye'" in lines[-2]
-    whose = "in place of the kit's, for the scripts named here; name each other one that needs it, too"
-    assert lines[0] == f"kit    | HelloRequester.cs: {whose}"
+    whose = "by the scripts named here; name each other file of the kit that needs it, too"
+    assert lines[0] == f"kit    | HelloRequester.cs: named like the kit's, and used in its place {whose}"
 
 
 # What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.

@@ -18,7 +18,7 @@ using UnityEngine;
 
 public sealed class MyCar : DrivenBehaviour
 {
-    public double Battery => 0.75;
+    public override double Battery => 1.5;
     public override double Speed => 0;
     public override void Step(double throttle, double brake, double steer) { }
 }
@@ -26,6 +26,8 @@ public sealed class MyCar : DrivenBehaviour
 # What the page's table says, in what is copied.
 CHANGES = {
     "server.py": [('"steer": float(steer)}', '"steer": float(steer), "zoom": 2 * frame.values["battery"]}')],
+    "pictures.py": [('"brake", "steer", "speed"), (int', '"brake", "steer", "speed", "battery"), (int')],
+    "recorded.py": [('NUMBERS = ("sim_time",', 'NUMBERS = ("battery", "sim_time",')],
     "recording.py": [
         ('ANSWERED = ("throttle",', 'ANSWERED = ("zoom", "throttle",'),
         ('KNOWN = ("frame",', 'KNOWN = ("battery", "frame",'),
@@ -34,7 +36,7 @@ CHANGES = {
         ("public double Speed { get", "public double Battery { get; set; } public double Speed { get"),
         ("var values = message.Values;", 'var values = message.Values; values["battery"] = Battery;'),
     ],
-    "Drive.cs": [("shot.WallTime =", "shot.Battery = ((MyCar)car).Battery; shot.WallTime =")],
+    "Drive.cs": [("shot.WallTime =", "shot.Battery = ((DrivenBehaviour)car).Battery; shot.WallTime =")],
     "DriverClient.cs": [
         ("public long Frame { get; }", "public long Frame { get; } public double Zoom { get; }"),
         ("double milliseconds = 0)", "double milliseconds = 0, double zoom = 0)"),
@@ -42,7 +44,10 @@ CHANGES = {
         ("= (frame, Math", "= (zoom, frame, Math"),
         ("clock.Elapsed.TotalMilliseconds);", 'clock.Elapsed.TotalMilliseconds, Take(reply, "zoom"));'),
     ],
-    "DrivenBehaviour.cs": [("Drive.Apply(action);", 'Drive.Apply(action); Debug.Log($"zoom {action?.Zoom}");')],
+    "DrivenBehaviour.cs": [
+        ("public abstract double Speed", "public virtual double Battery => 0; public abstract double Speed"),
+        ("Drive.Apply(action);", 'Drive.Apply(action); Debug.Log($"zoom {action?.Zoom}");'),
+    ],
     # Unchanged, and made anew with those that are.
     "ShotTaker.cs": [],
     "CameraSender.cs": [],
@@ -73,10 +78,13 @@ def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console,
 
     scripts = [name for name in CHANGES if name.endswith(".cs")]
     code, lines = play(*scripts)
-    assert code == 0 and lines.count("zoom 1.5") == 3, lines
+    assert code == 0 and lines.count("zoom 3") == 3, lines
     with (tmp_path / "runs/run_0001/metadata.csv").open() as table:
         rows = list(csv.DictReader(table))
-    assert {(row["battery"], row["answered_zoom"]) for row in rows} == {("0.75", "1.5")}
-    # One that needs a changed one, and is the kit's.
-    code, lines = play(*(name for name in scripts if name != "ShotTaker.cs"))
-    assert code == 1 and any("with each other one that needs them:" in line for line in lines), lines
+    assert {(row["battery"], row["answered_zoom"]) for row in rows} == {("1.5", "3.0")}
+    replay = start(PYTHON, tmp_path / "08_see_and_steer/replay.py", tmp_path / "runs/run_0001", "--endpoint", endpoint)
+    assert replay.wait() == 0, replay.output
+    # One that needs a changed one, and is the kit's; and none of those that were changed.
+    for files in ([name for name in scripts if name != "ShotTaker.cs"], []):
+        code, lines = play(*files)
+        assert code == 1 and any("the player uses your copy of a kit's file only if" in line for line in lines), lines

@@ -162,7 +162,7 @@ def test_a_restart_is_no_death_of_a_worker(jobs_server, peer):
 
 
 def test_a_server_that_was_crashed_on_purpose_goes_on_when_started_in_the_same_way(jobs_server, peer):
-    # It takes eight seconds to get there, and nobody asks meanwhile: for five would the server have told the news.
+    # It takes eight seconds to get there, and nobody asks meanwhile, so that after five nobody is told any more.
     server, endpoint = jobs_server("--crash-on", "400")
     job = peer(endpoint).goal(count=1000)
     assert server.wait() == 1
