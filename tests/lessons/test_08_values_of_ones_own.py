@@ -58,31 +58,32 @@ CHANGES = {
 def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console, engine):
     for lesson in ("05_messages", "08_see_and_steer"):
         shutil.copytree(ROOT / "python" / lesson, tmp_path / lesson)
+    mine = tmp_path / "08_see_and_steer"
+    scripts = [name for name in CHANGES if name.endswith(".cs")]
+    for name in scripts:
+        shutil.copy(SCRIPTS / name, mine)
     for name, changes in CHANGES.items():
-        source = SCRIPTS if name.endswith(".cs") else ROOT / "python/08_see_and_steer"
-        text = (source / name).read_text(encoding="utf-8")
+        text = (mine / name).read_text(encoding="utf-8")
         for old, new in changes:
             assert text.count(old) == 1, (name, old)
             text = text.replace(old, new)
-        (tmp_path / ("" if name.endswith(".cs") else "08_see_and_steer") / name).write_text(text, encoding="utf-8")
-    (tmp_path / "MyCar.cs").write_text(MINE, encoding="utf-8")
-    words = [tmp_path / "08_see_and_steer/server.py", "--endpoint", two_ports(), "--record", tmp_path / "runs"]
-    server = start(PYTHON, *words)
+        (mine / name).write_text(text, encoding="utf-8")
+    (mine / "MyCar.cs").write_text(MINE, encoding="utf-8")
+    server = start(PYTHON, mine / "server.py", "--endpoint", two_ports(), "--record", tmp_path / "runs")
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
 
     def play(*names):
-        files = [tmp_path / name for name in ("MyCar.cs", *names)]
+        files = [mine / name for name in ("MyCar.cs", *names)]
         options = ["--engine", engine.name, "--endpoint", endpoint, "--count", "3"]
         program = start(PYTHON, ROOT / "kit.py", "play", *files, *options)
         return program.wait(300), program.lines
 
-    scripts = [name for name in CHANGES if name.endswith(".cs")]
     code, lines = play(*scripts)
     assert code == 0 and lines.count("zoom 3") == 3, lines
     with (tmp_path / "runs/run_0001/metadata.csv").open() as table:
         rows = list(csv.DictReader(table))
     assert {(row["battery"], row["answered_zoom"]) for row in rows} == {("1.5", "3.0")}
-    replay = start(PYTHON, tmp_path / "08_see_and_steer/replay.py", tmp_path / "runs/run_0001", "--endpoint", endpoint)
+    replay = start(PYTHON, mine / "replay.py", tmp_path / "runs/run_0001", "--endpoint", endpoint)
     assert replay.wait() == 0, replay.output
     # One that needs a changed one, and is the kit's; and none of those that were changed.
     for files in ([name for name in scripts if name != "ShotTaker.cs"], []):

@@ -13,7 +13,7 @@ from collections import Counter
 
 import pytest
 
-from tests.lessons.long_jobs.peers import Message, jobs_server, memory, peer, read, units
+from tests.lessons.long_jobs.peers import jobs_server, memory, peer, read, units
 
 VERBS = ("kill", "cancel", "resend", "resend", "leave", "come back", "nothing")
 
