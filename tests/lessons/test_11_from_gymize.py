@@ -66,6 +66,7 @@ public sealed class Clocked : Agent
 {
     public override void OnReset() { }
     public override void OnAction(object action) { }
+    private void Start() { }
     private void FixedUpdate() { }
 }
 

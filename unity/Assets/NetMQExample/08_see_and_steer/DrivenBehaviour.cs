@@ -51,7 +51,8 @@ namespace NetMQExample
             if (Drive.Lockstep) Drive.Step();
         }
 
-        private void FixedUpdate()
+        // Virtual, so that the compiler warns of a FixedUpdate in a class of yours: Unity would call that one alone.
+        protected virtual void FixedUpdate()
         {
             if (!Drive.Lockstep) Drive.Step();
         }

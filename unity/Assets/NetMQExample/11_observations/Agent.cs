@@ -92,22 +92,30 @@ namespace NetMQExample
         protected virtual AgentState MakeState() => new AgentState(Name, this, stepPeriod);
 
         /// <summary>Adds to the reward that goes with the next answer.</summary>
-        protected void AddReward(double more) => State.AddReward(more);
+        public void AddReward(double more) => State.AddReward(more);
 
         /// <summary>Replaces the reward that goes with the next answer.</summary>
-        protected void SetReward(double all) => State.SetReward(all);
+        public void SetReward(double all) => State.SetReward(all);
 
         /// <summary>The episode is over for it: it has reached an end of the world.</summary>
-        protected void Terminate() => State.Terminate();
+        public void Terminate() => State.Terminate();
 
         /// <summary>The episode is over for it, for another reason, such as the time.</summary>
-        protected void Truncate() => State.Truncate();
+        public void Truncate() => State.Truncate();
 
         /// <summary>Tells Python something, with the next answer.</summary>
-        protected void SendInfo(object info) => State.SendInfo(info);
+        public void SendInfo(object info) => State.SendInfo(info);
 
         /// <summary>Comes. Whoever overrides it calls base.OnEnable().</summary>
-        protected virtual void OnEnable() => Join();
+        protected virtual void OnEnable()
+        {
+            Join();
+            // Not in Start, which an agent may have itself.
+            const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic;
+            if (GetType().GetMethod("FixedUpdate", Own) != null)
+                Debug.LogWarning($"trouble: {GetType().Name}.FixedUpdate runs by the clock: "
+                    + "what belongs to a step is done in OnTick(double dt)");
+        }
 
         /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
         protected virtual void OnDisable() => All.Remove(this);
@@ -117,10 +125,6 @@ namespace NetMQExample
         {
             if (GymManager.Current == null && ReferenceEquals(All.FirstOrDefault(), this))
                 Debug.LogError($"trouble: {Name} waits for a GymManager: put one on any game object of the scene");
-            const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic;
-            if (GetType().GetMethod("FixedUpdate", Own) != null)
-                Debug.LogWarning($"trouble: {GetType().Name}.FixedUpdate runs by the clock: "
-                    + "what belongs to a step is done in OnTick(double dt)");
         }
 
         private void Join()
