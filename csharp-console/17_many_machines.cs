@@ -31,7 +31,6 @@ namespace NetMQExample.Terminal
                 Environment.Exit(1);
             };
             using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
-            client.Idle = FleetSimulator.Idle;
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");

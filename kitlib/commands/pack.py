@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
-from kitlib.lessons import PACKAGES, KitError
+from kitlib.lessons import PACKAGES, KitError, UsageError
 from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
@@ -27,9 +28,13 @@ Copy the kit to a folder there and this folder into it, under the name `packages
 """
 
 INSTALL = f"""On every machine install Python {{python}} and the .NET SDK, 8 or later; fetch their installers from
-    https://www.python.org/downloads/
-    {dotnet.INSTALLER}"""
-INSTALL_ON_LINUX = f"""On every machine Python {{python}} is the system's own: `python3 --version` shows which.
+    https://www.python.org/downloads/ (the whole installer of that version: the install manager needs internet)
+    {dotnet.INSTALLER}
+Without an administrator: Python "just for me", in the account that is used, and the SDK's file *Binaries*, unpacked
+into a folder that is put on that account's PATH."""
+INSTALL_ON_LINUX = f"""On every machine Python {{python}} is the system's own: `python3 --version` shows which. One of
+`python3 -m ensurepip --version` and `python3 -m pip --version` must print a version; if none does, an administrator
+installs python3-venv.
 The .NET SDK, 8 or later, is the file *Binaries* of {dotnet.INSTALLER}:
 unpack it into a folder, and put that on PATH."""
 
@@ -58,6 +63,8 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     if not dotnet.sdk():
         raise KitError(dotnet.DOWNLOAD)
     system, version = system or python_setup.HERE, version or f"{sys.version_info[0]}.{sys.version_info[1]}"
+    if not re.fullmatch(r"3\.(1[1-9]|[2-9]\d)(\.\d+)?", version):
+        raise UsageError(f"--python takes a version of 3.11 or later, such as 3.13, not {version}")
     folder.mkdir(parents=True, exist_ok=True)
     wheels(folder, system, version)
     nuget(folder)
@@ -74,6 +81,8 @@ def wheels(folder: Path, system: str, version: str) -> None:
     # The other extras are for those who change the kit: the lab, its style, the scenes.
     extras = [extra for extra in python_setup.tests_extras() if extra[0].isdigit() or extra.startswith("tests")]
     needs = python_setup.needs(*extras)
+    # Pytest needs it on Windows alone, and pip asks on which system it runs itself.
+    needs += ["colorama"] if system == "windows" else []
     own = python_setup.venv_python()
     tags = [word for tag in SYSTEMS[system] for word in ("--platform", tag)]
     command: list[str | Path] = [
@@ -93,7 +102,9 @@ def wheels(folder: Path, system: str, version: str) -> None:
 
 def nuget(folder: Path) -> None:
     """What a restore of the C# client takes from NuGet, NetMQ and all that comes with it."""
-    store = os.environ.get("NUGET_PACKAGES") or Path.home() / ".nuget" / "packages"
+    store = Path(os.environ.get("NUGET_PACKAGES") or Path.home() / ".nuget" / "packages")
+    # A source that is not there is an error.
+    store.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as fetched:
         properties = dotnet.Engine("netmq", "").properties
         command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]

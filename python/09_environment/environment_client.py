@@ -18,7 +18,8 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import LIMIT, Message, MessageError, read
 from simulator import SimulatorBase
 
-# Seconds for a connection, and then for the answer to hello. Seconds without a request, until it says hello again.
+# Seconds for a connection, and then for the answer to hello. Seconds without a request, until it says hello again: who
+# learns may be silent for long. Lesson 17's hub never is, and its welcome says how long at most.
 TRY, IDLE, NOTHING = 1.0, 3600.0, "no connection"
 
 
@@ -31,11 +32,9 @@ class EnvironmentClient:
         patience: float,
         report: Callable[[str], None] = print,
         prepare: Callable[[zmq.Socket[bytes]], object] | None = None,
-        idle: float = IDLE,
     ) -> None:
         """`prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`."""
         self.endpoint, self.patience, self.report, self.prepare = endpoint, patience, report, prepare
-        self.idle = idle
         # When it last was in an environment, and why it is in none since then.
         self.heard, self.why = 0.0, NOTHING
 
@@ -81,11 +80,13 @@ class EnvironmentClient:
         while not socket.poll(min(200, int(1000 * limit)), zmq.POLLOUT) and time.monotonic() < end:
             pass
         socket.send_multipart(simulator.hello().frames(), zmq.NOBLOCK)
-        if self.receive(socket, limit).kind != "welcome":
+        if (welcome := self.receive(socket, limit)).kind != "welcome":
             raise MessageError("no-welcome", "hello had another answer")
         self.report(f"simulating {simulator.name} for {self.endpoint}")
+        silence = welcome.values.get("silence")
+        idle = silence if isinstance(silence, float) and 0 < silence < IDLE else IDLE
         try:
-            while (request := self.receive(socket, self.idle)).kind != "close":
+            while (request := self.receive(socket, idle)).kind != "close":
                 if request.kind == "reset" and 0 < count <= simulator.episodes:
                     return
                 socket.send_multipart(simulator.answer(request))

@@ -53,7 +53,8 @@ class SceneSimulator(SimulatorBase):
                 for agent in asked:
                     agent.on_action(actions[agent.name])
                 for agent in self.agents.values():
-                    agent.on_tick(self.dt)
+                    if not (agent.terminated or agent.truncated):
+                        agent.on_tick(self.dt)
                 self.steps += 1
             case "info" if "info" in said:
                 hearer = self.find(to) if (to := take(said, "to", str)) else self

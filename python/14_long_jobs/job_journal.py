@@ -7,7 +7,7 @@
 An entry is the goal and the newest message about the job, as it is sent: with what is finished, if there is a
 checkpoint. It is kept for 24 hours after the end. It is a SQLite file: delete it to forget all jobs, while no server
 runs. When it cannot be used, as on a full disk, it prints that once.
-Take home: this file, with messages.py of lesson 05.
+Take home: this file and journal_lock.py, with messages.py of lesson 05.
 """
 
 import os
@@ -18,11 +18,9 @@ from argparse import ArgumentTypeError
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
+from journal_lock import alone
 from messages import Message, MessageError, read
 
-# From here on no other server gets this journal: it would do the same jobs. Of several that begin together one does,
-# since none of them holds on to what the next would need: each takes all at once, before it reads.
-ALONE = "PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT"
 # By this number in its header the file is known for a journal of this lesson.
 KNOWN = 1_246_708_275
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
@@ -47,9 +45,8 @@ class Journal:
             # To SQLite these names mean a journal in memory, which forgets.
             if path in ("", ":memory:"):
                 raise sqlite3.Error("it needs the name of a file")
-            # While another program has it locked, everybody here waits, and so does Ctrl-C: not for long.
-            self.db = sqlite3.connect(path, timeout=1)
-            self.db.executescript(ALONE)
+            # From here on no other server gets it: it would do the same jobs.
+            self.db = alone(path)
             whose = self.db.execute("PRAGMA application_id").fetchone()[0]
             if whose != KNOWN and self.db.execute("SELECT 1 FROM sqlite_master").fetchone():
                 raise sqlite3.Error("it is another program's")

@@ -23,7 +23,7 @@ sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_me
 try:
     from cart_pole import CartPole
     from environment_client import EnvironmentClient
-    from fleet_simulator import IDLE, FleetSimulator, way_to_hub
+    from fleet_simulator import FleetSimulator, way_to_hub
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 17 installs it")
 except KeyboardInterrupt:
@@ -75,7 +75,7 @@ def main() -> None:
         print(f"asking {place}", flush=True)
         simulator = FleetSimulator(CartPole(), options.build, options.crash_after, options.delay)
         said = functools.partial(print, flush=True)
-        client = EnvironmentClient(place, options.patience, lambda line: said(printable(line)), keys, IDLE)
+        client = EnvironmentClient(place, options.patience, lambda line: said(printable(line)), keys)
         client.run(simulator, options.count)
     except ValueError as error:
         parser.error(str(error))

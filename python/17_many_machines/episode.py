@@ -72,8 +72,10 @@ class Member:
     def __init__(self, number: int, name: str, send: Callable[[Message], bool]) -> None:
         self.number, self.name, self.send = number, name, send
         self.episode: Episode | None = None
-        # How many of its episode's requests it has done, and whether one is under way.
-        self.done, self.busy, self.last = 0, False, Message("welcome")
+        # How many of its episode's requests it has done, and whether one is under way. The hub is never silent for
+        # three seconds: one that is was started anew, and knows nothing of who was there before, since ZeroMQ can have
+        # connected again so quickly that nobody noticed. So a simulator says hello again then.
+        self.done, self.busy, self.last = 0, False, Message("welcome", 0, {"silence": 3.0})
         self.heard = self.told = self.asked = self.free_since = self.wanted = time.monotonic()
         self.there = send(self.last)
 

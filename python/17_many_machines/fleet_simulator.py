@@ -25,10 +25,6 @@ from secure_requester import ClientKeys
 from simulation import Simulation
 from simulator import Simulator
 
-# The hub is never silent. One that is for so many seconds was started anew, and knows nothing of who was there before:
-# libzmq can have connected again so quickly that nobody noticed.
-IDLE = 3.0
-
 
 class FleetSimulator(Simulator):
     """Trouble on command: it ends instead of one more step than `crash_after`, and takes `delay` seconds for each."""

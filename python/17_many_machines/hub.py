@@ -4,8 +4,9 @@
     hub.take(peer, frames)      what a ROUTER socket received
     tick(hub)                   of upkeep.py, some times a second
 
-A simulator says `hello` {name, build, dt, observation, action}, as in lesson 09, and gets `welcome`; a trainer says
-`join` {name, areas}, and gets the hello of a simulator with so many areas, as in lesson 10, once so many are there.
+A simulator says `hello` {name, build, dt, observation, action}, as in lesson 09, and gets `welcome` {silence}; a
+trainer says `join` {name, areas}, and gets the hello of a simulator with so many areas, as in lesson 10, once so many
+are there.
 Take home: this file, upkeep.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
 """
 

@@ -1001,6 +1001,10 @@ def test_packages_for_another_python_are_named_as_such(tmp_path, monkeypatch):
     mine = f"--system {python_setup.HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
     with pytest.raises(lessons.KitError, match=f"with internet run: {lessons.KIT} pack {mine} "):
         python_setup.interpreter()
+    # Debian's Python has neither pip nor what makes one, if nobody has asked for it.
+    monkeypatch.setattr(python_setup, "quietly", lambda *_, **__: Result(1, "No module named pip"))
+    with pytest.raises(lessons.KitError, match=r"run: apt install python3-venv .* has no pip, which"):
+        python_setup.interpreter()
 
 
 def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
@@ -1011,5 +1015,8 @@ def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
     if not shutil.which("dotnet"):
         assert code == 1 and "no .NET SDK 8 or later here: get it from" in program.output, program.output
         return
+    old = start(PYTHON, KIT, "pack", tmp_path, "--python", "3.10")
+    assert old.wait() == 2
+    assert "--python takes a version of 3.11 or later, such as 3.13, not 3.10" in old.lines[-1]
     assert "for windows, Python 3.13 …" in program.output
     assert code == 0 or "kit    | pip could not fetch them for windows, Python 3.13: " in program.output, program.output

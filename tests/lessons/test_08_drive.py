@@ -134,13 +134,14 @@ def test_a_thousand_steps_are_the_golden_ones(kind, driver, start, client_comman
 @each_client
 def test_an_action_names_its_picture(kind, driver, start, client_command):
     """One for a picture that was never sent, or one that is no action, is not followed; the next one is."""
-    wrong = {2: {"frame": 99}, 4: {"steer": "left"}}
+    never = 1_000_000
+    wrong = {2: {"frame": never}, 4: {"steer": "left"}}
     turn = itertools.count(1)
     there = driver(lambda frame: wrong.get(next(turn), {"steer": 1e300, "throttle": -7}))
     client = start(*client_command(kind, KEY, there.endpoint, "--count", "10", "--patience", "20"))
     assert client.wait() == 0, client.output
     asked = there.frames[1].id
-    client.wait_for(f"^trouble: wrong-frame: an action for picture 99, but {asked} was asked about$")
+    client.wait_for(f"^trouble: wrong-frame: an action for picture {never}, but {asked} was asked about$")
     client.wait_for("^trouble: no-action: the reply is no action, or without a number 'steer'$")
     last = there.frames[-1].values
     assert (last["steer"], last["throttle"]) == (1, 0), "clamped, and sent back as what was in force"
@@ -180,7 +181,8 @@ def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, d
     assert client.wait() == 0, client.output
     client.wait_for("^an action again: driving on$", start=begin - 1)
     before, behind = there.frames[99], there.frames[100]
-    assert behind.values["brake"] == 1 and behind.values["speed"] < before.values["speed"]
+    # One that got no processor may have braked before, too, and stand.
+    assert behind.values["brake"] == 1 and 0 <= behind.values["speed"] <= max(0, before.values["speed"] - 0.1)
 
 
 @each_client

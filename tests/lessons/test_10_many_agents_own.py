@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
+import types
+from typing import Any
 
 import pytest
 
@@ -64,6 +66,63 @@ def tag(tmp_path):
     yield make
     for env in made:
         env.close()
+
+
+class VecEnv:
+    """What Stable-Baselines3 2.9 does before and around the methods that a class derived from it has."""
+
+    get_attr: Any
+    step_async: Any
+    step_wait: Any
+
+    def __init__(self, num_envs, observation_space, action_space):
+        self.num_envs, self.observation_space, self.action_space = num_envs, observation_space, action_space
+        self._reset_seeds()
+        assert set(self.get_attr("render_mode")) == {None}
+
+    def _reset_seeds(self):
+        self._seeds = [None] * self.num_envs
+
+    def seed(self, seed):
+        self._seeds = [seed + number for number in range(self.num_envs)]
+
+    def step(self, actions):
+        self.step_async(actions)
+        return self.step_wait()
+
+
+def test_the_bridge_to_stable_baselines3(launch, monkeypatch):
+    """Beside the environment that it wraps. An end by the world and one by time are told apart."""
+    for name in ("", ".common", ".common.vec_env"):
+        module = types.ModuleType(f"stable_baselines3{name}")
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+        module.__dict__["VecEnv"] = VecEnv
+    exec(of_the_page("python", "class Areas(VecEnv)"), page := {})
+    words = launch("python", "--world", "CartPole", "--areas", "4", key=KEY)
+    plain, wrapped = (
+        gymnasium.make_vec("NetMQExample/CartPole-v0", 4, launch=words, autoreset_mode="SameStep", max_episode_steps=12)
+        for _ in range(2)
+    )
+    areas = page["Areas"](wrapped)
+    areas.seed(7)
+    assert np.array_equal(areas.reset(), plain.reset(seed=[7, 8, 9, 10])[0])
+    ends = set()
+    for step in range(60):
+        # Two are pushed over, and two are kept up until their time is over.
+        actions = np.array([1, 0, step % 2, step % 2], np.int32)
+        seen, rewards, over, said = areas.step(actions)
+        theirs, gains, terminated, truncated, infos = plain.step(actions)
+        assert np.array_equal(seen, theirs) and np.array_equal(over, terminated | truncated)
+        assert np.array_equal(rewards, gains) and rewards.dtype == np.float32
+        for area in range(4):
+            assert bool(said[area]) == over[area]
+            if over[area]:
+                assert np.array_equal(said[area]["terminal_observation"], infos["final_obs"][area])
+                assert said[area]["TimeLimit.truncated"] == truncated[area] != terminated[area]
+                ends.add(said[area]["TimeLimit.truncated"])
+    assert ends == {True, False}
+    areas.close()
+    plain.close()
 
 
 def test_the_pages_world_passes_pettingzoos_test(tag):

@@ -232,6 +232,13 @@ def test_a_step_waits_for_all_who_act(make, world):
     assert env.step({"a": ""})[0]["a"]["ticks"] == 4
 
 
+def test_who_has_ended_has_no_more_ticks(make, world):
+    env = make(parallel.UnityParallelEnv, launch=world, **told())
+    env.reset(seed=1)
+    seen, rewards, ends, *_ = env.step({"a": "", "b": "until 2"})
+    assert (seen["a"]["ticks"], seen["b"]["ticks"], rewards["b"], ends["b"]) == (3, 2, 1, True)
+
+
 def test_agents_end_leave_and_come(make, world):
     env = make(parallel.UnityParallelEnv, launch=world, **told())
     env.reset(seed=1)

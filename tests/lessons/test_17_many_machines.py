@@ -229,7 +229,7 @@ def test_who_hears_nothing_says_hello_again(kind, context, start, client_command
             assert silent.poll(100_000), "no hello"
             peer, *hello = silent.recv_multipart()
             assert messages.read(hello).kind == "hello"
-            silent.send_multipart([peer, *messages.Message("welcome").frames()])
+            silent.send_multipart([peer, *messages.Message("welcome", 0, {"silence": 0.5}).frames()])
             peers.add(peer)
         assert len(peers) == 2
 

@@ -34,6 +34,7 @@ namespace NetMQExample.Tests
         private static readonly char[] Blank = { ' ' };
 
         [Discrete] private int ticks;
+        private int last;
 
         public Told(string name) => State = new AgentState(name, this, name == "b" ? 3 : 1);
 
@@ -41,14 +42,20 @@ namespace NetMQExample.Tests
 
         public void OnReset()
         {
-            ticks = 0;
+            (ticks, last) = (0, 0);
             World.Others.Clear();
             if (State.Options.Count == 0 && State.Name != "a") return;
             State.SendInfo(State.Chance.Next());
             State.SendInfo(State.Options);
         }
 
-        public void OnTick(double dt) => ticks += dt == 0.5 ? 1 : 100;
+        public void OnTick(double dt)
+        {
+            ticks += dt == 0.5 ? 1 : 100;
+            if (last == 0 || ticks < last) return;
+            State.AddReward(1);
+            State.Terminate();
+        }
 
         public void OnInfo(object info)
         {
@@ -70,6 +77,7 @@ namespace NetMQExample.Tests
                 case "reward": State.AddReward(Number(rest[0])); break;
                 case "all": State.SetReward(Number(rest[0])); break;
                 case "info": State.SendInfo(rest[0]); break;
+                case "until": last = (int)Number(rest[0]); break;
                 case "leave": World.Agents.Remove(this); break;
                 case "come": World.Agents.Insert(1, new Told(rest[0])); break;
                 case "say":

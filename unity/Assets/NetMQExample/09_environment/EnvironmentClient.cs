@@ -51,9 +51,6 @@ namespace NetMQExample
             }, 4 * Message.Limit);
         }
 
-        /// <summary>How long it waits for a request until it says hello again.</summary>
-        public TimeSpan Idle { get; set; } = TimeSpan.FromHours(1);
-
         /// <summary>Serves until it is closed.</summary>
         /// <param name="simulator">What answers.</param>
         /// <param name="count">Or until it is asked for more episodes than this; 0 is no limit.</param>
@@ -95,9 +92,12 @@ namespace NetMQExample
             var request = Receive(limit, stop);
             if (request.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
             report($"simulating {hello.Values["name"]} for {endpoint}");
+            // Without a request for so long, it says hello again. Who learns may be silent for an hour; lesson 17's hub
+            // never is, and says for how long at most.
+            var idle = request.Values.GetValueOrDefault("silence") is double s && s > 0 && s < 3600 ? s : 3600;
             try
             {
-                while ((request = Receive(Idle, stop)).Kind != "close")
+                while ((request = Receive(TimeSpan.FromSeconds(idle), stop)).Kind != "close")
                 {
                     if (request.Kind == "reset" && count > 0 && simulator.Episodes >= count) return;
                     Send(perform(() => simulator.Answer(request)), Try, stop);

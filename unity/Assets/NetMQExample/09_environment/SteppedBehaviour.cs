@@ -29,9 +29,6 @@ namespace NetMQExample
         /// <summary>Whether Python steps it; else it has no network thread.</summary>
         protected virtual bool Connects => true;
 
-        /// <summary>How long it waits for a request until it says hello again.</summary>
-        protected virtual TimeSpan Idle => TimeSpan.FromHours(1);
-
         /// <summary>What answers for this scene. Called on the network thread.</summary>
         protected abstract SimulatorBase MakeSimulator();
 
@@ -59,7 +56,7 @@ namespace NetMQExample
             Log($"asking {place}");
             var simulator = MakeSimulator();
             simulator.Mistake = Debug.LogException;
-            using var client = new EnvironmentClient(place, Seconds(patience), Log) { Idle = Idle };
+            using var client = new EnvironmentClient(place, Seconds(patience), Log);
             client.Run(simulator, count, Perform, stop);
             Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }

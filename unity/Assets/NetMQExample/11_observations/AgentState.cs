@@ -21,7 +21,7 @@ namespace NetMQExample
         /// Dictionary&lt;string, object&gt;, or MessageGraph.</summary>
         void OnAction(object action);
 
-        /// <summary>One step of the world's time.</summary>
+        /// <summary>One step of the world's time; none more once its episode is over.</summary>
         /// <param name="dt">Seconds.</param>
         void OnTick(double dt);
 
@@ -111,6 +111,9 @@ namespace NetMQExample
         /// <summary>Tells Python something, with the next answer.</summary>
         /// <exception cref="MessageException">It has no place in a message.</exception>
         public void SendInfo(object info) => infos.Add(Observed.Of(info));
+
+        // Until the next reset nothing more is asked of it.
+        internal bool Over => terminated || truncated;
 
         internal void Begin()
         {

@@ -105,7 +105,8 @@ namespace NetMQExample
             foreach (var agent in asked) agent.OnAction(actions[agent.State.Name]);
             for (var left = asked.Select(agent => agent.State.Period).DefaultIfEmpty().Max(); left > 0; left--)
             {
-                foreach (var agent in agents.ToArray()) agent.OnTick(dt);
+                foreach (var agent in agents.ToArray())
+                    if (!agent.State.Over) agent.OnTick(dt);
                 tick?.Invoke();
             }
             Steps++;

@@ -19,9 +19,6 @@ namespace NetMQExample
         protected override string Endpoint => endpoint;
 
         /// <inheritdoc/>
-        protected override System.TimeSpan Idle => FleetSimulator.Idle;
-
-        /// <inheritdoc/>
         protected override SimulatorBase MakeSimulator() => new FleetSimulator(world, build);
 
         private void Awake() => cart = GameObject.CreatePrimitive(PrimitiveType.Cube).transform;

@@ -12,10 +12,6 @@ namespace NetMQExample
     /// <summary>Answers reset, step and render for one simulation of a fleet.</summary>
     public sealed class FleetSimulator : Simulator
     {
-        /// <summary>The hub is never silent. One that is for so long was started anew, and knows nothing of who was
-        /// there before: ZeroMQ can have connected again so quickly that nobody noticed.</summary>
-        public static readonly TimeSpan Idle = TimeSpan.FromSeconds(3);
-
         private readonly string build;
 
         /// <summary>For a simulation, which from then on nobody else steps.</summary>
