@@ -27,15 +27,16 @@ NOTE = """For a room without internet: packages for NetMQExample, {system}, Pyth
 Copy the kit to a folder there and this folder into it, under the name `packages`. Then: {py} kit.py run 1
 """
 
-INSTALL = f"""On every machine install Python {{python}} and the .NET SDK, 8 or later; fetch their installers from
+INSTALL = f"""On every machine install Python {{python}} and the .NET SDK {{sdk}}, as here; fetch their installers from
     https://www.python.org/downloads/ (the whole installer of that version: the install manager needs internet)
     {dotnet.INSTALLER}
-Without an administrator: Python "just for me", in the account that is used, and the SDK's file *Binaries*, unpacked
-into a folder that is put on that account's PATH."""
+Without an administrator: Python "just for me", in the account that is used, without *Use admin privileges*, and the
+SDK's file *Binaries*, unpacked into a folder that is put on that account's PATH. If `where dotnet` shows another one
+first, type in each new terminal: set PATH=C:\\that\\folder;%PATH%"""
 INSTALL_ON_LINUX = f"""On every machine Python {{python}} is the system's own: `python3 --version` shows which. One of
 `python3 -m ensurepip --version` and `python3 -m pip --version` must print a version; if none does, an administrator
 installs python3-venv.
-The .NET SDK, 8 or later, is the file *Binaries* of {dotnet.INSTALLER}:
+The .NET SDK {{sdk}}, as here, is the file *Binaries* of {dotnet.INSTALLER}:
 unpack it into a folder, and put that on PATH."""
 
 ABOUT = "Fetches what a room without internet needs: wheels for Python, NuGet packages, and where the installers are."
@@ -70,7 +71,9 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     nuget(folder)
     py = "py" if system == "windows" else "python3"
     note = folder / f"READ_ME_{system}.txt"
-    install = (INSTALL_ON_LINUX if system == "linux" else INSTALL).format(python=version)
+    # One of another number may lack what this one has in its own folder, and so did not fetch.
+    sdk = (dotnet.sdk() or "").split(".")[0]
+    install = (INSTALL_ON_LINUX if system == "linux" else INSTALL).format(python=version, sdk=sdk)
     text = NOTE.format(system=system, python=version, install=install, py=py)
     note.write_text(text, encoding="utf-8")
     say(f"{folder} is ready; its {note.name} says what to do with it")

@@ -141,8 +141,9 @@ def ask_nuget(asked: str | None) -> Engine:
     if asked != "libzmq":
         if any(PACKAGES.glob("*.nupkg")):
             brought = Engine("netmq", f"from the folder {PACKAGES.name}", source=str(PACKAGES))
-            if restore(brought).ok:
+            if (result := restore(brought)).ok:
                 return brought
+            say(f"the folder {PACKAGES.name} lacks something that this SDK needs: {result.first(' error ')}")
         say(f"asking NuGet for NetMQ ({PATIENCE} s at the most) …")
         result = restore(Engine("netmq", ""))
         if result.ok:

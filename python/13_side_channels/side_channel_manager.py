@@ -49,11 +49,11 @@ class SideChannelManager:
         for message in early:
             self._deliver(channel, message)
 
-    def generate_side_channel_messages(self) -> bytearray:
-        """What all channels have queued: in the order of registration, then of queueing. What makes it too large stays
-        queued for the next exchange.
+    def generate_side_channel_messages(self, unsent: bytes = b"") -> bytearray:
+        """What all channels have queued: in the order of registration, then of queueing; after what could not be sent.
+        What makes it too large stays queued for the next exchange.
         """
-        data = bytearray()
+        data = bytearray(unsent)
         for channel_id, channel in self.channels.items():
             if channel.dropped:
                 self.report(f"channel {channel.channel_id}: {channel.dropped} messages were dropped")

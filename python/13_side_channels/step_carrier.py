@@ -62,7 +62,7 @@ class StepCarrier:
     def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
         if kind not in ("reset", "step"):
             return self.asked(kind, values, arrays)
-        data, self.unsent = self.unsent or bytes(self.manager.generate_side_channel_messages()), b""
+        data, self.unsent = bytes(self.manager.generate_side_channel_messages(self.unsent)), b""
         exchange = Array("uint8", (len(data),), data)
         try:
             state = self.asked(kind, values | {"side_channel": True}, [*arrays, exchange])

@@ -89,6 +89,8 @@ def accept(hello: Message, build: str, hello_here: Message | None) -> None:
     """Of this build, and like those of its name that are here; MessageError says why it is refused."""
     if not hello.arrays:
         raise MessageError("no-spaces", "a hello has the arrays of its spaces")
+    if "areas" in hello.values:
+        raise MessageError("areas-here", "a simulator of the hub is one world: PythonEnvironment, not PythonAreas")
     name, other = hello.values["name"], hello.values.get("build", "1")
     if other != build:
         text = f"{name!a:.40} of build {other!a:.20}, this hub takes {build!a:.20}"

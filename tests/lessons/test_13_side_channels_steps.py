@@ -168,6 +168,12 @@ def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
     assert "lost" in env.step(1)[-1]
     assert env.reset(seed=1)[0] == 1.5
     assert stats.get_and_reset_stats() == {}
+    # And what is said anew before the reset that follows is there in it, too.
+    parameters.set_float_parameter("gravity", 2.5)
+    env.simulators.process.kill()
+    assert "lost" in env.step(1)[-1]
+    parameters.set_float_parameter("gravity", 3.5)
+    assert env.reset(seed=1)[0] == 3.5
 
 
 def test_areas_of_lesson_10_carry_them_as_well(moon, tmp_path):

@@ -120,6 +120,13 @@ def test_a_hello_without_spaces_is_refused(serve, peer):
     assert stranger.hear("welcome", "error").values["code"] == "no-spaces"
 
 
+def test_a_simulator_of_many_areas_is_refused(serve, start, client_command):
+    _, endpoint = serve(KEY)
+    areas = start(*client_command("python", "10_many_agents", endpoint, "--world", "CartPole", "--patience", "1"))
+    assert areas.wait() == 1
+    assert "trouble: areas-here: a simulator of the hub is one world: PythonEnvironment, not PythonAreas" in areas.lines
+
+
 def test_a_trainer_that_was_not_admitted_gets_no_simulator(serve, peer):
     _, endpoint = serve(KEY)
     simulator, hasty = peer(endpoint).hello(), peer(endpoint).join(2, wait=False)

@@ -3,7 +3,7 @@
 // Derive from it, put it beside CameraSender, and drag a camera of yours into Eye, or leave it empty:
 //     public sealed class MyCar : DrivenBehaviour
 //     {
-//         public override double Speed => GetComponent<Rigidbody>().velocity.magnitude;
+//         public override double Speed => body.velocity.magnitude;   of a Rigidbody; in Unity 6 linearVelocity
 //         public override void Step(double throttle, double brake, double steer) => … forces, wheels, …
 //     }
 // Take home: this file and Drive.cs, with CameraSender.cs.
