@@ -51,7 +51,8 @@ namespace NetMQExample
             if (Drive.Lockstep) Drive.Step();
         }
 
-        // Virtual, so that the compiler warns of a FixedUpdate in a class of yours: Unity would call that one alone.
+        /// <summary>Drives on. Virtual, so that the compiler warns of a FixedUpdate in a class of yours, which Unity
+        /// would call in its place.</summary>
         protected virtual void FixedUpdate()
         {
             if (!Drive.Lockstep) Drive.Step();
