@@ -28,11 +28,13 @@ Copy the kit to a folder there and this folder into it, under the name `packages
 """
 
 INSTALL = f"""On every machine install Python {{python}} and the .NET SDK {{sdk}}, as here; fetch their installers from
-    https://www.python.org/downloads/ (the whole installer of that version: the install manager needs internet)
-    {dotnet.INSTALLER}
+    https://www.python.org/downloads/
+    {dotnet.INSTALLER}"""
+INSTALL_ON_WINDOWS = f"""{INSTALL}
+Of Python take the installer of that version: the install manager needs internet.
 Without an administrator: Python "just for me", in the account that is used, without *Use admin privileges*, and the
-SDK's file *Binaries*, unpacked into a folder that is put on that account's PATH. If `where dotnet` shows another one
-first, type in each new terminal: set PATH=C:\\that\\folder;%PATH%"""
+SDK's file *Binaries*, unpacked into a folder that is put on that account's PATH. If `where.exe dotnet` shows another
+one first, type in each new Command Prompt: set PATH=C:\\that\\folder;%PATH%"""
 INSTALL_ON_LINUX = f"""On every machine Python {{python}} is the system's own: `python3 --version` shows which. One of
 `python3 -m ensurepip --version` and `python3 -m pip --version` must print a version; if none does, an administrator
 installs python3-venv.
@@ -73,7 +75,8 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     note = folder / f"READ_ME_{system}.txt"
     # One of another number may lack what this one has in its own folder, and so did not fetch.
     sdk = (dotnet.sdk() or "").split(".")[0]
-    install = (INSTALL_ON_LINUX if system == "linux" else INSTALL).format(python=version, sdk=sdk)
+    install = {"linux": INSTALL_ON_LINUX, "windows": INSTALL_ON_WINDOWS}.get(system, INSTALL)
+    install = install.format(python=version, sdk=sdk)
     text = NOTE.format(system=system, python=version, install=install, py=py)
     note.write_text(text, encoding="utf-8")
     say(f"{folder} is ready; its {note.name} says what to do with it")

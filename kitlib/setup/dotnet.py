@@ -143,7 +143,7 @@ def ask_nuget(asked: str | None) -> Engine:
             brought = Engine("netmq", f"from the folder {PACKAGES.name}", source=str(PACKAGES))
             if (result := restore(brought)).ok:
                 return brought
-            say(f"the folder {PACKAGES.name} lacks something that this SDK needs: {result.first(' error ')}")
+            say(f"the folder {PACKAGES.name} does not do: {result.first(' error ')}")
         say(f"asking NuGet for NetMQ ({PATIENCE} s at the most) …")
         result = restore(Engine("netmq", ""))
         if result.ok:

@@ -133,7 +133,7 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
             mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
             cure = f"{KIT} pack {mine} ({PACKAGES.name} is for another Python or system)"
             if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
-                cure = f"apt install python3-venv ({sys.executable} has no pip, which {PACKAGES.name} needs)"
+                raise KitError(f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)")
         missing = ", ".join(map(name, required))
         raise KitError(f"no Python with {missing} here, and no package index answers; with internet run: {cure}")
     keep(CHOICE, json.dumps({**recall(CHOICE), key: str(python)}))

@@ -27,7 +27,8 @@ class Obs:
 
 
 class Agent:
-    """Your own derives from it, and has on_reset, on_action, on_tick and on_info as it needs them."""
+    """Your own derives from it, and has on_reset, on_action, on_tick and on_info as it needs them. Who has ended has no
+    more ticks until the next reset."""
 
     def __init__(self, name: str = "agent") -> None:
         self.name, self.chance, self.options = name, draws(0), dict[str, Any]()

@@ -41,8 +41,10 @@ class SceneSimulator(SimulatorBase):
                 names, options = take(said, "agents", list), take(said, "options", dict)
                 chance, asked = draws(take(request.values, "seed", int)), [*dict.fromkeys(map(self.find, names))]
                 self.infos = []
-                for agent in asked:
+                # Also those whom Python does not ask: they move.
+                for agent in self.agents.values():
                     agent.begin()
+                for agent in asked:
                     agent.chance, agent.options = chance, options
                 for agent in asked:
                     agent.on_reset()

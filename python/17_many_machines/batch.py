@@ -90,7 +90,7 @@ def accept(hello: Message, build: str, hello_here: Message | None) -> None:
     if not hello.arrays:
         raise MessageError("no-spaces", "a hello has the arrays of its spaces")
     if "areas" in hello.values:
-        raise MessageError("areas-here", "a simulator of the hub is one world: PythonEnvironment, not PythonAreas")
+        raise MessageError("areas-here", "a simulator of the hub is one world, and not many areas")
     name, other = hello.values["name"], hello.values.get("build", "1")
     if other != build:
         text = f"{name!a:.40} of build {other!a:.20}, this hub takes {build!a:.20}"

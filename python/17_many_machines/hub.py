@@ -54,7 +54,7 @@ class Hub:
             elif message.kind not in ("closed", "error"):
                 raise MessageError("unknown-peer", "say hello or join, and wait for the answer", message.id)
         except MessageError as error:
-            if error.code in ("no-spaces", "other-build", "other-spaces"):
+            if error.code in ("no-spaces", "areas-here", "other-build", "other-spaces"):
                 self.say(f"refused: {error}")
             self.send(peer, Message("error", error.id, {"code": error.code, "text": error.text}))
         self.lease()

@@ -62,12 +62,16 @@ public sealed class Speeder : Agent
     public override void OnAction(object action) { }
 }
 
-public sealed class Clocked : Agent
+public abstract class Animal : Agent
+{
+    private void FixedUpdate() { }
+}
+
+public sealed class Clocked : Animal
 {
     public override void OnReset() { }
     public override void OnAction(object action) { }
     private void Start() { }
-    private void FixedUpdate() { }
 }
 
 public static class Program
@@ -211,7 +215,7 @@ def test_agents_without_a_manager_say_so_at_once(scene, start):
 def test_an_agent_that_goes_by_the_clock_is_told(scene, start):
     player = start(*scene, f"tcp://127.0.0.1:{free_port()}", "clock")
     why = r"what belongs to a step is done in OnTick\(double dt\)"
-    player.wait_for(f"^trouble: Clocked.FixedUpdate runs by the clock: {why}")
+    player.wait_for(f"^trouble: Animal.FixedUpdate runs by the clock: {why}")
     assert player.output.count("FixedUpdate") == 1
 
 

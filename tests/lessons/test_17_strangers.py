@@ -56,7 +56,7 @@ class Peer:
     def hello(self, name="World", **values):
         values = {"name": name, "dt": 0.02, "observation": "box", "action": "discrete", **values}
         self.say("hello", values, [SEEN, SEEN, Array("int64", (), bytes(8))])
-        self.hear("welcome")
+        assert self.hear("welcome").values == {"silence": 3.0}
         return self
 
     def join(self, areas=1, wait=True):
@@ -121,10 +121,11 @@ def test_a_hello_without_spaces_is_refused(serve, peer):
 
 
 def test_a_simulator_of_many_areas_is_refused(serve, start, client_command):
-    _, endpoint = serve(KEY)
-    areas = start(*client_command("python", "10_many_agents", endpoint, "--world", "CartPole", "--patience", "1"))
+    hub, endpoint = serve(KEY)
+    areas = start(*client_command("python", "10_many_agents", endpoint, "--world", "CartPole", "--patience", "5"))
+    hub.wait_for("^refused: areas-here: ")
     assert areas.wait() == 1
-    assert "trouble: areas-here: a simulator of the hub is one world: PythonEnvironment, not PythonAreas" in areas.lines
+    assert "trouble: areas-here: a simulator of the hub is one world, and not many areas" in areas.lines
 
 
 def test_a_trainer_that_was_not_admitted_gets_no_simulator(serve, peer):

@@ -109,12 +109,15 @@ namespace NetMQExample
         /// <summary>Comes. Whoever overrides it calls base.OnEnable().</summary>
         protected virtual void OnEnable()
         {
+            var first = state == null;
             Join();
+            const BindingFlags Own =
+                BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
             // Not in Start, which an agent may have itself.
-            const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic;
-            if (GetType().GetMethod("FixedUpdate", Own) != null)
-                Debug.LogWarning($"trouble: {GetType().Name}.FixedUpdate runs by the clock: "
-                    + "what belongs to a step is done in OnTick(double dt)");
+            for (var type = GetType(); first && enabled && type != typeof(Agent); type = type.BaseType)
+                if (type.GetMethod("FixedUpdate", Own) != null)
+                    Debug.LogWarning($"trouble: {type.Name}.FixedUpdate runs by the clock: "
+                        + "what belongs to a step is done in OnTick(double dt)");
         }
 
         /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>

@@ -112,7 +112,7 @@ namespace NetMQExample
         /// <exception cref="MessageException">It has no place in a message.</exception>
         public void SendInfo(object info) => infos.Add(Observed.Of(info));
 
-        // Until the next reset nothing more is asked of it.
+        // It has no more ticks until the next reset.
         internal bool Over => terminated || truncated;
 
         internal void Begin()

@@ -88,11 +88,9 @@ namespace NetMQExample
             var asked = names.Select(name => Find(name as string)).Distinct().ToList();
             var chance = new Chance(seed);
             infos.Clear();
-            foreach (var agent in asked)
-            {
-                agent.State.Begin();
-                (agent.State.Chance, agent.State.Options) = (chance, options);
-            }
+            // Also for those whom Python does not ask: they move.
+            foreach (var agent in agents) agent.State.Begin();
+            foreach (var agent in asked) (agent.State.Chance, agent.State.Options) = (chance, options);
             foreach (var agent in asked) agent.OnReset();
             Episodes++;
             return asked;
@@ -103,7 +101,9 @@ namespace NetMQExample
             // Whoever has left since does not act; the answer is without it.
             var asked = actions.Keys.Where(name => agents.Any(agent => agent.State.Name == name)).Select(Find).ToList();
             foreach (var agent in asked) agent.OnAction(actions[agent.State.Name]);
-            for (var left = asked.Select(agent => agent.State.Period).DefaultIfEmpty().Max(); left > 0; left--)
+            var left = asked.Select(agent => agent.State.Period).DefaultIfEmpty().Max();
+            // What comes after the end belongs to no step.
+            for (; left > 0 && !asked.All(agent => agent.State.Over); left--)
             {
                 foreach (var agent in agents.ToArray())
                     if (!agent.State.Over) agent.OnTick(dt);
