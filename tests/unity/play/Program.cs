@@ -78,9 +78,16 @@ namespace NetMQExample.PlayTest
             for (var line = Console.ReadLine(); line != null && line != "end"; line = Console.ReadLine())
             {
                 if (line == "play") plays.Add(line);
-                else domain.SetData(Asked, line);
+                else Tell(line);
             }
             plays.CompleteAdding();
+        }
+
+        private static void Tell(string line)
+        {
+            try { domain.SetData(Asked, line); }
+            // What it was told, it has done, and is unloaded, before this thread had a core to return on.
+            catch (AppDomainUnloadedException) { }
         }
 
         private static int Play(string script, string endpoint, int clients)
