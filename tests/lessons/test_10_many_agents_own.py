@@ -121,6 +121,13 @@ def test_the_bridge_to_stable_baselines3(launch, monkeypatch):
                 assert said[area]["TimeLimit.truncated"] == truncated[area] != terminated[area]
                 ends.add(said[area]["TimeLimit.truncated"])
     assert ends == {True, False}
+    # An area that was lost while the others began anew: nobody knows what it would have seen.
+    wrapped.reset = lambda seed: (np.ones((4, 4)), {})
+    wrapped.step = lambda actions: (np.zeros((4, 4)), np.zeros(4), np.zeros(4, bool), np.arange(4) == 2, {})
+    areas.reset()
+    *_, said = areas.step(actions)
+    assert np.array_equal(said[2].pop("terminal_observation"), np.ones(4))
+    assert said == [{}, {}, {"TimeLimit.truncated": True}, {}]
     areas.close()
     plain.close()
 
