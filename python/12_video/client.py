@@ -32,8 +32,8 @@ def play(sender: ViewSender, count: int) -> str:
     views = {FilmView("front", 320, 240): drive.front, FilmView("map", 320, 240): drive.map}
     over = threading.Event()
     with ThreadPoolExecutor(1) as pool:
-        network = pool.submit(sender.run, list(views), over)
         try:
+            network = pool.submit(sender.run, list(views), over)
             while not sender.connected and not network.done():
                 time.sleep(0.01)
             began = time.monotonic()

@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import contextlib
+import runpy
 import signal
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import pytest
 import zmq
@@ -331,3 +334,17 @@ def test_ctrl_c_does_not_wait_for_python(start, client_command, filmer):
     filmer.next("hello")
     assert client.stop(signal.SIGINT) == 1
     assert client.lines[-1] == "stopped"
+
+
+def test_ctrl_c_at_the_start_of_the_thread_does_not_wait_either(monkeypatch):
+    told, submit = [], ThreadPoolExecutor.submit
+
+    def interrupted(*words):
+        submit(*words)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ThreadPoolExecutor, "submit", interrupted)
+    play = runpy.run_path(str(ROOT / "python" / KEY / "client.py"))["play"]
+    with pytest.raises(KeyboardInterrupt):
+        play(SimpleNamespace(run=lambda views, stop: told.append(stop.wait(20))), 0)
+    assert told == [True]
