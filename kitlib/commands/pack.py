@@ -63,7 +63,8 @@ def do(options: argparse.Namespace) -> int:
 
 def pack(folder: Path, system: str | None, version: str | None) -> None:
     """Fetch everything that the lessons and their tests need. What is there for another system stays."""
-    if not dotnet.sdk():
+    sdk = dotnet.sdk()
+    if not sdk:
         raise KitError(dotnet.DOWNLOAD)
     system, version = system or python_setup.HERE, version or f"{sys.version_info[0]}.{sys.version_info[1]}"
     if not re.fullmatch(r"3\.(1[1-9]|[2-9]\d)(\.\d+)?", version):
@@ -74,9 +75,8 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
     py = "py" if system == "windows" else "python3"
     note = folder / f"READ_ME_{system}.txt"
     # One of another number may lack what this one has in its own folder, and so did not fetch.
-    sdk = (dotnet.sdk() or "").split(".")[0]
     install = {"linux": INSTALL_ON_LINUX, "windows": INSTALL_ON_WINDOWS}.get(system, INSTALL)
-    install = install.format(python=version, sdk=sdk)
+    install = install.format(python=version, sdk=sdk.split(".")[0])
     text = NOTE.format(system=system, python=version, install=install, py=py)
     note.write_text(text, encoding="utf-8")
     say(f"{folder} is ready; its {note.name} says what to do with it")

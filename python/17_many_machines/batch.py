@@ -85,15 +85,19 @@ def fits(answer: Message, kind: str, hello: Message) -> bool:
     return answer.kind == "state" and seen and type(answer.values.get("reward", 0)) in (int, float)
 
 
+class Refused(MessageError):
+    """A simulator that the hub does not take; the hub says so as well."""
+
+
 def accept(hello: Message, build: str, hello_here: Message | None) -> None:
-    """Of this build, and like those of its name that are here; MessageError says why it is refused."""
+    """Of this build, and like those of its name that are here; Refused says why it is refused."""
     if not hello.arrays:
-        raise MessageError("no-spaces", "a hello has the arrays of its spaces")
+        raise Refused("no-spaces", "a hello has the arrays of its spaces")
     if "areas" in hello.values:
-        raise MessageError("areas-here", "a simulator of the hub is one world, and not many areas")
+        raise Refused("areas-here", "a simulator of the hub is one world, and not many areas")
     name, other = hello.values["name"], hello.values.get("build", "1")
     if other != build:
         text = f"{name!a:.40} of build {other!a:.20}, this hub takes {build!a:.20}"
-        raise MessageError("other-build", f"{text}: use one build everywhere")
+        raise Refused("other-build", f"{text}: use one build everywhere")
     if hello_here and form(hello_here) != form(hello):
-        raise MessageError("other-spaces", f"{name!a:.40} has another dt here, or other spaces")
+        raise Refused("other-spaces", f"{name!a:.40} has another dt here, or other spaces")

@@ -21,7 +21,7 @@ import zmq
 
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from batch import accept, fits
+from batch import Refused, accept, fits
 from episode import Member
 from messages import Message, MessageError, read, take
 from trainers import Trainer
@@ -54,7 +54,7 @@ class Hub:
             elif message.kind not in ("closed", "error"):
                 raise MessageError("unknown-peer", "say hello or join, and wait for the answer", message.id)
         except MessageError as error:
-            if error.code in ("no-spaces", "areas-here", "other-build", "other-spaces"):
+            if isinstance(error, Refused):
                 self.say(f"refused: {error}")
             self.send(peer, Message("error", error.id, {"code": error.code, "text": error.text}))
         self.lease()
