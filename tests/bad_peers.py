@@ -74,7 +74,11 @@ class SlowLine(Listener):
     """A far server: hands everything on to a near one and back, as late as a line with this round trip does."""
 
     def __init__(self, endpoint, round_trip):
-        self.port, self.round_trip = int(endpoint.rpartition(":")[2]), round_trip
+        self.port, self.round_trip, self.dead = int(endpoint.rpartition(":")[2]), round_trip, []
+
+    def break_silently(self):
+        """What is connected now gets nothing any more, and is not told; who connects from now on is served."""
+        self.dead = [*self.open]
 
     def serve(self, peer):
         # To connect takes a round trip of its own.
@@ -100,6 +104,8 @@ class SlowLine(Listener):
         while True:
             due, data = on_the_way.get()
             time.sleep(max(0.0, due - time.monotonic()))
+            if target in self.dead:
+                continue
             with contextlib.suppress(OSError):
                 if not data:
                     target.shutdown(socket.SHUT_WR)

@@ -14,18 +14,23 @@ namespace UnityEngine
         // So deep Unity looks into classes, which may hold one another.
         private const int Deepest = 10;
 
-        public static string ToJson(object obj) => obj == null ? "" : Written(obj, obj.GetType());
+        // As in Unity: a list, a text or a number that is in no class is nothing, without a word.
+        public static string ToJson(object obj) =>
+            obj == null ? "" : Item(obj.GetType()) != null || obj is string || obj.GetType().IsPrimitive ? "{}" : Written(obj, obj.GetType());
 
         public static T FromJson<T>(string json)
         {
+            var values = Values(json);
             // A structure stays in this one box.
             object made = Activator.CreateInstance<T>();
-            FromJsonOverwrite(json, made);
+            Fill(made, values);
             return (T)made;
         }
 
-        public static void FromJsonOverwrite(string json, object objectToOverwrite) =>
-            Fill(objectToOverwrite, Reader.Read(json) as Dictionary<string, object> ?? throw Reader.Wrong());
+        public static void FromJsonOverwrite(string json, object objectToOverwrite) => Fill(objectToOverwrite, Values(json));
+
+        private static Dictionary<string, object> Values(string json) =>
+            Reader.Read(json) as Dictionary<string, object> ?? throw new ArgumentException("JSON must represent an object type.");
 
         private static string Written(object value, Type type, int depth = 0)
         {

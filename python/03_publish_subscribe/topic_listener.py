@@ -18,6 +18,9 @@ class TopicListener:
         # A peer that announces more than the largest message is disconnected before it is in memory.
         # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
         socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 65_536, 200
+        # A laptop that sleeps tells nobody: a silent publisher is asked every 5 s, and one that does not answer in 5
+        # more gets a new connection.
+        socket.heartbeat_ivl = 5000
         socket.subscribe(topic.encode(errors="replace"))
         socket.connect(endpoint)
 

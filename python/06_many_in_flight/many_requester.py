@@ -63,7 +63,8 @@ class ManyRequester:
     def request_many(self, texts: Iterable[str]) -> Iterator[tuple[int, str, str]]:
         """Each request's number from 1 on, with its reply or the reason why there is none, in order of arrival.
 
-        It takes the next text when there is room for it, so `texts` may be endless: whoever makes them has to wait.
+        It takes the next text when there is room for it, so `texts` may be endless; but it may not wait,
+        since no reply is read meanwhile.
         """
         self.pending.clear()
         upcoming = enumerate((text.encode(errors="replace") for text in texts), 1)

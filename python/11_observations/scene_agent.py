@@ -31,11 +31,11 @@ class Agent:
     more ticks until the next reset."""
 
     def __init__(self, name: str = "agent") -> None:
-        self.name, self.chance, self.options = name, draws(0), dict[str, Any]()
-        self.sources = declared(type(self), name)
-        self.begin()
+        self.name, self.sources = name, declared(type(self), name)
+        self.begin(draws(0), {})
 
-    def begin(self) -> None:
+    def begin(self, chance: Iterator[float], options: dict[str, Any]) -> None:
+        self.chance, self.options = chance, options
         self.reward, self.terminated, self.truncated, self.infos = 0.0, False, False, list[Any]()
 
     def on_reset(self) -> None: ...

@@ -43,9 +43,7 @@ class SceneSimulator(SimulatorBase):
                 self.infos = []
                 # Also those whom Python does not ask: they move.
                 for agent in self.agents.values():
-                    agent.begin()
-                for agent in asked:
-                    agent.chance, agent.options = chance, options
+                    agent.begin(chance, options)
                 for agent in asked:
                     agent.on_reset()
                 self.episodes += 1

@@ -14,6 +14,7 @@ import sys
 import traceback
 import uuid
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from side_channel import LARGEST_EXCHANGE, Channel, UnitySideChannelException
 
@@ -92,8 +93,9 @@ class SideChannelManager:
         except UnitySideChannelException as error:
             self.report(f"channel {channel.channel_id}: {error}")
         except Exception as error:
-            traceback.print_exc()
-            self.report(f"channel {channel.channel_id}: its handler raised {error!r:.200}")
+            calls = traceback.extract_tb(error.__traceback__)[1:]
+            where = ", ".join(f"{Path(call.filename).name}:{call.lineno}" for call in calls[-4:])
+            self.report(f"channel {channel.channel_id}: its handler raised {error!r:.200} ({where})")
 
     def _keep(self, channel_id: bytes, message: bytes) -> None:
         name = uuid.UUID(bytes_le=channel_id)

@@ -289,6 +289,15 @@ def test_reset_clears_rewards_ends_and_infos(alone):
         alone.reset()
 
 
+def test_a_seed_reaches_those_whom_python_does_not_ask(alone):
+    """A scripted opponent draws its place, too."""
+    drawn = []
+    for seed in (5, 6, 5):
+        alone.reset(seed=seed)
+        drawn += alone.step("draw c")[-1]["agent"]
+    assert drawn[0] == drawn[2] != drawn[1]
+
+
 def test_rewards_add_up_until_they_are_told(alone):
     for told in ("reward 1", "reward 2"):
         alone.unwrapped.send_info(told, "a")

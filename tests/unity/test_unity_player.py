@@ -81,7 +81,9 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "a second one: True",
         'JSON: {"hp":3,"speeds":[1,0.5],"path":[{"x":0,"y":1,"z":0}],"to":{"who":""},"text":"a \\"word\\",\\n",'
         '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
+        "JSON of what is in no class: {} {} {}",
         *["no JSON: JSON parse error: Invalid value."] * 3,
+        "no JSON: JSON must represent an object type.",
         "Mathf: 3 0.5 2 1 30 2 (0.00, 0.50, 0.00)",
         "turned: (350.00, 200.00, 30.00) (-0.577, -0.577, -0.577) (35.26, 225.00, 0.00)"
         " (270.00, 90.00, 0.00) (0.00, 1.00, 0.00) 5 (9.00, 12.00, 0.00)",

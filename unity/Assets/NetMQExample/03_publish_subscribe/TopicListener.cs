@@ -30,7 +30,12 @@ namespace NetMQExample
             (this.endpoint, this.topic) = (endpoint, topic);
             connection = new NetMQConnection(endpoint, () =>
             {
-                var socket = new SubscriberSocket { Options = { ReceiveHighWatermark = hwm } };
+                // A laptop that sleeps tells nobody: a silent publisher is asked every 5 s, and one that does not
+                // answer in 5 more gets a new connection.
+                var socket = new SubscriberSocket
+                {
+                    Options = { ReceiveHighWatermark = hwm, HeartbeatInterval = TimeSpan.FromSeconds(5) },
+                };
                 // Without the encoding, NetMQ makes a question mark of every letter that is not ASCII.
                 socket.Subscribe(topic, Encoding.UTF8);
                 return socket;

@@ -83,10 +83,10 @@ namespace NetMQExample
         public List<Source> Sources { get; } = new List<Source>();
 
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
-        public Chance Chance { get; internal set; } = new Chance(0);
+        public Chance Chance { get; private set; } = new Chance(0);
 
         /// <summary>What Python gave to reset as options.</summary>
-        public IReadOnlyDictionary<string, object> Options { get; internal set; } = new Dictionary<string, object>();
+        public IReadOnlyDictionary<string, object> Options { get; private set; } = new Dictionary<string, object>();
 
         /// <summary>A source whose locator is read here, once.</summary>
         /// <exception cref="ArgumentException">The locator is wrong; the message says where.</exception>
@@ -115,9 +115,9 @@ namespace NetMQExample
         // It has no more ticks until the next reset.
         internal bool Over => terminated || truncated;
 
-        internal void Begin()
+        internal void Begin(Chance chance, IReadOnlyDictionary<string, object> options)
         {
-            (reward, terminated, truncated) = (0, false, false);
+            (Chance, Options, reward, terminated, truncated) = (chance, options, 0, false, false);
             infos.Clear();
         }
 

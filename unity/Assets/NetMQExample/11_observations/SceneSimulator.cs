@@ -89,8 +89,7 @@ namespace NetMQExample
             var chance = new Chance(seed);
             infos.Clear();
             // Also for those whom Python does not ask: they move.
-            foreach (var agent in agents) agent.State.Begin();
-            foreach (var agent in asked) (agent.State.Chance, agent.State.Options) = (chance, options);
+            foreach (var agent in agents) agent.State.Begin(chance, options);
             foreach (var agent in asked) agent.OnReset();
             Episodes++;
             return asked;

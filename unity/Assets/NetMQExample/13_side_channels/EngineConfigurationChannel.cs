@@ -1,7 +1,7 @@
 // Lesson 13, engine settings: how fast the game's time passes, and how it is drawn. From Python to Unity.
 //
 // One message for each setting: its number as int32, then int32 width and height, or float32 time scale, or one int32.
-// The Python side is engine_configuration_channel.py, and what Unity does with them is in SideChannelBehaviour.cs.
+// The Python side is engine_configuration_channel.py, and what Unity does with them is in EngineSettings.cs.
 // Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 using System.Globalization;
