@@ -84,7 +84,7 @@ def test_what_a_header_says_to_take_home_runs_there(path, tmp_path):
         if any(re.search(rf"(import|from) {package}\b", copied.read_text("utf-8")) for copied in tmp_path.glob("*.py")):
             pytest.importorskip(package, reason=f"it needs {package}: pip install {package}")
     code = "import " + ", ".join(copied.stem for copied in tmp_path.glob("*.py"))
-    done = subprocess.run([PYTHON, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([PYTHON, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
 
 
@@ -112,7 +112,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     assert done.returncode == 0, done.stdout
     _, endpoint = serve("01_request_reply")
     done = subprocess.run(
-        ["dotnet", tmp_path / "out" / "MyProgram.dll", endpoint], capture_output=True, text=True, timeout=60
+        ["dotnet", tmp_path / "out" / "MyProgram.dll", endpoint], capture_output=True, text=True, timeout=120
     )
     assert done.stdout == "World\n", done.stdout + done.stderr
 

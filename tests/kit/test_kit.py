@@ -418,7 +418,7 @@ def test_an_error_is_coloured_where_the_errors_go(on_terminal, monkeypatch, tmp_
     ours, its = pty.openpty()
     with (tmp_path / "file").open("w+b") as file:
         streams = {"stdout": file, "stderr": file, on_terminal: its}
-        assert subprocess.run([PYTHON, KIT, "rum"], **streams, timeout=30).returncode == 2
+        assert subprocess.run([PYTHON, KIT, "rum"], **streams, timeout=120).returncode == 2
         os.close(its)
         file.seek(0)
         printed = os.read(ours, 1000) if on_terminal == "stderr" else file.read()
@@ -430,7 +430,7 @@ def test_an_error_is_coloured_where_the_errors_go(on_terminal, monkeypatch, tmp_
 @pytest.mark.skipif(os.name == "nt", reason="needs head")
 def test_who_stops_reading_is_not_answered_with_a_traceback():
     command = f"'{PYTHON}' '{KIT}' run 1 --client python --endpoint 'tcp://127.0.0.1:0' | head -2"
-    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=120)
     assert len(done.stdout.splitlines()) == 2
     assert done.stderr == ""
 
@@ -709,7 +709,7 @@ sys.path.insert(0, {str(ROOT)!r})
 sys.argv = ["kit.py", "list"]
 runpy.run_path({str(KIT)!r}, run_name="__main__")
 """
-    done = subprocess.run([PYTHON, "-c", program], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([PYTHON, "-c", program], capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stdout, done.stderr) == (code, "", "")
 
 

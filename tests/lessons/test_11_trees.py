@@ -162,7 +162,7 @@ WRONG = {
 def test_what_is_no_tree_is_refused_by_both(program):
     arrays = [Array("uint8", (0,), b"")]
     lines = "\n".join(hexadecimal(text, arrays) for text in WRONG)
-    done = subprocess.run([*program, "trees"], input=lines, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*program, "trees"], input=lines, capture_output=True, text=True, timeout=120)
     said = [line.removeprefix("error ") for line in done.stdout.splitlines()]
     # There it is the reader of a header that finds what is no JSON.
     assert [code.replace("bad-json", "bad-tree") for code in said] == list(WRONG.values())
@@ -227,7 +227,7 @@ def test_what_does_not_fit_its_space_is_named_with_its_place(space, value, said)
 
 @pytest.fixture(scope="session")
 def seen(program):
-    done = subprocess.run([*program, "attributes"], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*program, "attributes"], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 

@@ -224,7 +224,7 @@ def test_unity_does_what_the_settings_say(runtime, engine, program):
     channel.set_configuration(EngineConfig(640, 480, 2, 0.25, 72, 30))
     exchange = SideChannelManager([channel]).generate_side_channel_messages().hex()
     command = [RUNTIMES[runtime], program, "sidechannels", "settings", exchange]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.stdout.splitlines() == [
         "engine: screen resolution 640 x 480",
         "engine: quality level 2",

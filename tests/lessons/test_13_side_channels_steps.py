@@ -153,7 +153,7 @@ def test_the_example_prints_what_the_page_says():
     page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
     said = re.findall(r"^gravity .* m/s$", page, re.MULTILINE)
     done = subprocess.run(
-        [PYTHON, ROOT / "python" / KEY / "falling_ball.py"], capture_output=True, text=True, timeout=60
+        [PYTHON, ROOT / "python" / KEY / "falling_ball.py"], capture_output=True, text=True, timeout=120
     )
     assert done.returncode == 0, done.stderr
     printed = [line for line in done.stdout.splitlines() if not line.startswith("simulating Ball for")]

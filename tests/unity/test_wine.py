@@ -81,7 +81,7 @@ def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
         program.kill()
     # It ends what runs in this WINEPREFIX, and nothing else.
     server = shutil.which("wineserver") or Path(str(WINE)).resolve().parent / "wineserver64"
-    subprocess.run([server, "-k"], env={**os.environ, **environment}, timeout=60, check=False)
+    subprocess.run([server, "-k"], env={**os.environ, **environment}, timeout=120, check=False)
     shutil.rmtree(prefix, ignore_errors=True)
 
 
