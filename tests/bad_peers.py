@@ -105,6 +105,8 @@ class SlowLine(Listener):
             due, data = on_the_way.get()
             time.sleep(max(0.0, due - time.monotonic()))
             if target in self.dead:
+                if not data:
+                    return
                 continue
             with contextlib.suppress(OSError):
                 if not data:

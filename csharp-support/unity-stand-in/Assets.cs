@@ -42,6 +42,8 @@ namespace UnityEngine.Events
 
         public void AddListener(UnityAction<T0> call) => Calls += call;
 
+        public void RemoveListener(UnityAction<T0> call) => Calls -= call;
+
         public void Invoke(T0 arg0) => Calls?.Invoke(arg0);
     }
 }

@@ -3,6 +3,7 @@ using System;
 using System.Collections.Generic;
 using System.Linq;
 using System.Reflection;
+using System.Threading;
 
 namespace UnityEngine
 {
@@ -150,7 +151,11 @@ namespace UnityEngine
         private bool running;
         private bool started;
 
+        private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
+
         public bool useGUILayout { get; set; } = true;
+
+        public CancellationToken destroyCancellationToken => destroyed.Token;
 
         public static void print(object message) => Debug.Log(message);
 
@@ -184,6 +189,7 @@ namespace UnityEngine
 
         internal void End()
         {
+            destroyed.Cancel();
             if (awoken) Send("OnDestroy");
         }
 

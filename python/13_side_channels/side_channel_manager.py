@@ -94,7 +94,7 @@ class SideChannelManager:
             self.report(f"channel {channel.channel_id}: {error}")
         except Exception as error:
             calls = traceback.extract_tb(error.__traceback__)[1:]
-            where = ", ".join(f"{Path(call.filename).name}:{call.lineno}" for call in calls[-4:])
+            where = ", ".join(f"{Path(call.filename).name}:{call.lineno}" for call in calls[-4:]) or "called wrongly"
             self.report(f"channel {channel.channel_id}: its handler raised {error!r:.200} ({where})")
 
     def _keep(self, channel_id: bytes, message: bytes) -> None:

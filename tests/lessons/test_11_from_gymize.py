@@ -146,7 +146,7 @@ def run(scene, start, tmp_path):
         text = text.replace('"python/11_observations"', repr(str(ROOT / "python" / "11_observations")))
         script.write_text(text, encoding="utf-8")
         player = start(*scene, endpoint, how)
-        done = subprocess.run([PYTHON, script], capture_output=True, text=True, timeout=100)
+        done = subprocess.run([PYTHON, script], capture_output=True, text=True, timeout=120)
         assert done.returncode == code, done.stderr + player.output
         return done.stdout.replace(endpoint, "tcp://127.0.0.1:5561"), done.stderr, player
 

@@ -27,8 +27,9 @@ from pettingzoo.utils import parallel_to_aec  # noqa: E402
 
 KEY = "11_observations"
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-collector, messages, parallel, observations = (
-    importlib.import_module(name) for name in ("collector", "messages", "unity_parallel", "observations")
+collector, messages, parallel, observations, scene_agent, scene_simulator = map(
+    importlib.import_module,
+    ("collector", "messages", "unity_parallel", "observations", "scene_agent", "scene_simulator"),
 )
 Message, MessageError, read = messages.Message, messages.MessageError, messages.read
 each_client = pytest.mark.parametrize("kind", CLIENTS)
@@ -296,6 +297,10 @@ def test_a_seed_reaches_those_whom_python_does_not_ask(alone):
         alone.reset(seed=seed)
         drawn += alone.step("draw c")[-1]["agent"]
     assert drawn[0] == drawn[2] != drawn[1]
+    one, other = scene_agent.Agent("a"), scene_agent.Agent("c")
+    state = '{"dict":{"agents":["a"],"options":{"dict":{"x":1}}}}'
+    scene_simulator.SceneSimulator("World", 0.5, [one, other]).do(Message("reset", 1, {"seed": 5, "state": state}))
+    assert (other.chance, other.options) == (one.chance, {"x": 1}), "and in Python"
 
 
 def test_rewards_add_up_until_they_are_told(alone):

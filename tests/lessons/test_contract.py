@@ -339,7 +339,7 @@ def test_a_client_with_its_defaults_ends_by_itself(key, kind, serve, start, clie
     _, endpoint = serve(key)
     options = [*ENDLESS.get((key, kind), []), *patient(key, kind)]
     client = start(*client_command(kind, key, endpoint, *options))
-    ended(client, 0, limit=240)
+    ended(client, 0, limit=500)
 
 
 @each_lesson

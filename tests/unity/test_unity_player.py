@@ -62,7 +62,7 @@ def test_events_come_in_unitys_order(harness: Path, start: Callable[..., Any]) -
         "destroyed is null: False",
         "Destroy: OnDisable",
         "Destroy: OnDestroy",
-        "destroyed is null: True",
+        "destroyed is null: True, and its token cancelled: True",
         "OnApplicationQuit",
         "quitting",
         "OnDisable",
@@ -81,6 +81,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "a second one: True",
         'JSON: {"hp":3,"speeds":[1,0.5],"path":[{"x":0,"y":1,"z":0}],"to":{"who":""},"text":"a \\"word\\",\\n",'
         '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
+        "heard once",
         "JSON of what is in no class: {} {} {}",
         *["no JSON: JSON parse error: Invalid value."] * 3,
         "no JSON: JSON must represent an object type.",

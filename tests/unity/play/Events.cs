@@ -25,10 +25,11 @@ namespace NetMQExample.PlayTest
             first.GetComponent<Events>().silent = true;
             var doomed = new GameObject("doomed");
             var script = doomed.AddComponent<Doomed>();
+            var token = script.destroyCancellationToken;
             Destroy(doomed);
             Console.WriteLine($"destroyed is null: {script == null}");
             player.Frame();
-            Console.WriteLine($"destroyed is null: {script == null}");
+            Console.WriteLine($"destroyed is null: {script == null}, and its token cancelled: {token.IsCancellationRequested}");
             first.GetComponent<Events>().silent = false;
             Application.quitting += Quitting;
             player.Stop();

@@ -48,6 +48,12 @@ namespace NetMQExample.PlayTest
                 var written = JsonUtility.ToJson(new Order { hp = 3, path = { Vector3.up }, text = "a \"word\",\n" });
                 var read = JsonUtility.FromJson<Order>(written.Replace("3", "-4").Replace("0.5", "2.5e-1"));
                 Console.WriteLine($"JSON: {written} {read.hp} {read.speeds[1]} {read.path[0]} {read.to.who} {read.text.Length} {read.Unseen}");
+                var said = new UnityEngine.Events.UnityEvent<string>();
+                UnityEngine.Events.UnityAction<string> hear = word => Console.WriteLine($"heard {word}");
+                said.AddListener(hear);
+                said.Invoke("once");
+                said.RemoveListener(hear);
+                said.Invoke("twice");
                 Console.WriteLine($"JSON of what is in no class: {JsonUtility.ToJson(new[] { 1f })} {JsonUtility.ToJson(new List<int> { 1 })} {JsonUtility.ToJson("a")}");
                 foreach (var wrong in new[] { "{\"hp\":}", "{\"hp\":1", "hp", "[1]" })
                     try { Console.WriteLine($"read {wrong}: {JsonUtility.FromJson<Order>(wrong).hp}"); }
