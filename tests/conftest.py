@@ -92,6 +92,8 @@ def start() -> Iterator[Callable[..., Program]]:
     yield start
     for program in started:
         program.kill()
+        # Shown where a test fails.
+        print(program.command, program.output, sep="\n")
 
 
 @pytest.fixture

@@ -324,7 +324,7 @@ def test_a_request_that_got_lost_is_asked_again(kind, fake, follow):
 def test_a_stream_that_never_comes_is_said(kind, fake, follow):
     """Such as a firewall that lets only the snapshots through."""
     nowhere = f"tcp://127.0.0.1:{free_port()}"
-    client = follow(kind, nowhere, fake.snapshots)
+    client = follow(kind, nowhere, fake.snapshots, "--patience", "30")
     number, deadline = 0, time.monotonic() + LIMIT
     while client.process.poll() is None and time.monotonic() < deadline:
         if fake.router.poll(50):
@@ -352,7 +352,7 @@ def test_a_stream_that_never_comes_is_said(kind, fake, follow):
     ids=lambda answer: repr(answer)[:20],
 )
 def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots)
+    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "30")
     fake.answers(answer, client)
     assert client.wait() == 1, client.output
     assert client.lines[-1].startswith(f"gave up: what answers at {fake.snapshots} gives no snapshots: ")
@@ -395,7 +395,7 @@ def test_only_plain_numbers_are_numbers(kind, fake, follow):
 @pytest.mark.parametrize("number", [5, 4], ids=["the same", "a lower one"])
 def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow):
     """Such as a frozen robot that sends its last pose again and again."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "3", "--count", "9")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "3", "--count", "9", "--patience", "30")
     fake.subscribed()
     deadline = time.monotonic() + LIMIT
     while client.process.poll() is None and time.monotonic() < deadline:
@@ -409,12 +409,12 @@ def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_broken_reply_is_waited_for_no_longer_than_another(kind, fake, follow):
     """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "5")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "20")
     fake.subscribed()
     who, _ = fake.request()
     fake.router.send_multipart([who, b"no empty frame"])
     assert client.wait() == 1, client.output
-    assert client.lines[-1].startswith(f"gave up: no snapshot from {fake.snapshots} within 5 s")
+    assert client.lines[-1].startswith(f"gave up: no snapshot from {fake.snapshots} within 20 s")
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
