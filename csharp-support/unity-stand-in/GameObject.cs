@@ -189,7 +189,9 @@ namespace UnityEngine
 
         internal void End()
         {
-            destroyed.Cancel();
+            // As of a message: what a callback throws is logged.
+            try { destroyed.Cancel(); }
+            catch (AggregateException e) { Debug.LogException(e, this); }
             if (awoken) Send("OnDestroy");
         }
 

@@ -31,7 +31,7 @@ def do(options: argparse.Namespace) -> int:
     files: list[Path] = [path.resolve() for path in options.files]
     for path in files:
         if path.suffix != ".cs" or not path.is_file():
-            cure = "; a value with blanks is a word of its own: --scale '0, 1, 0'" * path.name.startswith("--")
+            cure = '; a value with blanks is a word of its own: --scale "0, 1, 0"' * path.name.startswith("--")
             raise UsageError(f"there is no C# file {path}{cure}")
     if not dotnet.sdk():
         raise KitError(dotnet.DOWNLOAD)

@@ -41,7 +41,7 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
-KNOWN = "Update, OnEnable, Time, Transform, Debug.Log, and no keys, physics or UI; name each file with a class of yours"
+KNOWN = "Update, OnEnable, Time, Transform, Debug.Log; no keys, physics or UI. Name all files whose classes it uses"
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes:"
 # What NuGet says when it does not hold a package, or not this version of it, or cannot be reached at all.
 ABSENT = ("NU1101", "NU1102", "NU1103")

@@ -63,8 +63,8 @@ class ManyRequester:
     def request_many(self, texts: Iterable[str]) -> Iterator[tuple[int, str, str]]:
         """Each request's number from 1 on, with its reply or the reason why there is none, in order of arrival.
 
-        It takes the next text when there is room for it, so `texts` may be endless; but to make one must not wait,
-        since no reply is read meanwhile.
+        It takes the next text when there is room for it, so `texts` may be endless; but whatever makes them must not
+        wait: no reply is read meanwhile.
         """
         self.pending.clear()
         upcoming = enumerate((text.encode(errors="replace") for text in texts), 1)

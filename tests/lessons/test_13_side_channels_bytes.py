@@ -354,7 +354,7 @@ def test_channels_take_turns_in_the_order_of_registration():
     assert manager.generate_side_channel_messages() == b"", "what was sent is not sent again"
 
 
-def test_a_handlers_mistake_is_not_the_others_business():
+def test_a_handlers_mistake_is_not_the_others_business(monkeypatch):
     class Wrong(RawSideChannel):
         def on_message_received(self, data):
             raise KeyError("a mistake")
@@ -365,6 +365,9 @@ def test_a_handlers_mistake_is_not_the_others_business():
     assert right.get_and_clear_received_messages() == [b"x"]
     (line,) = lines
     said = r"channel 00000000-0000-0000-0000-000000000001: its handler raised KeyError\('a mistake'\) "
+    monkeypatch.setattr(Wrong, "process_message", lambda self: None)
+    manager.process_side_channel_message(frame(uuid.UUID(int=1), b""))
+    assert lines[-1].endswith("(called wrongly)")
     assert re.fullmatch(said + r"\(raw_side_channel\.py:\d+, test_13_side_channels_bytes\.py:\d+\)", line), line
 
 

@@ -73,7 +73,7 @@ namespace NetMQExample
 
         /// <summary>Sends requests, and yields each one's reply or failure once, in order of arrival.</summary>
         /// <param name="texts">The requests, sent as UTF-8. The next one is taken when there is room for it, so they
-        /// may be endless; but to make one must not wait, since no reply is read meanwhile.</param>
+        /// may be endless; but whatever makes them must not wait: no reply is read meanwhile.</param>
         /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public IEnumerable<Answer> RequestMany(IEnumerable<string> texts, CancellationToken stop = default)
