@@ -145,13 +145,12 @@ namespace UnityEngine
 
     public class MonoBehaviour : Behaviour
     {
+        private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
         private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
         private bool argument;
         private bool awoken;
         private bool running;
         private bool started;
-
-        private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
 
         public bool useGUILayout { get; set; } = true;
 
@@ -189,7 +188,7 @@ namespace UnityEngine
 
         internal void End()
         {
-            // As of a message: what a callback throws is logged.
+            // As with a message: what a callback throws is logged.
             try { destroyed.Cancel(); }
             catch (AggregateException e) { Debug.LogException(e, this); }
             if (awoken) Send("OnDestroy");

@@ -26,7 +26,7 @@ from kitlib.setup import dotnet
 from kitlib.terminal import COLOURS
 from tests.conftest import PYTHON
 from tests.docs import guide_checks as checks
-from tests.programs import ROOT, steady_port
+from tests.programs import LIMIT, ROOT, steady_port
 
 GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
@@ -300,7 +300,7 @@ def compile_fragments(folder, blocks, console):
 def test_every_other_csharp_block_compiles(tmp_path, console):
     """Three that do not are beside them: of each error the compiler says in which block it is."""
     blocks = [block for block in BLOCKS if block.language == "csharp" and block.kind != "excerpt"]
-    # Another test compiles these where they belong.
+    # Not what another test compiles where it belongs.
     blocks = [block for block in blocks if "in the component above" not in block.source]
     wrong = [
         guide.Block(GUIDE / "x.md", 7, "by hand", "why", "csharp", body)
@@ -368,7 +368,7 @@ def test_a_script_of_yours_plays(tmp_path, console, serve):
 
     def play(which, lesson):
         command = ["dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), which, serve(lesson)[1]]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
         return (done.stdout + done.stderr).splitlines()
 
     assert play("car", "08_see_and_steer")[-1] == "drives: True"

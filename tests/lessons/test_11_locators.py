@@ -14,7 +14,7 @@ import pytest
 
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
-from tests.programs import ROOT
+from tests.programs import LIMIT, ROOT
 from tests.tables import rows
 from tests.unity.test_unity_play import needs_mono
 
@@ -226,7 +226,9 @@ def test_whose_observation_is_meant(text, named):
 def programs(csharp_words, *words):
     """The same locator for both: (exit code, standard output, error output)."""
     python = [str(PYTHON), str(FOLDER / "locator.py"), *words]
-    done = [subprocess.run(each, capture_output=True, timeout=120, encoding="utf-8") for each in (python, csharp_words)]
+    done = [
+        subprocess.run(each, capture_output=True, timeout=LIMIT, encoding="utf-8") for each in (python, csharp_words)
+    ]
     return [(one.returncode, one.stdout, one.stderr) for one in done]
 
 
@@ -260,7 +262,7 @@ def test_the_programs_say_the_same(text, options, code, said, console):
 
 @pytest.mark.parametrize("words", [[], ["a@", "b@"], ["--conut", "3", ".x"], [".x", "--scope"]])
 def test_wrong_usage_of_the_program(words):
-    done = subprocess.run([PYTHON, FOLDER / "locator.py", *words], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([PYTHON, FOLDER / "locator.py", *words], capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
     assert done.stderr.splitlines()[-1].startswith("locator.py: error: ")

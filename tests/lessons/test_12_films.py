@@ -91,7 +91,7 @@ def test_without_ffmpeg_an_mp4_says_what_to_do(tmp_path, monkeypatch):
 def probed(path):
     """The seconds at which ffprobe sees the pictures of a film, its size, and its length."""
     words = ["ffprobe", "-v", "error", "-of", "json", "-show_entries", "frame=pts_time:stream=width,height"]
-    said = json.loads(subprocess.run([*words, path], capture_output=True, timeout=120, check=True).stdout)
+    said = json.loads(subprocess.run([*words, path], capture_output=True, timeout=LIMIT, check=True).stdout)
     return [float(frame["pts_time"]) for frame in said["frames"]], said["streams"][0]
 
 

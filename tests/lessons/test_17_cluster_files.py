@@ -14,7 +14,7 @@ import time
 import pytest
 
 from tests.conftest import PYTHON
-from tests.programs import ROOT, Mark, finds_processes, steady_port
+from tests.programs import LIMIT, ROOT, Mark, finds_processes, steady_port
 
 FILES = ROOT / "docs" / "guide" / "17_files"
 SCRIPT, MANIFEST = FILES / "slurm.sh", FILES / "kubernetes.yaml"
@@ -42,7 +42,7 @@ def test_the_job_script_runs_a_hub_its_simulators_and_a_trainer(start, tmp_path)
     mark, keys = Mark(), str(tmp_path / "keys")
     for words in (["make", "server"], ["make", "client"], ["enrol", f"fleet={keys}/client.key"]):
         subprocess.run(
-            [PYTHON, ROOT / "python" / "15_security" / "keys.py", *words, "--keys", keys], check=True, timeout=120
+            [PYTHON, ROOT / "python" / "15_security" / "keys.py", *words, "--keys", keys], check=True, timeout=LIMIT
         )
     programs = {"srun": SRUN, "hostname": "#!/bin/sh\necho localhost\n", "mortal": MORTAL}
     for name, text in programs.items():
@@ -85,7 +85,7 @@ def test_the_job_script_is_one_for_slurm():
     assert options(head).keys() == {"job-name", "ntasks", "cpus-per-task", "time", "output"}
     assert int(options(head)["ntasks"]) > 1 and re.fullmatch(r"\d\d:\d\d:\d\d", options(head)["time"])
     assert "#SBATCH" not in rest
-    done = subprocess.run(["bash", "-n", SCRIPT], capture_output=True, text=True, timeout=120)
+    done = subprocess.run(["bash", "-n", SCRIPT], capture_output=True, text=True, timeout=LIMIT)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -139,7 +139,7 @@ def test_the_manifests_programs_take_their_options():
                 [PYTHON, ROOT / program, *container["args"], "--no-such-option"],
                 capture_output=True,
                 text=True,
-                timeout=120,
+                timeout=LIMIT,
             )
             said = done.stderr.splitlines()[-1].replace("unknown host 'hub'", "")
             assert done.returncode == 2
@@ -172,7 +172,7 @@ def typed(document):
         input=json.dumps(document),
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=LIMIT,
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.replace('"another"', '"netmq-example:1"'))

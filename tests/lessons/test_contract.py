@@ -58,7 +58,7 @@ HARM = "\x1b[2J\x1b]0;title\x07 one\r\n2: sent \u202e \u2028 \u2029 \x85 \xad \u
 @functools.cache
 def options(program: str) -> dict[str, str]:
     """The options that a Python program says it takes, each with the name of its value, or nothing for a switch."""
-    helped = subprocess.run([PYTHON, program, "--help"], cwd=ROOT, capture_output=True, text=True, timeout=120)
+    helped = subprocess.run([PYTHON, program, "--help"], cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
     return dict(re.findall(r"^  (--[\w-]+)(?: ([A-Z{]\S*))?", helped.stdout, re.MULTILINE))
 
 
@@ -496,5 +496,5 @@ def test_wrong_usage_is_one_line_and_2(key, side, start, client_command, tmp_pat
 
 def twins_options(key, client_command):
     """A few of the Python client's options are not the twin's."""
-    asked = subprocess.run(client_command("csharp", key, "", "--help"), capture_output=True, text=True, timeout=120)
+    asked = subprocess.run(client_command("csharp", key, "", "--help"), capture_output=True, text=True, timeout=LIMIT)
     return re.findall(r"--[\w-]+", asked.stderr)

@@ -21,7 +21,7 @@ import pytest
 from kitlib import lessons
 from kitlib.programs import quietly
 from kitlib.setup import dotnet
-from tests.programs import PATIENT, ROOT, Program, free_port, two_ports
+from tests.programs import LIMIT, PATIENT, ROOT, Program, free_port, two_ports
 
 WINE = next(filter(None, map(shutil.which, ("wine64", "/usr/lib/wine/wine64", "wine"))), None)
 # What goes on until Stop if nobody says otherwise.
@@ -81,7 +81,7 @@ def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
         program.kill()
     # It ends what runs in this WINEPREFIX, and nothing else.
     server = shutil.which("wineserver") or Path(str(WINE)).resolve().parent / "wineserver64"
-    subprocess.run([server, "-k"], env={**os.environ, **environment}, timeout=120, check=False)
+    subprocess.run([server, "-k"], env={**os.environ, **environment}, timeout=LIMIT, check=False)
     shutil.rmtree(prefix, ignore_errors=True)
 
 
