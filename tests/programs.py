@@ -11,7 +11,9 @@ import subprocess
 import sys
 import uuid
 from collections import deque
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,8 +21,8 @@ from kitlib import programs
 from kitlib.lessons import KitError
 
 ROOT = Path(__file__).resolve().parent.parent
-# Generous, since it only decides how long a broken program is waited for.
-LIMIT = 120.0
+# How long a broken program is waited for.
+LIMIT = programs.PATIENCE
 # For a client, or a gateway, that is to have its answer: a busy machine may take longer than the seconds that it waits.
 PATIENT = ("--patience", "60")
 
@@ -93,6 +95,11 @@ class Mark:
             except OSError:
                 pass
         return found
+
+
+def finished(words: Sequence[str | Path], **more: Any) -> subprocess.CompletedProcess[str]:
+    """A program that has run to its end, and what it printed."""
+    return subprocess.run(words, capture_output=True, text=True, timeout=LIMIT, **more)
 
 
 class Program(programs.Program):

@@ -26,7 +26,7 @@ from kitlib.setup import dotnet
 from kitlib.terminal import COLOURS
 from tests.conftest import PYTHON
 from tests.docs import guide_checks as checks
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import ROOT, finished, steady_port
 
 GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
@@ -368,7 +368,7 @@ def test_a_script_of_yours_plays(tmp_path, console, serve):
 
     def play(which, lesson):
         command = ["dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), which, serve(lesson)[1]]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+        done = finished(command)
         return (done.stdout + done.stderr).splitlines()
 
     assert play("car", "08_see_and_steer")[-1] == "drives: True"

@@ -14,7 +14,7 @@ from kitlib.docs import guide
 from kitlib.lessons import lessons
 from kitlib.setup import dotnet, lock
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT, finished
 
 PAGE = ROOT / "docs" / "guide" / "without_unity.md"
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
@@ -84,7 +84,7 @@ def test_what_a_header_says_to_take_home_runs_there(path, tmp_path):
         if any(re.search(rf"(import|from) {package}\b", copied.read_text("utf-8")) for copied in tmp_path.glob("*.py")):
             pytest.importorskip(package, reason=f"it needs {package}: pip install {package}")
     code = "import " + ", ".join(copied.stem for copied in tmp_path.glob("*.py"))
-    done = subprocess.run([PYTHON, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT)
+    done = finished([PYTHON, "-c", code], cwd=tmp_path)
     assert done.returncode == 0, done.stderr
 
 
@@ -111,9 +111,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
         done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=environment)
     assert done.returncode == 0, done.stdout
     _, endpoint = serve("01_request_reply")
-    done = subprocess.run(
-        ["dotnet", tmp_path / "out" / "MyProgram.dll", endpoint], capture_output=True, text=True, timeout=LIMIT
-    )
+    done = finished(["dotnet", tmp_path / "out" / "MyProgram.dll", endpoint])
     assert done.stdout == "World\n", done.stdout + done.stderr
 
 
@@ -126,7 +124,7 @@ def test_the_python_program_runs(tmp_path, serve):
         shutil.copy(ROOT / "python" / "05_messages" / name, tmp_path)
     _, endpoint = serve("05_messages")
     command = [PYTHON, tmp_path / "program.py", endpoint]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+    done = finished(command)
     page = " ".join(PAGE.read_text(encoding="utf-8").split())
     said = re.search(r"answers where the bright pixels begin: `([^`]*)`", page)[1]
     assert done.stdout == f"{said}\n", done.stdout + done.stderr

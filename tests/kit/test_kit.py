@@ -30,7 +30,7 @@ from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes
+from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, finished
 
 KIT = ROOT / "kit.py"
 # For the client: its first reply may take seconds on a busy machine.
@@ -205,9 +205,7 @@ def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy
             run.wait_for(lambda: any(" pip " in line and "install" in line for line in run.running()))
             assert run.stop(signal.SIGINT) == 130
     words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
-    done = subprocess.run(
-        [bare_python, copy / "kit.py", "run", "1", *words], capture_output=True, text=True, timeout=LIMIT
-    )
+    done = finished([bare_python, copy / "kit.py", "run", "1", *words])
     assert "client | done: 10 replies" in done.stdout, done.stdout
 
 
@@ -430,7 +428,7 @@ def test_an_error_is_coloured_where_the_errors_go(on_terminal, monkeypatch, tmp_
 @pytest.mark.skipif(os.name == "nt", reason="needs head")
 def test_who_stops_reading_is_not_answered_with_a_traceback():
     command = f"'{PYTHON}' '{KIT}' run 1 --client python --endpoint 'tcp://127.0.0.1:0' | head -2"
-    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=LIMIT)
+    done = finished(["sh", "-c", command])
     assert len(done.stdout.splitlines()) == 2
     assert done.stderr == ""
 
@@ -709,7 +707,7 @@ sys.path.insert(0, {str(ROOT)!r})
 sys.argv = ["kit.py", "list"]
 runpy.run_path({str(KIT)!r}, run_name="__main__")
 """
-    done = subprocess.run([PYTHON, "-c", program], capture_output=True, text=True, timeout=LIMIT)
+    done = finished([PYTHON, "-c", program])
     assert (done.returncode, done.stdout, done.stderr) == (code, "", "")
 
 

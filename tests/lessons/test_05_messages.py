@@ -18,7 +18,7 @@ import zmq
 from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import LIMIT, PATIENT, ROOT, steady_port
+from tests.programs import PATIENT, ROOT, finished, steady_port
 
 KEY = "05_messages"
 FOLDER = ROOT / "python" / KEY
@@ -152,7 +152,7 @@ def test_csharp_refuses_the_bad_ones_with_the_same_codes(messages_program):
 
 def test_csharp_writes_no_value_that_the_standard_lacks(messages_program):
     """NaN, infinity, 2**53, null, a character, a list; then 1.0 and 2, which it has."""
-    done = subprocess.run([*messages_program, "write"], capture_output=True, text=True, timeout=LIMIT)
+    done = finished([*messages_program, "write"])
     *wrong, one, two = done.stdout.splitlines()[1:]
     assert wrong == ["bad-value"] * 3 + ["wrong-type"] * 3
     assert ('"it":1.0}' in one, '"it":2}' in two) == (True, True), done.stdout

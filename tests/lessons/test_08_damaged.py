@@ -5,13 +5,12 @@ that could be kept.
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 
 import pytest
 
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT, finished
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 pytest.importorskip("PIL", reason="to record needs Pillow: pip install pillow")
@@ -110,7 +109,7 @@ def test_what_is_no_recording_ends_in_one_line(program, content, tmp_path):
     if content is not None:
         (folder / "metadata.csv").write_bytes(content)
     words = [PYTHON, LESSON / program, folder, *(["x.gif"] if program == "film.py" else [])]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT)
+    done = finished(words, cwd=tmp_path)
     assert done.returncode == 1, done.stderr
     assert done.stderr.count("\n") == 1 and "Traceback" not in done.stderr, done.stderr
 
@@ -127,7 +126,7 @@ def test_what_is_no_model_ends_the_server_in_one_line(name, tmp_path):
         size = 5 if name == "too short" else 12 * 32 * 3 + 1
         np.savez(path, weights=np.array(["left"] * size) if name == "no numbers" else np.full(size, np.nan))
     words = [PYTHON, LESSON / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--model", path]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=LIMIT)
+    done = finished(words)
     # Before it listens: no client comes to wait for it.
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith(f"no model in {path}: ") and done.stderr.count("\n") == 1

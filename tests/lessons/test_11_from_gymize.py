@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import ast
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -30,7 +29,7 @@ import pytest
 from kitlib.docs import guide
 from tests.conftest import PYTHON
 from tests.docs.test_guide import build
-from tests.programs import LIMIT, ROOT, free_port
+from tests.programs import ROOT, finished, free_port
 
 pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
 PAGE = ROOT / "docs" / "guide" / "from_gymize.md"
@@ -146,7 +145,7 @@ def run(scene, start, tmp_path):
         text = text.replace('"python/11_observations"', repr(str(ROOT / "python" / "11_observations")))
         script.write_text(text, encoding="utf-8")
         player = start(*scene, endpoint, how)
-        done = subprocess.run([PYTHON, script], capture_output=True, text=True, timeout=LIMIT)
+        done = finished([PYTHON, script])
         assert done.returncode == code, done.stderr + player.output
         return done.stdout.replace(endpoint, "tcp://127.0.0.1:5561"), done.stderr, player
 

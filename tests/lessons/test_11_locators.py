@@ -14,7 +14,7 @@ import pytest
 
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT, ROOT, finished
 from tests.tables import rows
 from tests.unity.test_unity_play import needs_mono
 
@@ -262,7 +262,7 @@ def test_the_programs_say_the_same(text, options, code, said, console):
 
 @pytest.mark.parametrize("words", [[], ["a@", "b@"], ["--conut", "3", ".x"], [".x", "--scope"]])
 def test_wrong_usage_of_the_program(words):
-    done = subprocess.run([PYTHON, FOLDER / "locator.py", *words], capture_output=True, text=True, timeout=LIMIT)
+    done = finished([PYTHON, FOLDER / "locator.py", *words])
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
     assert done.stderr.splitlines()[-1].startswith("locator.py: error: ")

@@ -13,7 +13,7 @@ import pytest
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
 from tests.lessons.test_11_merge import same
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT, finished
 from tests.unity.test_unity_play import needs_mono
 
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
@@ -162,7 +162,7 @@ WRONG = {
 def test_what_is_no_tree_is_refused_by_both(program):
     arrays = [Array("uint8", (0,), b"")]
     lines = "\n".join(hexadecimal(text, arrays) for text in WRONG)
-    done = subprocess.run([*program, "trees"], input=lines, capture_output=True, text=True, timeout=LIMIT)
+    done = finished([*program, "trees"], input=lines)
     said = [line.removeprefix("error ") for line in done.stdout.splitlines()]
     # There it is the reader of a header that finds what is no JSON.
     assert [code.replace("bad-json", "bad-tree") for code in said] == list(WRONG.values())
@@ -227,7 +227,7 @@ def test_what_does_not_fit_its_space_is_named_with_its_place(space, value, said)
 
 @pytest.fixture(scope="session")
 def seen(program):
-    done = subprocess.run([*program, "attributes"], capture_output=True, text=True, timeout=LIMIT)
+    done = finished([*program, "attributes"])
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 

@@ -22,7 +22,7 @@ from tests.lessons.test_13_side_channels_bytes import (
     each_client,
     each_runtime,
 )
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import ROOT, finished, steady_port
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
@@ -224,7 +224,7 @@ def test_unity_does_what_the_settings_say(runtime, engine, program):
     channel.set_configuration(EngineConfig(640, 480, 2, 0.25, 72, 30))
     exchange = SideChannelManager([channel]).generate_side_channel_messages().hex()
     command = [RUNTIMES[runtime], program, "sidechannels", "settings", exchange]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+    done = finished(command)
     assert done.stdout.splitlines() == [
         "engine: screen resolution 640 x 480",
         "engine: quality level 2",

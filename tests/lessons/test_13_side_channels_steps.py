@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import sys
 
 import pytest
@@ -11,7 +10,7 @@ import pytest
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
 from tests.lessons.test_13_side_channels_bytes import RUNTIMES
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT, finished
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
@@ -152,9 +151,7 @@ def test_the_example_prints_what_the_page_says():
     pytest.importorskip("gymnasium")
     page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
     said = re.findall(r"^gravity .* m/s$", page, re.MULTILINE)
-    done = subprocess.run(
-        [PYTHON, ROOT / "python" / KEY / "falling_ball.py"], capture_output=True, text=True, timeout=LIMIT
-    )
+    done = finished([PYTHON, ROOT / "python" / KEY / "falling_ball.py"])
     assert done.returncode == 0, done.stderr
     printed = [line for line in done.stdout.splitlines() if not line.startswith("simulating Ball for")]
     assert len(said) == 2 and printed == said, done.stdout

@@ -6,7 +6,6 @@ import contextlib
 import os
 import re
 import socket
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -17,7 +16,7 @@ import zmq.auth
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT, finished
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 import keys
@@ -68,9 +67,7 @@ def ask(asker):
 
 def ran(*arguments, folder):
     """keys.py as a user runs it: its exit code, and what it printed."""
-    done = subprocess.run(
-        [PYTHON, FOLDER / "keys.py", *arguments, "--keys", folder], capture_output=True, text=True, timeout=LIMIT
-    )
+    done = finished([PYTHON, FOLDER / "keys.py", *arguments, "--keys", folder])
     assert "Traceback" not in done.stderr
     return done.returncode, done.stdout + done.stderr
 
@@ -240,7 +237,7 @@ def test_a_key_enrolled_in_another_folder_of_the_same_name_can_be_noticed(tmp_pa
         (tmp_path / place).mkdir()
         keys.example(tmp_path / place / "keys")
     enrol = [PYTHON, FOLDER / "keys.py", "enrol", f"bob={zmq.curve_keypair()[0].decode()}"]
-    said = subprocess.run(enrol, cwd=tmp_path / "a", capture_output=True, text=True, timeout=LIMIT).stdout
+    said = finished(enrol, cwd=tmp_path / "a").stdout
     assert said == f"enrolled: bob, in {tmp_path / 'a' / 'keys' / 'allowed' / 'bob.key'}\n"
     told = []
     before = os.getcwd()

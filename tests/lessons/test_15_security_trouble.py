@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import subprocess
 import sys
 import time
 
@@ -14,7 +13,7 @@ import zmq
 
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.test_15_security import FOLDER, KEY, ask, ran
-from tests.programs import LIMIT
+from tests.programs import LIMIT, finished
 
 sys.path.append(str(FOLDER))
 import keys
@@ -123,7 +122,7 @@ def test_a_server_says_in_one_line_that_it_cannot_make_its_keys(program, tmp_pat
     (tmp_path / "file").write_text("")
     words = ["--endpoint", "tcp://127.0.0.1:0", "--keys", tmp_path / "file" / "keys"]
     words += ["--to", "tcp://127.0.0.1:1"] if program == "gate.py" else []
-    done = subprocess.run([PYTHON, FOLDER / program, *words], capture_output=True, text=True, timeout=LIMIT)
+    done = finished([PYTHON, FOLDER / program, *words])
     assert done.returncode == 1 and done.stdout == ""
     assert done.stderr.startswith(f"cannot write {tmp_path / 'file' / 'keys'}") and done.stderr.count("\n") == 1
     assert "; --keys names another folder" in done.stderr
@@ -141,7 +140,7 @@ def test_a_gate_may_stand_before_another_machine(to, said, tmp_path):
     """It connects there; only where it listens is a matter of who may come in."""
     (tmp_path / "keys").write_text("it gets no further than this")
     words = [PYTHON, FOLDER / "gate.py", "--endpoint", "tcp://127.0.0.1:0", "--to", to]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT)
+    done = finished(words, cwd=tmp_path)
     assert (done.returncode, said in done.stderr) == (1 if said.startswith("no key") else 2, True), done.stderr
 
 

@@ -14,7 +14,7 @@ import time
 import pytest
 
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, Mark, finds_processes, steady_port
+from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished, steady_port
 
 FILES = ROOT / "docs" / "guide" / "17_files"
 SCRIPT, MANIFEST = FILES / "slurm.sh", FILES / "kubernetes.yaml"
@@ -85,7 +85,7 @@ def test_the_job_script_is_one_for_slurm():
     assert options(head).keys() == {"job-name", "ntasks", "cpus-per-task", "time", "output"}
     assert int(options(head)["ntasks"]) > 1 and re.fullmatch(r"\d\d:\d\d:\d\d", options(head)["time"])
     assert "#SBATCH" not in rest
-    done = subprocess.run(["bash", "-n", SCRIPT], capture_output=True, text=True, timeout=LIMIT)
+    done = finished(["bash", "-n", SCRIPT])
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -135,12 +135,7 @@ def test_the_manifests_programs_take_their_options():
         if each["kind"] != "Service":
             (container,) = each["spec"]["template"]["spec"]["containers"]
             program, *_ = [word for word in container["command"] if word.endswith(".py")]
-            done = subprocess.run(
-                [PYTHON, ROOT / program, *container["args"], "--no-such-option"],
-                capture_output=True,
-                text=True,
-                timeout=LIMIT,
-            )
+            done = finished([PYTHON, ROOT / program, *container["args"], "--no-such-option"])
             said = done.stderr.splitlines()[-1].replace("unknown host 'hub'", "")
             assert done.returncode == 2
             assert said.endswith(("unrecognized arguments: --no-such-option", "'tcp://hub:5567': ; check it")), said
@@ -167,12 +162,8 @@ def typed(document):
     """The manifest as kubectl has it after it was read into Kubernetes' types: what is unknown there is left out."""
     # It prints what it has changed. Of a Service that is its selector, whatever it was.
     change = ["selector", "app=hub"] if document["kind"] == "Service" else ["image", "*=another"]
-    done = subprocess.run(
-        ["kubectl", "set", change[0], "--local", "-f", "-", change[1], "-o", "json"],
-        input=json.dumps(document),
-        capture_output=True,
-        text=True,
-        timeout=LIMIT,
+    done = finished(
+        ["kubectl", "set", change[0], "--local", "-f", "-", change[1], "-o", "json"], input=json.dumps(document)
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.replace('"another"', '"netmq-example:1"'))

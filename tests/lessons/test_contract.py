@@ -10,7 +10,6 @@ import functools
 import re
 import signal
 import socket
-import subprocess
 import sys
 
 import pytest
@@ -19,7 +18,7 @@ import zmq
 from kitlib.lessons import Lesson, lessons
 from tests.bad_peers import EndlessPeer, cuts_off_what_is_endless
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, PATIENT, ROOT, free_port
+from tests.programs import LIMIT, PATIENT, ROOT, finished, free_port
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 import keys
@@ -58,7 +57,7 @@ HARM = "\x1b[2J\x1b]0;title\x07 one\r\n2: sent \u202e \u2028 \u2029 \x85 \xad \u
 @functools.cache
 def options(program: str) -> dict[str, str]:
     """The options that a Python program says it takes, each with the name of its value, or nothing for a switch."""
-    helped = subprocess.run([PYTHON, program, "--help"], cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
+    helped = finished([PYTHON, program, "--help"], cwd=ROOT)
     return dict(re.findall(r"^  (--[\w-]+)(?: ([A-Z{]\S*))?", helped.stdout, re.MULTILINE))
 
 
@@ -496,5 +495,5 @@ def test_wrong_usage_is_one_line_and_2(key, side, start, client_command, tmp_pat
 
 def twins_options(key, client_command):
     """A few of the Python client's options are not the twin's."""
-    asked = subprocess.run(client_command("csharp", key, "", "--help"), capture_output=True, text=True, timeout=LIMIT)
+    asked = finished(client_command("csharp", key, "", "--help"))
     return re.findall(r"--[\w-]+", asked.stderr)

@@ -36,7 +36,7 @@ import keys
 # do not share makes every Stop longer, and one for a reply takes more than a second.
 STOP_LIMIT = 400.0
 ONE_STOP_LIMIT = 1000.0
-# An unloading may take so many times what a Play took to begin, on average. Half to twice that is usual, on an idle
+# An unloading may take so many times what a Play took to begin, on average. Up to twice that is usual, on an idle
 # machine and on one with fifty programs at work; a wait of ten seconds for what never ends is far more.
 UNLOAD_LIMIT = 20
 RUNTIMES = ("mono", ".net")

@@ -15,7 +15,7 @@ import pytest
 from kitlib.docs import guide
 from kitlib.unity import install as unity_install
 from kitlib.unity.meta import PACKAGE, assets, behaviours, guid, meta_of, own_guid
-from tests.programs import LIMIT, ROOT
+from tests.programs import ROOT, finished
 
 UNITY = ROOT / "unity"
 SCENES = sorted(PACKAGE.rglob("*.unity"))
@@ -60,9 +60,7 @@ def test_guids_are_made_from_the_path() -> None:
 
 
 def test_the_command_has_nothing_left_to_write() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "kitlib.unity.meta"], cwd=ROOT, capture_output=True, text=True, timeout=LIMIT, check=True
-    )
+    done = finished([sys.executable, "-m", "kitlib.unity.meta"], cwd=ROOT, check=True)
     assert done.stdout == "", "it has written these just now: add them to git"
 
 
@@ -155,7 +153,7 @@ def test_what_netmq_names_is_there_and_no_more(tmp_path: Path) -> None:
     ]
     if not disassembler or not all(dll.exists() for dll in dlls):
         pytest.skip("it needs ikdasm or monodis (of Mono), and NetMQ from NuGet")
-    texts = [subprocess.run([disassembler, dll], capture_output=True, text=True, timeout=LIMIT).stdout for dll in dlls]
+    texts = [finished([disassembler, dll]).stdout for dll in dlls]
     named = re.findall(r"\[System\.ServiceModel\.Primitives\]([\w.]+)(?:::(\w+))?", texts[0])
     assert {kind for kind, _ in named} == {"System.ServiceModel.Channels.BufferManager"}
     assert {member for _, member in named if member} == members
