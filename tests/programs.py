@@ -34,7 +34,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-RESERVED: deque[socket.socket] = deque()
+HELD: deque[socket.socket] = deque()
 
 
 def steady_port() -> int:
@@ -44,21 +44,25 @@ def steady_port() -> int:
     is then connected to itself.
     """
     for port in random.sample(range(20_000, 30_000), 100):
-        with socket.socket() as probe, contextlib.suppress(OSError):
-            probe.bind(("127.0.0.1", port))
-            reserve(port)
+        with contextlib.suppress(OSError):
+            hold(port)
             return port
     raise AssertionError("no free port")
 
 
-def reserve(port: int) -> None:
-    """OSError if another test has just been given it: on Linux a name without a file says so, to all processes."""
-    if sys.platform == "linux":
-        name = socket.socket(socket.AF_UNIX)
-        RESERVED.append(name)
-        name.bind(f"\0netmqexample-test-{port}")
-        if len(RESERVED) > 50:
-            RESERVED.popleft().close()
+def hold(port: int) -> None:
+    """Keep it for this test's server; OSError if anybody has it, in another process too.
+
+    On Linux a server, which sets SO_REUSEADDR, may listen beside a socket that has it as well and does not listen.
+    """
+    with socket.socket() as holder:
+        holder.bind(("127.0.0.1", port))
+        if sys.platform == "linux":
+            # Only now: of two who set it before they bind, each would be given the port.
+            holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            HELD.append(holder.dup())
+    if len(HELD) > 50:
+        HELD.popleft().close()
 
 
 def leaves_nothing_to_collect(cost: str) -> bool:
@@ -71,8 +75,8 @@ def two_ports() -> str:
     """An endpoint whose neighbour, 100 higher, is free as well: lesson 07 has two."""
     while True:
         port = steady_port()
-        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port + 100)):
-            reserve(port + 100)
+        with contextlib.suppress(OSError):
+            hold(port + 100)
             return f"tcp://127.0.0.1:{port}"
 
 
