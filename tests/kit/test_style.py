@@ -17,7 +17,7 @@ import pytest
 from kitlib.lessons import lessons
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity.install import NETMQ
-from tests.programs import ROOT
+from tests.programs import ROOT, finished
 
 # Files whose idea does not fit, and may not grow either.
 # The background client asks again by itself: what one takes home of lesson 04 is one file. A pool of threads takes its
@@ -246,7 +246,7 @@ def test_the_drawn_tree_is_there():
 def tracked():
     if not shutil.which("git") or not (ROOT / ".git").exists():
         pytest.skip("not a git checkout")
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    listed = finished(["git", "ls-files"], cwd=ROOT)
     if listed.returncode:
         pytest.skip(f"git does not list the files: {listed.stderr.splitlines()[0]}")
     return [ROOT / name for name in listed.stdout.split("\n") if name and (ROOT / name).exists()]

@@ -548,7 +548,8 @@ def test_no_pose_at_all_may_be_asked_for(kind, publish, follow):
 
 
 def test_without_its_own_option_the_snapshots_are_100_higher(serve):
-    port = free_port()
-    server, endpoint = serve(KEY, endpoint=f"tcp://127.0.0.1:{port}")
-    assert endpoint == f"tcp://127.0.0.1:{port}"
-    assert server.wait_for(r"^snapshots on (\S+)")[1] == f"tcp://127.0.0.1:{port + 100}"
+    place = two_ports()
+    server, endpoint = serve(KEY, endpoint=place)
+    assert endpoint == place
+    host, port = place.rsplit(":", 1)
+    assert server.wait_for(r"^snapshots on (\S+)")[1] == f"{host}:{int(port) + 100}"

@@ -16,7 +16,7 @@ import zmq.auth
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, finished
+from tests.programs import ROOT, finished, steady_port
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 import keys
@@ -203,9 +203,7 @@ def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, conne
     code = next(
         block for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if "import" in block
     )
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        endpoint = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    endpoint = f"tcp://127.0.0.1:{steady_port()}"
     assert code.count("tcp://127.0.0.1:5565") == 1
     program = start(
         PYTHON, "-c", code.replace("tcp://127.0.0.1:5565", endpoint), folder=tmp_path, PYTHONPATH=str(FOLDER)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -221,7 +220,7 @@ def test_an_editor_for_code_finds_the_project() -> None:
 
 
 def test_no_third_party_dll_is_in_the_repository() -> None:
-    done = subprocess.run(["git", "ls-files", "unity"], cwd=ROOT, capture_output=True, text=True)
+    done = finished(["git", "ls-files", "unity"], cwd=ROOT)
     if done.returncode:
         pytest.skip("this is not a git repository")
     assert [name for name in done.stdout.splitlines() if name.lower().endswith((".dll", ".so", ".dylib"))] == []
