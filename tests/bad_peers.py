@@ -101,18 +101,13 @@ class SlowLine(Listener):
             return
 
     def deliver(self, on_the_way, target):
-        while True:
+        data = b"?"
+        while data:
             due, data = on_the_way.get()
             time.sleep(max(0.0, due - time.monotonic()))
-            if target in self.dead:
-                if not data:
-                    return
-                continue
-            with contextlib.suppress(OSError):
-                if not data:
-                    target.shutdown(socket.SHUT_WR)
-                    return
-                target.sendall(data)
+            if target not in self.dead:
+                with contextlib.suppress(OSError):
+                    target.sendall(data) if data else target.shutdown(socket.SHUT_WR)
 
 
 class EndlessPeer(Listener):

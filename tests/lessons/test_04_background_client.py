@@ -151,9 +151,13 @@ def web_server():
     with ThreadingHTTPServer(("127.0.0.1", steady_port()), Page) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        yield f"tcp://127.0.0.1:{server.server_port}"
-        server.shutdown()
-        thread.join()
+        try:
+            yield f"tcp://127.0.0.1:{server.server_port}"
+        finally:
+            # Forgotten, as by a test that is skipped, it would wait on for whatever has its socket's number next, and
+            # a listener of another test, when that is closed, would go on listening for up to half a second.
+            server.shutdown()
+            thread.join()
 
 
 # --- the happy path
