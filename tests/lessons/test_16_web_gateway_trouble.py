@@ -327,19 +327,20 @@ def stranger():
         runner = web.AppRunner(app, access_log=None)
         await runner.setup()
         await web.TCPSite(runner, "127.0.0.1", 0).start()
-        asked_at.append(runner.addresses[0][1])
-        ready.set()
+        return runner.addresses[0][1]
 
-    asked_at = []
+    port = []
 
     def run():
-        loop.run_until_complete(serve())
+        port.append(loop.run_until_complete(serve()))
+        # Not before: a stop that comes at once would end only the first of the two.
+        ready.set()
         loop.run_forever()
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     assert ready.wait(LIMIT)
-    yield f"http://127.0.0.1:{asked_at[0]}", asked
+    yield f"http://127.0.0.1:{port[0]}", asked
     loop.call_soon_threadsafe(loop.stop)
     thread.join(LIMIT)
 
