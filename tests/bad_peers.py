@@ -1,4 +1,4 @@
-"""Peers and lines as they should not be: a slow line, and a server that breaks ZeroMQ's protocol."""
+"""Peers and lines as they should not be: a slow line, a server that breaks ZeroMQ's protocol, and web servers."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import queue
 import socket
 import threading
 import time
+from http.server import ThreadingHTTPServer
 
 
 def zmtp_frame(body, more=False):
@@ -147,3 +148,18 @@ class ProtocolBreaker(Listener):
             # REQ disconnects a peer that sends something without that empty frame.
             peer.sendall(reply + zmtp_frame(b"and no more"))
             stream.read()
+
+
+@contextlib.contextmanager
+def web_server(handler, port=0):
+    """A web server in a thread of its own, as long as the with block lasts: its port."""
+    with ThreadingHTTPServer(("127.0.0.1", port), handler) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield server.server_port
+        finally:
+            # Forgotten, as by a test that is skipped, it would wait on for whatever has its socket's number next, and
+            # a listener of another test, when that is closed, would go on listening for up to half a second.
+            server.shutdown()
+            thread.join()

@@ -8,13 +8,13 @@ import re
 import socket
 import threading
 import time
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 
 import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from tests.bad_peers import SlowLine
+from tests.bad_peers import SlowLine, web_server
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
 from tests.programs import LIMIT, ROOT, steady_port
@@ -146,20 +146,6 @@ class Page(BaseHTTPRequestHandler):
         pass
 
 
-@contextlib.contextmanager
-def web_server():
-    with ThreadingHTTPServer(("127.0.0.1", steady_port()), Page) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        try:
-            yield f"tcp://127.0.0.1:{server.server_port}"
-        finally:
-            # Forgotten, as by a test that is skipped, it would wait on for whatever has its socket's number next, and
-            # a listener of another test, when that is closed, would go on listening for up to half a second.
-            server.shutdown()
-            thread.join()
-
-
 # --- the happy path
 
 
@@ -271,8 +257,8 @@ def test_a_port_that_another_program_has(kind, behave, start, client_command, re
 
 @clients
 def test_a_web_server_on_the_port(kind, start, client_command):
-    with web_server() as endpoint:
-        gives_up(kind, endpoint, start, client_command)
+    with web_server(Page, steady_port()) as port:
+        gives_up(kind, f"tcp://127.0.0.1:{port}", start, client_command)
 
 
 @clients

@@ -296,7 +296,7 @@ WRONG_TEXT = [*WRONG, "{}", "null", "new Date(1)", '[["x"]]', "", b"\0"]
 @pytest.fixture
 def stranger():
     """(endpoint, asked): it answers each request with the next wrong word, and then as the gateway does."""
-    asked, ready, loop = [], threading.Event(), asyncio.new_event_loop()
+    asked, loop = [], asyncio.new_event_loop()
 
     async def talk(request):
         browser = web.WebSocketResponse()
@@ -329,18 +329,10 @@ def stranger():
         await web.TCPSite(runner, "127.0.0.1", 0).start()
         return runner.addresses[0][1]
 
-    port = []
-
-    def run():
-        port.append(loop.run_until_complete(serve()))
-        # Not before: a stop that comes at once would end only the first of the two.
-        ready.set()
-        loop.run_forever()
-
-    thread = threading.Thread(target=run, daemon=True)
+    thread = threading.Thread(target=loop.run_forever, daemon=True)
     thread.start()
-    assert ready.wait(LIMIT)
-    yield f"http://127.0.0.1:{port[0]}", asked
+    port = asyncio.run_coroutine_threadsafe(serve(), loop).result(LIMIT)
+    yield f"http://127.0.0.1:{port}", asked
     loop.call_soon_threadsafe(loop.stop)
     thread.join(LIMIT)
 

@@ -9,13 +9,14 @@ import json
 import re
 import sys
 import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 from typing import ClassVar
 
 import pytest
 import zmq
 
 from kitlib.setup import dotnet
+from tests.bad_peers import web_server
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.long_jobs.peers import Message, Peer, read
 from tests.programs import LIMIT, ROOT, free_port, steady_port
@@ -308,10 +309,8 @@ class Ollama(BaseHTTPRequestHandler):
 def ollama(serve, context):
     """The address of an Ollama, and a function that asks our server something, which asks it."""
     Ollama.asked, Ollama.gone = [], threading.Event()
-    with ThreadingHTTPServer(("127.0.0.1", 0), Ollama) as http:
-        http.daemon_threads = True
-        threading.Thread(target=http.serve_forever, daemon=True).start()
-        url = f"http://127.0.0.1:{http.server_port}"
+    with web_server(Ollama) as port:
+        url = f"http://127.0.0.1:{port}"
         server, endpoint = serve(KEY, "--ollama", url, "--model", "tiny")
         peers = []
 
@@ -322,7 +321,6 @@ def ollama(serve, context):
         yield server, url, ask
         for peer in peers:
             peer.socket.close()
-        http.shutdown()
 
 
 def test_a_model_talks_and_all_that_can_go_wrong_with_it_is_a_line(ollama):

@@ -12,13 +12,13 @@ import json
 import re
 import shutil
 import subprocess
-import threading
 import time
 
 import pytest
 import zmq
 
 from kitlib.setup import dotnet
+from tests.bad_peers import web_server
 from tests.conftest import PYTHON
 from tests.programs import PATIENT, ROOT
 
@@ -46,12 +46,9 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 @pytest.fixture
 def elsewhere(tmp_path):
     """A web server of a stranger: its address, and its folder."""
-    handler = functools.partial(Quiet, directory=tmp_path)
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
+    with web_server(functools.partial(Quiet, directory=tmp_path)) as port:
         (tmp_path / "index.html").write_text("<!doctype html><title>a stranger's page</title>")
-        yield f"http://127.0.0.1:{server.server_port}"
-        server.shutdown()
+        yield f"http://127.0.0.1:{port}"
 
 
 def test_the_page_asks_and_listens(serve, open_page):
