@@ -117,7 +117,7 @@ def alone(command: Sequence[str | Path], folder: Path = ROOT) -> int:
     try:
         with later():
             process = subprocess.Popen(command, cwd=folder, env={**os.environ, **READABLE})
-        return wait(process)
+        return wait(process, Path(command[1]).name)
     except KeyboardInterrupt:
         return 130
     finally:
@@ -197,15 +197,23 @@ def spawn(
     )
 
 
-def wait(process: subprocess.Popen[Any]) -> int:
+def wait(process: subprocess.Popen[Any], name: str) -> int:
     """The exit code of a program; in slices, because on Windows a wait without a limit is deaf to Ctrl-C."""
     while True:
         # Popen asks with a lock, which a Ctrl-C in the wrong moment would leave locked: who clears up waited for ever.
         with later():
             code = process.poll()
         if code is not None:
-            return code
+            break
         time.sleep(0.05)
+    if code >= 0:
+        return code
+    if code != -signal.SIGINT:
+        # A killed program has no last line, and a shell speaks only of the programs that it started itself.
+        memory = "; is the memory full?" if code == -9 else ""
+        say(f"{name} was ended by signal {-code} ({signal.strsignal(-code)}){memory}")
+    # As shells count it.
+    return 128 - code
 
 
 def end(process: subprocess.Popen[bytes], limit: float = GOODBYE) -> None:

@@ -50,6 +50,10 @@ def steady_port() -> int:
     raise AssertionError("no free port")
 
 
+def steady_endpoint() -> str:
+    return f"tcp://127.0.0.1:{steady_port()}"
+
+
 def hold(port: int) -> None:
     """Keep it for this test's server; OSError if anybody has it, in another process too.
 

@@ -137,7 +137,7 @@ def run(
             heard = functools.partial(show, "server")
             started.append(Program(server, folder=folder, heard=heard))
         if not client:
-            return wait(started[-1].process)
+            return wait(started[-1].process, "server")
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
         addresses = ready(started[-1])
         if tap:
@@ -157,11 +157,11 @@ def run(
                 started.append(Program(words, folder=folder, heard=heard))
         with later():
             started.append(Program(client, folder=folder, heard=hear_client))
-        code = wait(started[-1].process)
+        code = wait(started[-1].process, "client")
         if tap:
             show_last()
             say("the page stays until Ctrl-C")
-            wait(watched.process)
+            wait(watched.process, "tap")
         return code
     except KeyboardInterrupt:
         # The terminal sends Ctrl-C to the programs too; they are given the time to end by themselves.
@@ -169,6 +169,10 @@ def run(
         return 130 if code is None else code
     finally:
         with uninterrupted():
+            # The last one was waited for; of the others, whoever has ended by now may have been killed.
+            for program in started[:-1]:
+                if program.process.poll() is not None:
+                    wait(program.process, Path(program.command[1]).name)
             for program in reversed(started):
                 program.end(moment)
             show_last()
@@ -180,7 +184,9 @@ def ready(server: Program, name: str = "server") -> dict[str, str]:
         return server.endpoints()
     except KitError:
         if server.ended:
-            raise KitError(f"the {name} ended before it was ready; its own line above says why") from None
+            # It may have been killed, which has no line of its own.
+            wait(server.process, name)
+            raise KitError(f"the {name} ended before it was ready; the line above says why") from None
         raise KitError(f"the {name} printed no ready line within {PATIENCE:.0f} s") from None
 
 

@@ -41,7 +41,7 @@ def do(options: argparse.Namespace) -> int:
     try:
         with later():
             pytest = spawn([str(python), "-m", "pytest", *words], cwd=ROOT)
-        return wait(pytest)
+        return wait(pytest, "pytest")
     finally:
         if pytest:
             # After Ctrl-C pytest ends the programs of the test that was running, and says how far it came.

@@ -24,7 +24,7 @@ except ImportError:
 from connection import Lost
 from messages import Array, Message, take
 from simulators import Simulators
-from spaces import from_array, offered, picture, sendable, shown, to_array
+from spaces import drawn, from_array, gives_pictures, offered, picture, sendable, shown, to_array
 
 
 class ZmqEnv(gymnasium.Env[Any, Any]):
@@ -34,7 +34,7 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
     spaces: list[Any] | None = None
 
     def __init__(self, name: str, render_mode: str | None = None, **where: Any) -> None:
-        self.name, self.render_mode = name, render_mode
+        self.name, self.render_mode = name, drawn(render_mode)
         self.simulators = Simulators(**where)
         self.connection = self.simulators.connection
         self.seen, self.picture = list[Array](), np.zeros((240, 320, 3), np.uint8)
@@ -79,7 +79,7 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
         return seen, reward, terminated, truncated, {name: state.values[name] for name in rest}
 
     def render(self) -> Any:
-        if self.render_mode != "rgb_array":
+        if not gives_pictures(self.render_mode):
             return None
         # Who films goes on when the simulator is lost, which step says, with the picture before.
         with contextlib.suppress(Lost):

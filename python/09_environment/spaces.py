@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gymnasium import logger
 from gymnasium.spaces import Box, Discrete, Space
 
 # In its own lesson's folder; at home it lies beside this file.
@@ -78,10 +79,17 @@ def picture(arrays: list[Array]) -> Any:
 
 
 def drawn(mode: Any) -> Any:
-    """The render mode; of any other one render would be None, without a word."""
+    """The render mode, if there are pictures in it."""
     if mode not in (None, "rgb_array"):
         raise ValueError(f"render_mode takes 'rgb_array' or None, not {mode!r:.40}; lesson 12 makes films")
     return mode
+
+
+def gives_pictures(mode: Any) -> bool:
+    """Whether render has pictures to give; where it has none it says so, as Gymnasium's own environments do."""
+    if mode is None:
+        logger.warn('render gives no picture: make the environment with render_mode="rgb_array"')
+    return mode is not None
 
 
 def shown(items: Any) -> str:

@@ -29,7 +29,7 @@ from gymnasium.utils import seeding
 from infos import LIMIT, pack
 from pettingzoo import ParallelEnv
 from remote_agents import RemoteAgents, told
-from spaces import drawn, picture, sendable, shown, to_array
+from spaces import drawn, gives_pictures, picture, sendable, shown, to_array
 
 
 class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
@@ -101,7 +101,7 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         return told(self.remote.ask("info", {"infos": text}, []))
 
     def render(self) -> Any:
-        if self.render_mode != "rgb_array":
+        if not gives_pictures(self.render_mode):
             return None
         # Who films goes on when the simulator is lost, which step says, with the picture before.
         with contextlib.suppress(Lost):

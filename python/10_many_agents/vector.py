@@ -24,7 +24,7 @@ from remote_areas import RemoteAreas
 # In its own lesson's folder; at home it lies beside this file.
 sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
 import environment  # noqa: F401, it registers the environments.
-from spaces import drawn, shown
+from spaces import drawn, gives_pictures, shown
 
 
 class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
@@ -100,7 +100,7 @@ class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
         return all_of_them
 
     def render(self) -> tuple[Any, ...] | None:
-        return tuple(self.areas.render()) if self.render_mode == "rgb_array" else None
+        return tuple(self.areas.render()) if gives_pictures(self.render_mode) else None
 
     # As Gymnasium has them: one for each area.
     np_random = property(lambda self: tuple(random for random, _ in self.areas.random))

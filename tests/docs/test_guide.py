@@ -26,7 +26,7 @@ from kitlib.setup import dotnet
 from kitlib.terminal import COLOURS
 from tests.conftest import PYTHON
 from tests.docs import guide_checks as checks
-from tests.programs import ROOT, finished, steady_port
+from tests.programs import ROOT, finished, steady_endpoint
 
 GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
@@ -443,7 +443,7 @@ def test_the_way_from_udp(tmp_path, console, start):
     """The publisher and the component that the page for whoever comes from UDPReceive.cs gives, against each other: the
     publisher comes late, and sends odd messages: alone, then among others."""
     publisher, component = (block.body for block in BLOCKS if "test_the_way_from_udp" in block.source)
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     loop = """
 import pathlib, time
 i = 0
@@ -485,7 +485,7 @@ while True:
 def test_unity_tells_one_who_publishes(tmp_path, start):
     """The page's lines, asked in the bytes of lesson 02: what is asked again, by its id, is not done again."""
     (hear,) = (block.body for block in BLOCKS if "test_unity_tells_one_who_publishes" in block.source)
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     program = hear.replace("tcp://127.0.0.1:5053", endpoint) + "\nwhile True:\n    hear()\n    time.sleep(0.03)\n"
     (tmp_path / "publisher.py").write_text(f"import time\n\nimport zmq\n\n{program}", encoding="utf-8")
     python = start(PYTHON, tmp_path / "publisher.py")
@@ -546,7 +546,7 @@ def test_the_way_from_the_old_hello(tmp_path, console, start):
         (tmp_path / name).write_text(text, encoding="utf-8")
     done = build(tmp_path, console, "<OutputType>Exe</OutputType>")
     assert done.returncode == 0, done.stdout + done.stderr
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     unity = start("dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), endpoint)
     unity.wait_for("^stopped 2$")
     server = start(PYTHON, tmp_path / "server.py", endpoint)
@@ -568,7 +568,7 @@ def test_the_way_from_the_old_hello_goes_on_after_a_restart(tmp_path, console, s
         (tmp_path / name).write_text(text, encoding="utf-8")
     done = build(tmp_path, console, "<OutputType>Exe</OutputType>")
     assert done.returncode == 0, done.stdout + done.stderr
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     unity = start("dotnet", next(tmp_path.rglob("bin/**/fragments.dll")), endpoint)
     server = start(PYTHON, tmp_path / "1.py", endpoint)
     unity.wait_for("^Received World$")

@@ -21,7 +21,7 @@ import pytest
 
 import kit
 from kitlib import commands, lessons, programs, signals, terminal
-from kitlib.commands import doctor
+from kitlib.commands import doctor, pack
 from kitlib.commands import run as runner
 from kitlib.commands import server as served
 from kitlib.docs import guide
@@ -270,7 +270,7 @@ def test_a_ctrl_c_at_the_worst_moment_does_not_keep_the_clearing_up_waiting():
         lock = vars(process)["_waitpid_lock"]
         vars(process)["_waitpid_lock"] = AtWorstMoment(lock)
         with pytest.raises(KeyboardInterrupt):
-            programs.wait(process)
+            programs.wait(process, "it")
         vars(process)["_waitpid_lock"] = lock
         if locked := lock.locked():
             lock.release()
@@ -621,6 +621,40 @@ def test_server_and_client_are_the_halves_of_run(kind, request, start):
     server.stop(signal.SIGINT)
     assert "Traceback" not in server.output
     assert mark.processes() == {}
+
+
+@finds_processes
+@pytest.mark.parametrize(
+    ("words", "ready", "killed", "code", "name"),
+    [
+        ("server 1", "^listening on", "server.py", 137, "server.py"),
+        ("run 1 --client python", r"^client \| asking", "client.py", 137, "client"),
+        ("run 1 --client python", r"^client \| asking", "server.py", 1, "server.py"),
+    ],
+)
+def test_a_program_that_the_system_kills_is_named(words, ready, killed, code, name, start):
+    """Such as where the memory is full: it has no last line of its own."""
+    mark, more = Mark(), ["--endpoint", "tcp://127.0.0.1:0"]
+    if "run" in words:
+        more += ["--server=--delay 300", f"--options=--patience {'300' if code == 137 else '5'}"]
+    kit = start(PYTHON, KIT, *words.split(), *more, **mark.environment)
+    kit.wait_for(ready)
+    (found,) = (number for number, command in mark.processes().items() if killed in command)
+    os.kill(found, signal.SIGKILL)
+    assert kit.wait() == code
+    assert f"kit    | {name} was ended by signal 9 (Killed); is the memory full?" in kit.lines
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
+def test_a_server_that_is_killed_before_it_is_ready_is_named(prepared, start):
+    lesson = prepared / "python" / "01_request_reply"
+    (lesson / "server.py").write_text("import os; os.kill(os.getpid(), 9)", encoding="utf-8")
+    program = start(PYTHON, prepared / "kit.py", "run", "1", "--client", "python")
+    assert program.wait() == 1
+    assert program.lines[-2:] == [
+        "kit    | server was ended by signal 9 (Killed); is the memory full?",
+        "kit    | the server ended before it was ready; the line above says why",
+    ]
 
 
 LATE_SERVER = """
@@ -1004,6 +1038,27 @@ def test_packages_for_another_python_are_named_as_such(tmp_path, monkeypatch):
     monkeypatch.setattr(python_setup, "quietly", lambda *_, **__: Result(1, "No module named pip"))
     with pytest.raises(lessons.KitError, match=r"has no pip: with internet install it"):
         python_setup.interpreter()
+
+
+def test_what_is_packed_for_windows_has_what_pytest_needs_there(tmp_path, monkeypatch):
+    """Pip asks on which system it runs, and not for which one it fetches."""
+    asked = []
+
+    def fetch(what, command, *_):
+        asked.append([str(word) for word in command])
+        return Result(0, "")
+
+    monkeypatch.setattr(pack, "step", fetch)
+    for system in pack.SYSTEMS:
+        pack.wheels(tmp_path, system, "3.13")
+    assert ["colorama" in command for command in asked] == [system == "windows" for system in pack.SYSTEMS]
+
+
+def test_who_has_never_restored_a_package_can_pack(tmp_path, monkeypatch):
+    """As a source, a folder that is not there is an error to NuGet."""
+    monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "never" / "made"))
+    monkeypatch.setattr(pack, "step", lambda *_: Result(0 if (tmp_path / "never" / "made").is_dir() else 1, "error"))
+    pack.nuget(tmp_path)
 
 
 def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):

@@ -24,7 +24,7 @@ except ImportError:
 from tests.bad_peers import ProtocolBreaker, SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT, steady_endpoint
 
 KEY = "02_lazy_pirate"
 SERVER = ROOT / "python" / KEY / "server.py"
@@ -100,7 +100,7 @@ def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, pirate_
 
 @clients
 def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     server, _ = pirate_server("--crash-on", "3", endpoint=endpoint)
     # The next server may need longer to begin than five tries last.
     client = start(*client_command(kind, KEY, endpoint, "--count", "5", "--tries", "20"))
@@ -117,7 +117,7 @@ def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, clie
 
 @clients
 def test_without_a_server_it_gives_up(kind, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     client = start(*client_command(kind, KEY, endpoint, "--patience", "0.25", "--tries", "3"))
     assert client.wait() == 1, client.output
     assert client.lines[1:] == [
@@ -432,7 +432,7 @@ class Storm:
 
     def __init__(self, start, journal, command, clients, adds, mean):
         self.start, self.journal, self.mean = start, journal, mean
-        self.endpoint = f"tcp://127.0.0.1:{steady_port()}"
+        self.endpoint = steady_endpoint()
         self.kills = 0
         self.servers = [self.begin()]
         self.ready()

@@ -15,7 +15,7 @@ import zmq
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
-from tests.programs import LIMIT, steady_port
+from tests.programs import LIMIT, steady_endpoint
 
 KEY = "03_publish_subscribe"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -64,7 +64,7 @@ def test_a_topic_is_a_prefix_and_a_delimiter_cures_it(kind, serve, listen):
 @MODES
 def test_the_wrong_server_first(kind, mode, serve, listen):
     """After a peer that is no publisher, libzmq never connects again by itself."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     wrong, _ = serve("01_request_reply", endpoint=endpoint)
     client = listen(kind, endpoint, "--count", "3", "--patience", "25", *mode)
     client.wait_for("^listening")

@@ -17,7 +17,7 @@ from kitlib.setup import dotnet
 from tests.bad_peers import SlowLine, web_server
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT, steady_endpoint, steady_port
 
 KEY = "04_background_client"
 FRAMES = r"frames: (\d+), the longest took (\d+) ms"
@@ -211,7 +211,7 @@ def test_a_slow_answer_stops_no_frame(kind, serve, start, client_command):
 
 @clients
 def test_the_server_is_killed_while_requests_are_under_way(kind, serve, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     server, _ = serve(KEY, endpoint=endpoint)
     options = ["--count", "200", "--tries", "60", "--patience", "0.5"]
     client = start(*client_command(kind, KEY, endpoint, *options))
@@ -238,7 +238,7 @@ def gives_up(kind, endpoint, start, client_command):
 
 @clients
 def test_without_a_server(kind, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     client = gives_up(kind, endpoint, start, client_command)
     said = [silence(1, attempt, tries=3, patience=0.5) for attempt in (2, 3)]
     # What is shown is what a frame saw: on a busy machine there may be none for a second.
@@ -397,7 +397,7 @@ def test_in_code_with_nobody_who_answers(name, check):
 
 
 def test_stop_while_there_is_no_server(check):
-    program = check("stop", f"tcp://127.0.0.1:{steady_port()}")
+    program = check("stop", steady_endpoint())
     assert program.wait() == 0, program.output
 
 
@@ -426,7 +426,7 @@ def test_the_state_says_what_is_known(context, check):
 
 
 def test_every_request_ends_once_while_the_server_is_killed_again_and_again(serve, check):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     server, _ = serve(KEY, endpoint=endpoint)
     program = check("random", endpoint)
     kills = 0
@@ -489,7 +489,7 @@ def test_what_the_server_answers(serve, context):
 
 
 def test_numbers_and_text_are_the_same_under_a_german_locale(start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     command = client_command("csharp", KEY, endpoint, "--patience", "0.5", "--tries", "1")
     client = start(*command, LANG="de_DE.UTF-8", LC_ALL="de_DE.UTF-8")
     assert client.wait(LIMIT) == 1

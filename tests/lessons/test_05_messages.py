@@ -18,7 +18,7 @@ import zmq
 from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import PATIENT, ROOT, finished, steady_port
+from tests.programs import PATIENT, ROOT, finished, steady_endpoint
 
 KEY = "05_messages"
 FOLDER = ROOT / "python" / KEY
@@ -294,7 +294,7 @@ def test_a_server_that_breaks_the_connection_does_not_hold_a_client(kind, start,
 def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start, client_command):
     """Whoever writes the Python side starts it again all day, while Unity plays."""
     pytest.importorskip("numpy", **NUMPY)
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     client = start(*client_command("unity", KEY, endpoint, "--count", "1000000", "--patience", "3"))
     for _ in range(3):
         # Unity is first: it has asked nobody yet, or somebody who is gone.

@@ -15,7 +15,7 @@ import zmq
 
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.many_in_flight.peers import KEY, a_client_that_never_reads, ask, connect, memory, receive
-from tests.programs import ROOT, steady_port
+from tests.programs import ROOT, steady_endpoint
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 
@@ -196,7 +196,7 @@ def test_a_slow_request_fails_alone(kind, serve, start, client_command):
 
 @each_client
 def test_a_server_that_comes_late_or_again_gets_what_is_open(kind, serve, start, client_command):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     options = ("--count", "40", "--patience", "1", "--tries", "60", "--text", "sleep 0.2")
     client = start(*client_command(kind, KEY, endpoint, *options))
     client.wait_for("try 2 of 60")
@@ -211,7 +211,7 @@ def test_a_server_that_comes_late_or_again_gets_what_is_open(kind, serve, start,
 @each_client
 def test_a_client_that_met_the_wrong_server_finds_the_right_one_later(kind, serve, start, client_command):
     """After a peer of the wrong kind, such as lesson 03's publisher, libzmq does not try again."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     with socket.create_server(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as wrong:
         wrong.settimeout(30)
         options = ("--count", "2", "--text", "echo a", "--patience", "1", "--tries", "30")

@@ -13,7 +13,7 @@ import zmq
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, free_port, steady_port, two_ports
+from tests.programs import LIMIT, ROOT, free_port, steady_endpoint, two_ports
 
 KEY = "07_catch_up"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
@@ -420,7 +420,7 @@ def test_a_broken_reply_is_waited_for_no_longer_than_another(kind, fake, follow)
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_the_wrong_server_first_and_then_the_right_one(kind, publish, serve, follow):
     """After a peer that is no publisher, libzmq never connects again by itself."""
-    endpoint, snapshots = (f"tcp://127.0.0.1:{steady_port()}" for _ in range(2))
+    endpoint, snapshots = (steady_endpoint() for _ in range(2))
     wrong = [serve("01_request_reply", endpoint=where)[0] for where in (endpoint, snapshots)]
     client = follow(kind, endpoint, snapshots, "--count", "50", "--until", "0", "--patience", "25", "--every", "0")
     client.wait_for("^following")

@@ -26,7 +26,7 @@ import zmq
 
 from tests.conftest import PYTHON
 from tests.lessons.conftest import ask as exchange
-from tests.programs import ROOT, free_port, steady_port
+from tests.programs import ROOT, free_port, steady_endpoint
 
 KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
@@ -382,7 +382,7 @@ def test_lerobots_reader_gets_the_pictures(start, context, ask, plain):
 
 def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp_path):
     """Of either side, while it records."""
-    endpoint, chance = f"tcp://127.0.0.1:{steady_port()}", random.Random(8)
+    endpoint, chance = steady_endpoint(), random.Random(8)
     words = ["--count", "100000", "--patience", "0.3", "--tries", "1000"]
     client = start(*client_command("python", KEY, endpoint, *words))
     for number in range(1, 5):

@@ -18,7 +18,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port, steady_port
+from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port, steady_endpoint, steady_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
@@ -69,7 +69,7 @@ def faked(make):
     fakes = []
 
     def faked_env(answer=None, hello=None, **where):
-        endpoint = f"tcp://127.0.0.1:{steady_port()}"
+        endpoint = steady_endpoint()
         fakes.append(Fake(endpoint, answer, hello))
         return make(endpoint=endpoint, disable_env_checker=True, **where), fakes[-1]
 
@@ -287,7 +287,7 @@ def test_a_simulator_that_ends_before_its_hello_is_not_waited_for():
 
 def test_half_a_hello_is_none(make):
     """A peer that leaves in the middle of a message; and one that sends what is no message."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
     ready = b"\x04\x1a\x05READY\x0bSocket-Type\x00\x00\x00\x06DEALER"
     half = b"\x01" + bytes([200]) + Simulator(CartPole()).hello().frames()[0][:100]

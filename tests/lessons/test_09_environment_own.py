@@ -17,7 +17,7 @@ import zmq
 
 from kitlib.docs import guide
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, ROOT, Mark, finds_processes, steady_port
+from tests.programs import LIMIT, ROOT, Mark, finds_processes, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
@@ -374,7 +374,7 @@ def test_simulators_are_launched_by_words_or_by_a_path(tmp_path):
         with_game = Simulators(launch=launch)
         assert with_game.launch == [str(tmp_path / "Game")]
         with_game.close()
-    by_hand = Simulators(endpoint=f"tcp://127.0.0.1:{steady_port()}", launch=None)
+    by_hand = Simulators(endpoint=steady_endpoint(), launch=None)
     assert by_hand.launch == []
     by_hand.close()
 
@@ -402,7 +402,7 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
         assert script.count(old) == 1
         script = script.replace(old, new)
     (tmp_path / "Ball.cs").write_text(script, encoding="utf-8")
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     words = [
         "kit.py",
         "play",

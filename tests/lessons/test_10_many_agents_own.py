@@ -11,7 +11,7 @@ import pytest
 
 from kitlib.docs import guide
 from tests.conftest import PYTHON
-from tests.programs import ROOT, steady_port
+from tests.programs import ROOT, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install numpy")
@@ -149,7 +149,7 @@ def test_a_world_of_ones_own_goes_on_while_python_thinks_if_it_is_to(tag):
 def test_the_pages_world_is_the_same_in_both_languages(tag, engine, console, start, tmp_path):
     """Two games, one of them to its end."""
     (tmp_path / "Tag.cs").write_text(of_the_page("csharp", "class Tag"), encoding="utf-8")
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     words = ["--engine", engine.name, "--endpoint", endpoint, "--patience", "200"]
     player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Tag.cs", *words)
     envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
@@ -188,7 +188,7 @@ def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(registe
     for name, key in (("Ball", "09_environment"), ("BallAreas", KEY)):
         words.append(tmp_path / f"{name}.cs")
         words[-1].write_text(of_the_page("csharp", f"class {name} :", key), encoding="utf-8")
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     player = start(PYTHON, ROOT / "kit.py", "play", *words, "--engine", engine.name, "--set", f"endpoint={endpoint}")
     envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, endpoint=endpoint, wait=500, max_episode_steps=3)
     try:

@@ -203,6 +203,13 @@ def test_a_render_mode_that_would_draw_nothing_is_refused_before_anybody_is_wait
             kind(render_mode=mode)
 
 
+def test_render_without_a_render_mode_says_why_there_is_no_picture(areas, game, make, launch):
+    for env in areas, game, make(launch=launch("python")):
+        env.reset(seed=1)
+        with pytest.warns(UserWarning, match=r"render gives no picture: make the environment with render_mode="):
+            assert env.render() is None
+
+
 def test_what_was_seen_last_is_the_environments_own(areas, game):
     """A user who changes what was given out changes nothing else."""
     seen, _ = areas.reset(seed=1)

@@ -29,7 +29,7 @@ import pytest
 from kitlib.docs import guide
 from tests.conftest import PYTHON
 from tests.docs.test_guide import build
-from tests.programs import ROOT, finished, free_port, steady_port
+from tests.programs import ROOT, finished, free_port, steady_endpoint
 
 pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
 PAGE = ROOT / "docs" / "guide" / "from_gymize.md"
@@ -138,7 +138,7 @@ def run(scene, start, tmp_path):
     """The page's script, and the scene: what the script prints, and the scene as a program."""
 
     def run(how="", before_close="", code=0):
-        endpoint = f"tcp://127.0.0.1:{steady_port()}"
+        endpoint = steady_endpoint()
         script = tmp_path / "script.py"
         text = PARTS["python"].replace('env_name="Runner",', f'env_name="Runner", endpoint="{endpoint}",')
         text = text.replace("env.close()", f"{before_close}env.close()")

@@ -311,6 +311,24 @@ def test_rewards_and_ends_may_be_whole_numbers(world):
     assert env.step(1)[1:4] == (1.0, True, False)
 
 
+def test_who_has_ended_has_no_more_ticks(world):
+    class Counts(Agent):
+        ticks = 0
+
+        def on_tick(self, dt):
+            self.ticks += 1
+            self.terminated = self.ticks % 2 == 0
+
+    car, other = Car(), Counts("other")
+    car.x = np.zeros(2)
+    env = world(simulator=SceneSimulator("Cars", 0.1, [car, other]))
+    for ticks in (2, 4):
+        env.reset(seed=1)
+        for _ in range(4):
+            env.step(1)
+        assert other.ticks == ticks
+
+
 def test_a_wrong_class_or_scene_is_named():
     class Speeder(Agent):
         velocity: Annotated[Any, Obs(".speed[")] = None

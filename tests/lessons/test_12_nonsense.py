@@ -19,7 +19,7 @@ from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.test_12_films import Game, films, game, np
 from tests.lessons.test_12_video import KEY, filmer, shown
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT, steady_endpoint
 
 sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "05_messages")]
 import mp4_film
@@ -297,7 +297,7 @@ def test_a_view_that_cannot_be_is_refused_where_it_is_made(name, width, height):
 
 @pytest.mark.parametrize("names", [["one", "one"], []])
 def test_views_without_names_of_their_own_are_refused(names):
-    sender = ViewSender(f"tcp://127.0.0.1:{steady_port()}", 30)
+    sender = ViewSender(steady_endpoint(), 30)
     with pytest.raises(ValueError, match=r"each view needs a name of its own: (one, one|none)"):
         sender.run([FilmView(name, 8, 8) for name in names], threading.Event())
 

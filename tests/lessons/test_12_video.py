@@ -12,7 +12,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT, steady_endpoint
 
 np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
 Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
@@ -219,7 +219,7 @@ def test_what_cannot_be_filmed_is_refused_with_its_cure(kind, filmer, start, cli
 
 @each_client
 def test_python_is_killed_and_comes_back(kind, serve, start, client_command, tmp_path):
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     server, _ = serve(KEY, "--seconds", "60", endpoint=endpoint)
     client = start(*client_command(kind, KEY, endpoint, "--count", "0"))
     film = tmp_path / "front_1.gif"

@@ -22,7 +22,7 @@ from tests.lessons.test_13_side_channels_bytes import (
     each_client,
     each_runtime,
 )
-from tests.programs import ROOT, finished, steady_port
+from tests.programs import ROOT, finished, steady_endpoint
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
@@ -115,7 +115,7 @@ def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command)
     """A server takes it, and is gone before it says that it has."""
     with zmq.Context() as context, context.socket(zmq.ROUTER) as dying:
         dying.linger = 0
-        endpoint = f"tcp://127.0.0.1:{steady_port()}"
+        endpoint = steady_endpoint()
         dying.bind(endpoint)
         client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--patience", "20"))
         assert dying.poll(60_000)
@@ -168,7 +168,7 @@ def test_the_programs_of_the_page_talk(start, console, engine, tmp_path):
     for name in re.findall(r"`(\w+\.py)`", PAGE.read_text(encoding="utf-8").partition("`wind.py` beside")[2])[:6]:
         shutil.copy(ROOT / "python" / KEY / name, tmp_path)
     scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "Weather.cs"])
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     start(PYTHON, tmp_path / "wind.py", endpoint, folder=tmp_path).wait_for("^listening on")
     for _ in range(2):
         player = start(*console, scripts, "--unity", "--endpoint", endpoint)

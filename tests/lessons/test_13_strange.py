@@ -24,7 +24,7 @@ from tests.lessons.test_13_side_channels_bytes import (
     process,
     program,
 )
-from tests.programs import ROOT, steady_port
+from tests.programs import ROOT, steady_endpoint
 
 KEY = "13_side_channels"
 sys.path.insert(0, str(ROOT / "python" / KEY))
@@ -184,7 +184,7 @@ def test_a_python_that_is_silent_for_longer_is_waited_for(start, console, engine
     """Before it is there for the first time, and in the middle; each time that is one line."""
     (tmp_path / "MyChannels.cs").write_text(SCENE, encoding="utf-8")
     scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "MyChannels.cs"])
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--patience", "1")
     silence = f"^no word from {endpoint} within 1 s; is the server running. It is tried again and again$"
     player.wait_for(silence)

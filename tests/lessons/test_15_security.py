@@ -16,7 +16,7 @@ import zmq.auth
 
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, finished, steady_port
+from tests.programs import ROOT, finished, steady_endpoint
 
 sys.path.append(str(ROOT / "python" / "15_security"))
 import keys
@@ -203,7 +203,7 @@ def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, conne
     code = next(
         block for block in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if "import" in block
     )
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     assert code.count("tcp://127.0.0.1:5565") == 1
     program = start(
         PYTHON, "-c", code.replace("tcp://127.0.0.1:5565", endpoint), folder=tmp_path, PYTHONPATH=str(FOLDER)

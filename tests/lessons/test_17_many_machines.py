@@ -10,7 +10,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, free_port, steady_port
+from tests.programs import ROOT, free_port, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: pip install numpy")
@@ -165,7 +165,7 @@ def test_who_trained_and_died_leaves_the_simulators_to_the_next(serve, simulator
 @pytest.mark.timeout(1500)
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_hub_that_was_killed_gets_all_back_and_no_return_changes(kind, serve, simulators, train):
-    place = f"tcp://127.0.0.1:{steady_port()}"
+    place = steady_endpoint()
     hub, endpoint = serve(KEY, *STAY, endpoint=place)
     others = simulators(endpoint, kind, kind)
     # So many that it is not done before.

@@ -16,7 +16,7 @@ import zmq
 
 from kitlib.docs import body_picture
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, steady_port
+from tests.programs import ROOT, steady_endpoint
 
 KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
@@ -173,7 +173,7 @@ def test_a_recording_that_excel_has_saved_is_read(tmp_path):
 @each_client
 def test_a_server_that_is_started_again(kind, serve, listen):
     """Its numbers begin anew, and the client says so and goes on."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     server, _ = serve(KEY, endpoint=endpoint)
     client = listen(kind, endpoint, "--count", "40", "--every", "1", "--patience", "25")
     # So many that the new one's number is certainly lower.

@@ -19,7 +19,7 @@ from kitlib.setup import dotnet
 from tests.bad_peers import web_server
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.long_jobs.peers import Message, Peer, read
-from tests.programs import LIMIT, ROOT, free_port, steady_port
+from tests.programs import LIMIT, ROOT, free_port, steady_endpoint
 
 KEY = "21_talking_character"
 sys.path += [str(ROOT / "python" / KEY), str(ROOT / "python" / "14_long_jobs")]
@@ -78,7 +78,7 @@ def test_who_walks_away_ends_it(kind, serve, talk):
 @each_client
 def test_a_server_that_is_started_again_has_no_half_answer(kind, serve, talk, tmp_path):
     """It could not go on in the middle, and says so: what was said stays, and the rest is not waited for."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     server, _ = serve(KEY, "--delay", "0.2", endpoint=endpoint)
     client = talk(kind, endpoint)
     client.wait_for("^she: Mind the third plank!$")

@@ -18,7 +18,7 @@ import pytest
 import zmq
 
 from tests.lessons.conftest import ask
-from tests.programs import ROOT, steady_port
+from tests.programs import ROOT, steady_endpoint
 
 KEY = "01_request_reply"
 FOLDER = ROOT / "docs" / "guide" / "other_languages"
@@ -178,7 +178,7 @@ def test_a_client_shows_any_reply_in_one_line_and_gives_up(language, programs, s
 @each_language
 def test_no_server_a_bad_endpoint_and_a_taken_port_are_one_line(language, programs, start, serve):
     command, server_command = programs(language)
-    nobody, taken = f"tcp://127.0.0.1:{steady_port()}", serve(KEY)[1]
+    nobody, taken = steady_endpoint(), serve(KEY)[1]
     alone, confused = start(*command, nobody), start(*command, "nowhere")
     second = start(*server_command, taken)
     assert confused.wait() == 2, confused.output

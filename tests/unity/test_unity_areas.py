@@ -10,7 +10,7 @@ import pytest
 
 from kitlib.setup import dotnet
 from tests.lessons.test_10_many_agents import np, same
-from tests.programs import ROOT, Program, steady_port
+from tests.programs import ROOT, Program, steady_endpoint
 from tests.unity.test_unity_play import RUNTIMES, needs_mono
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
@@ -34,7 +34,7 @@ def scene(engine: dotnet.Engine, start: Callable[..., Program]) -> Callable[...,
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_areas_of_a_scene_are_those_of_a_terminal(runtime: str, scene: Callable[..., Program]) -> None:
     """None of them connects by itself, and physics moves once for all of them."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     program = scene(runtime, str(AREAS), "warn", "--endpoint", endpoint)
     ours = gymnasium.make_vec(ID, AREAS, endpoint=endpoint, max_episode_steps=12)
     terminal = [sys.executable, str(CLIENT), "--world", "CartPole", "--areas", str(AREAS)]

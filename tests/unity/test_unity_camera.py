@@ -18,7 +18,7 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from tests.programs import ROOT, Program, leaves_nothing_to_collect, steady_port
+from tests.programs import ROOT, Program, leaves_nothing_to_collect, steady_endpoint
 from tests.unity.test_unity_play import RUNTIMES, needs_mono
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
@@ -238,7 +238,7 @@ def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, s
 
 def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harness: Path) -> None:
     """Another one takes its place on the same port: the car has braked, and drives on."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
     client = start("dotnet", harness, "drive", f"endpoint={endpoint}", "every=0", "count=200", "patience=0.4")
     speeds: list[list[float]] = [[], []]
     with zmq.Context() as context:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.programs import ROOT, Mark, finds_processes, steady_port
+from tests.programs import ROOT, Mark, finds_processes, steady_endpoint
 from tests.unity.conftest import Editor
 
 # They share what was built.
@@ -48,7 +48,7 @@ def test_a_server_outlives_a_reload_and_ends_with_the_editor(
     unity.do(f"folder {ROOT}")
     unity.do("press Choose the kit's folder")
     unity.do("type Lesson=02_lazy_pirate")
-    unity.do(f"type Options of its server=--endpoint tcp://127.0.0.1:{steady_port()}")
+    unity.do(f"type Options of its server=--endpoint {steady_endpoint()}")
     assert "[Stop the server]" not in unity.do("draw")
     unity.do("press Start the server")
     unity.draw_until("^listening on tcp://127.0.0.1:")
@@ -87,7 +87,7 @@ def test_the_next_editor_finds_the_server_of_one_that_crashed(
         crashed.do(WINDOW)
         crashed.do(f"folder {ROOT}")
         crashed.do("press Choose the kit's folder")
-        crashed.do(f"type Options of its server=--endpoint tcp://127.0.0.1:{steady_port()}")
+        crashed.do(f"type Options of its server=--endpoint {steady_endpoint()}")
         # A double click.
         crashed.do("twice Start the server")
         crashed.draw_until("^listening on tcp://127.0.0.1:")

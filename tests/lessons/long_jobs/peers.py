@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import zmq
 
-from tests.programs import LIMIT, ROOT, steady_port
+from tests.programs import LIMIT, ROOT, steady_endpoint
 
 sys.path.append(str(ROOT / "python" / "05_messages"))
 from messages import Message as Message
@@ -74,7 +74,7 @@ def peer(context):
 @pytest.fixture
 def jobs_server(serve, tmp_path):
     """Like serve(), with a journal that the next server of the test opens again, on the same port."""
-    endpoint = f"tcp://127.0.0.1:{steady_port()}"
+    endpoint = steady_endpoint()
 
     def jobs_server(*options):
         return serve(KEY, "--journal", str(tmp_path / "journal.sqlite3"), *options, endpoint=endpoint)
