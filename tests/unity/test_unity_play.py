@@ -415,6 +415,27 @@ def test_a_phone_closes_the_sockets_of_a_game_that_is_not_seen(
 
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
+@pytest.mark.parametrize("clients", [2, 3])
+def test_each_client_comes_back_from_the_background_also_while_it_waits(
+    runtime: str, clients: int, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    """A client that waits for an answer has no line for Update: whom another one had ended took itself for done."""
+    endpoint = serve("01_request_reply", "--delay", "0.3")[1]
+    unity = editor(runtime, "keep", "1", endpoint, clients, f"{clients} clients, paused as on a phone, slow server")
+    unity.play()
+    for _ in range(2):
+        for _ in range(2 * clients):
+            unity.wait_for("^[12]: sent Hello, received World")
+        unity.press("pause")
+        unity.wait_for("^paused$")
+        unity.press("resume")
+        unity.wait_for("^resumed$")
+        for _ in range(clients):
+            unity.wait_for("^asking ")
+    unity.stop()
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
 def test_a_paused_editor_is_felt_by_the_network_thread(
     runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]
 ) -> None:

@@ -9,6 +9,7 @@ using System;
 using System.Collections;
 using System.Collections.Generic;
 using System.Diagnostics;
+using System.IO;
 using System.Net;
 using System.Text;
 using System.Text.RegularExpressions;
@@ -181,7 +182,8 @@ namespace NetMQExample
                 if (!IPAddress.TryParse(host, out _)) LookUp(host);
                 socket?.Connect(endpoint);
             }
-            catch (Exception e) when (!(e is TimeoutException))
+            // A library that is missing, or of another version, is no unknown host.
+            catch (Exception e) when (!(e is TimeoutException || e is IOException || e is TypeLoadException))
             {
                 throw Bad($"unknown host '{host}'; check its spelling, or ");
             }

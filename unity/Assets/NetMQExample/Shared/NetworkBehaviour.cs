@@ -90,8 +90,13 @@ namespace NetMQExample
             run.Thread.Start();
         }
 
-        /// <inheritdoc/>
-        protected override void End() => EndAll();
+        /// <summary>Ends this client alone: what others were doing when the game was paused, they note themselves.</summary>
+        protected override void End()
+        {
+            if (run == null) return;
+            run.Stop.Cancel();
+            NetMQLifetime.Join(run.Thread);
+        }
 
         /// <summary>Does what the network thread has for this frame.</summary>
         protected virtual void Update()
@@ -112,7 +117,7 @@ namespace NetMQExample
 
         /// <summary>Tells the thread to end, and does not wait for that: a destroyed object must cost no
         /// frame.</summary>
-        protected override void OnDisable() => run.Stop.Cancel();
+        protected override void OnDisable() => run?.Stop.Cancel();
 
         /// <summary>Stop, and the end of the game: nothing may run on in the editor.</summary>
         protected virtual void OnApplicationQuit() => EndAll();
