@@ -226,13 +226,6 @@ def test_no_third_party_dll_is_in_the_repository() -> None:
     assert [name for name in done.stdout.splitlines() if name.lower().endswith((".dll", ".so", ".dylib"))] == []
 
 
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.cs")), ids=relative)
-def test_a_script_is_a_file_that_unity_can_attach(path: Path) -> None:
-    """A MonoBehaviour whose class is not named like its file cannot be put on a game object."""
-    classes = re.findall(r"class (\w+) : (?:Mono|Network|Connected)Behaviour\b", path.read_text(encoding="utf-8"))
-    assert classes in ([], [path.stem])
-
-
 def test_a_field_says_what_it_is_for_and_how_small_it_may_be() -> None:
     fields = []
     for path in PACKAGE.glob("[0-9S]*/*.cs"):
