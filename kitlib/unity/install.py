@@ -15,47 +15,54 @@ import time
 import urllib.error
 import urllib.request
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 from kitlib.lessons import ROOT, KitError, find
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 from kitlib.unity.meta import END, FOLDER, IMPORTERS, PACKAGE, assets, behaviours, guid, meta_of
+from kitlib.unity.modules import VERSION, needed
 from kitlib.unity.project import (
+    PARTS,
     TARGET,
     advice,
     all_packages,
+    check_age,
     check_foreign,
     check_moved,
     elsewhere,
     find_project,
     has_netmq,
     has_scripts,
+    missing,
     packages_of,
 )
 
 # Said once, for the C# projects and for this.
 NETMQ = re.findall(r'"NetMQ" Version="\[(.+?)\]"', (ROOT / "Directory.Build.targets").read_text(encoding="utf-8"))[0]
 DOTNET = "lib/netstandard2.0/System."
-# NetMQ inside Unity, with what it needs and Unity does not have: package, version, and the file in it.
+# NetMQ inside Unity, with what it needs and Unity does not have: package, version, and the file in it. Of the last two
+# only BufferPool.SetBufferManagerBufferPool has a use, but IL2CPP's linker wants to find every name that it meets.
 LIBRARIES = (
     ("NetMQ", NETMQ, "lib/netstandard2.1/NetMQ.dll"),
     ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
     ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
     ("System.Collections.Immutable", "10.0.7", f"{DOTNET}Collections.Immutable.dll"),
     ("System.Runtime.CompilerServices.Unsafe", "6.1.2", f"{DOTNET}Runtime.CompilerServices.Unsafe.dll"),
+    ("System.ServiceModel.Primitives", "10.0.652802", f"{DOTNET}ServiceModel.Primitives.dll"),
+    ("System.Security.Principal.Windows", "5.0.0", f"{DOTNET}Security.Principal.Windows.dll"),
 )
 ALONE = "the scripts alone: they need NetMQ.dll and the DLLs that it needs"
 # Unity's own package of Newtonsoft.Json, which lesson 05 reads its headers with.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
 NUGET = "https://api.nuget.org/v3-flatcontainer"
 PLUGINS = f"{TARGET}/Plugins"
-# A stand-in for System.ServiceModel.Primitives, which NetMQ.dll names: two of them do not compile.
-STUB = "ServiceModel"
 # What this command wrote, and so may write again. Unity ignores names that begin with a dot.
 RECORD = f"{TARGET}/.kit.json"
 
-# validateReferences: NetMQ.dll names System.ServiceModel.Primitives, of which STUB has a part.
+# isExplicitlyReferenced: no script names a class of .NET's own libraries, so a game's other scripts need not see them.
+# validateReferences: another package's copy may have another version number, which is as good.
 LIBRARY_META = """fileFormatVersion: 2
 guid: {guid}
 PluginImporter:
@@ -66,7 +73,7 @@ PluginImporter:
   defineConstraints: []
   isPreloaded: 0
   isOverridable: 0
-  isExplicitlyReferenced: 0
+  isExplicitlyReferenced: {hidden}
   validateReferences: 0
   platformData:
   - first:
@@ -74,17 +81,17 @@ PluginImporter:
     second:
       enabled: 0
       settings:
-        Exclude Editor: 0
+        Exclude Editor: {no_editor}
         Exclude WebGL: 1
   - first:
       Any:
     second:
-      enabled: 1
+      enabled: {builds}
       settings: {{}}
   - first:
       Editor: Editor
     second:
-      enabled: 1
+      enabled: {editor}
       settings:
         DefaultValueInitialized: true
   - first:
@@ -112,11 +119,11 @@ def install(
         files = {f"{TARGET}/link.xml": (PACKAGE / "link.xml").read_bytes()}
     else:
         files = {**scripts(lesson), **notices()}
-        if elsewhere(root, "System.ServiceModel.Primitives.dll"):
-            files = {name: data for name, data in files.items() if not name.startswith(f"{TARGET}/{STUB}")}
+    check_age(root, lesson, files)
     check_moved(root, files)
     check_foreign(root, files)
-    there = has_netmq(root, all_packages(root, manifest))
+    packages = all_packages(root, manifest)
+    there = has_netmq(root, packages)
     if scripts_only:
         say(ALONE)
     elif there:
@@ -124,15 +131,12 @@ def install(
         for path in elsewhere(root, "NetMQ.dll"):
             old = path.relative_to(root).as_posix()
             say(f"if {old} is older than {NETMQ}, delete it with its AsyncIO.dll, and run this again")
+        if (root / PLUGINS).exists():
+            say(f"delete {PLUGINS}, which this command wrote before: two of one name do not compile")
     else:
-        files |= {
-            name: data
-            for name, data in libraries(dlls).items()
-            if not elsewhere(root, Path(name.removesuffix(".meta")).name)
-        }
+        files |= libraries(dlls, lambda package, name: missing(root, packages, package, name))
     write(root, files, force)
-    if needs_json(files):
-        add_json(root, all_packages(root, manifest))
+    add_packages(root, {name: version for name, version in unitys_packages(files).items() if name not in packages})
     for line in advice(root):
         say(line)
     if scripts_only and not there:
@@ -164,36 +168,46 @@ def take_home(folder: Path) -> list[Path]:
     for path in chosen:  # It grows meanwhile: what is used may use others.
         code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
         chosen += [other for other in others if other not in chosen and any(uses(code, name) for name in types(other))]
-    chosen += sorted(path for path in (PACKAGE / STUB).iterdir() if path.suffix in (".cs", ".asmdef"))
     # The browser's half of a script, and the assembly of scripts that know nothing of NetMQ.
     chosen += [path for script in chosen if (path := script.with_suffix(".jslib")).exists()]
     folders = sorted({path.parent for path in chosen})
     chosen += [path for folder in folders if folder.name[:1].isdigit() for path in folder.glob("*.asmdef")]
     # With an assembly of their own: that is what a game's other assemblies can refer to, and what WebGL leaves out.
-    return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml", PACKAGE / "NetMQExample.asmdef"]
+    # One without scripts is left out: Unity would warn of it at each compilation.
+    inner = {path.parent for path in chosen if path.suffix == ".asmdef"}
+    if not {path.parent for path in chosen if path.suffix == ".cs"} <= inner:
+        chosen.append(PACKAGE / "NetMQExample.asmdef")
+    return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml"]
 
 
-def needs_json(files: dict[str, bytes]) -> bool:
-    return any(b"using Newtonsoft.Json" in data for name, data in files.items() if name.endswith(".cs"))
+def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
+    """What the scripts among these files need of Unity's own packages, with their versions."""
+    texts = [data.decode("utf-8-sig") for name, data in files.items() if name.endswith(".cs")]
+    json_package = dict([JSON]) if any("using Newtonsoft.Json" in text for text in texts) else {}
+    return {**json_package, **dict.fromkeys(sorted(needed(texts)), VERSION)}
 
 
-def add_json(root: Path, packages: set[str]) -> None:
-    """Name Unity's package of Newtonsoft.Json in the project's manifest, if it is not there by another route."""
-    if JSON[0] in packages or elsewhere(root, "Newtonsoft.Json.dll"):
+def add_packages(root: Path, wanted: dict[str, str]) -> None:
+    """Name them in the project's manifest."""
+    if elsewhere(root, "Newtonsoft.Json.dll"):
+        wanted.pop(JSON[0], None)
+    if not wanted:
         return
     path = root / "Packages" / "manifest.json"
     # Beside it, and so on the same disk: a full disk leaves the old one whole.
     new = path.with_name(f"manifest.json.{os.getpid()}")
     try:
         manifest = json.loads(path.read_text(encoding="utf-8-sig"))
-        manifest.setdefault("dependencies", {})[JSON[0]] = JSON[1]
+        manifest.setdefault("dependencies", {}).update(wanted)
         new.write_text(json.dumps(manifest, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
         replace(new, path)
     except OSError as error:
         new.unlink(missing_ok=True)
-        say(f"add the package {JSON[0]} in Unity's Package Manager: Packages/manifest.json cannot be written ({error})")
+        names = ", ".join(wanted)
+        say(f"Packages/manifest.json cannot be written ({error}): add in Unity's Package Manager: {names}")
         return
-    say(f"added {JSON[0]} {JSON[1]} to Packages/manifest.json")
+    for name, version in wanted.items():
+        say(f"added {name} {version} to Packages/manifest.json")
 
 
 def notices() -> dict[str, bytes]:
@@ -216,13 +230,25 @@ def uses(code: str, name: str) -> bool:
     return re.search(rf"(?<![\w.]){name}\b", code) is not None
 
 
-def libraries(folder: Path | None) -> dict[str, bytes]:
-    """The DLLs with their import settings."""
-    found = {f"{PLUGINS}.meta": f"fileFormatVersion: 2\nguid: {guid('Plugins')}\n{FOLDER}".encode()}
+def libraries(
+    folder: Path | None, ask: Callable[[str, str], set[str]] = lambda package, name: PARTS
+) -> dict[str, bytes]:
+    """The DLLs with their import settings; `ask` says where a package's DLL is missing, of PARTS."""
+    found: dict[str, bytes] = {}
     for package, version, inside in LIBRARIES:
         name = inside.rsplit("/", 1)[1]
+        if not (parts := ask(package, name)):
+            continue
         found[f"{PLUGINS}/{name}"] = in_folder(folder, name) if folder else library(package, version, inside)
-        found[f"{PLUGINS}/{name}.meta"] = LIBRARY_META.format(guid=guid(f"Plugins/{name}")).encode()
+        found[f"{PLUGINS}/{name}.meta"] = LIBRARY_META.format(
+            guid=guid(f"Plugins/{name}"),
+            hidden=int(name.startswith("System.")),
+            editor=int("editor" in parts),
+            no_editor=int("editor" not in parts),
+            builds=int("builds" in parts),
+        ).encode()
+    if found:
+        found[f"{PLUGINS}.meta"] = f"fileFormatVersion: 2\nguid: {guid('Plugins')}\n{FOLDER}".encode()
     return found
 
 
@@ -286,8 +312,8 @@ def write(root: Path, files: dict[str, bytes], force: bool) -> None:
             (root / name).parent.mkdir(parents=True, exist_ok=True)
         for number, name in enumerate(news):
             replace(stage / str(number), root / name)
-        if news:
-            record |= {name: digest(data) for name, data in news.items()}
+        record |= {name: digest(data) for name, data in news.items()}
+        if remove_outdated(root, record) or news:
             (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
     except OSError as error:
         raise KitError(f"could not write into {root}: {error}") from None
@@ -299,6 +325,27 @@ def write(root: Path, files: dict[str, bytes], force: bool) -> None:
     same = sum(not name.endswith(".meta") for name in files.keys() - news.keys())
     if same:
         say(f"{same} files were there already")
+
+
+def remove_outdated(root: Path, record: dict[str, str]) -> bool:
+    """Delete what an older kit wrote and this one does not have: two scripts with one class do not compile."""
+    kept = {PLUGINS, f"{PLUGINS}.meta", *notices()}
+    old = [name for name in record if not kept & {name, Path(name).parent.as_posix()}]
+    old = [name for name in old if not (PACKAGE / name.removeprefix(f"{TARGET}/")).exists()]
+    # A script before its .meta, which stays where the script does; what is in a folder before the folder's.
+    for name in sorted(old, key=lambda name: (name.endswith(".meta"), -name.count("/"))):
+        path, known = root / name, record.pop(name)
+        if name.endswith(".meta") and path.with_suffix("").exists():
+            continue
+        if path.is_file() and digest(path.read_bytes()) != known:
+            say(f"{name} is no longer a part of the kit, and stays because you have changed it: delete it if you can")
+            continue
+        path.unlink(missing_ok=True)
+        if not name.endswith(".meta"):
+            say(f"deleted {name}, which is no longer a part of the kit")
+        if path.parent.is_dir() and not any(path.parent.iterdir()):
+            path.parent.rmdir()
+    return bool(old)
 
 
 def replace(source: Path, target: Path) -> None:

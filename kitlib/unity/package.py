@@ -16,7 +16,7 @@ from pathlib import Path
 
 from kitlib.lessons import KitError
 from kitlib.terminal import say
-from kitlib.unity.install import ALONE, JSON, libraries, needs_json, notices, replace, scripts
+from kitlib.unity.install import ALONE, libraries, notices, replace, scripts, unitys_packages
 
 # In this entry Unity's own tools write the packages that an import adds to the project's manifest.
 MANIFEST = "packagemanagermanifest/asset"
@@ -60,8 +60,8 @@ def entries(files: dict[str, bytes]) -> dict[str, bytes]:
             found[f"{folder}/asset"] = files[path]
         found[f"{folder}/asset.meta"] = files[name]
         found[f"{folder}/pathname"] = path.encode()
-    if needs_json(files):
-        found[MANIFEST] = json.dumps({"dependencies": dict([JSON])}).encode()
+    if wanted := unitys_packages(files):
+        found[MANIFEST] = json.dumps({"dependencies": wanted}).encode()
     return found
 
 

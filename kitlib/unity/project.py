@@ -12,6 +12,8 @@ from kitlib.unity.meta import PACKAGE
 
 # Where the kit's files go in it.
 TARGET = "Assets/NetMQExample"
+# Where a DLL may be wanted.
+PARTS = {"editor", "builds"}
 
 
 def find_project(path: Path) -> Path:
@@ -20,21 +22,31 @@ def find_project(path: Path) -> Path:
         # On Windows "C:\My Game\" arrives so, with all that follows: a backslash takes the quotation mark its meaning.
         raise KitError(f"the path is {path}: leave out the backslash before the quotation mark")
     for folder in [path.resolve(), *path.resolve().parents]:
-        version = folder / "ProjectSettings" / "ProjectVersion.txt"
-        if (folder / "Assets").is_dir() and version.is_file():
-            check_version(version.read_text(encoding="utf-8"))
+        if (folder / "Assets").is_dir() and (folder / "ProjectSettings" / "ProjectVersion.txt").is_file():
             return folder
     reason = "there is no such folder" if not path.exists() else "no Assets beside ProjectSettings/ProjectVersion.txt"
     raise KitError(f"{path} is no Unity project: {reason}; give the folder that Unity Hub shows")
 
 
-def check_version(text: str) -> None:
-    """A KitError if this Unity is too old for NetMQ."""
+def version(root: Path) -> tuple[int, int]:
+    """That of the project's Unity, such as (2022, 3); a far later one where it cannot be read."""
+    text = (root / "ProjectSettings" / "ProjectVersion.txt").read_text(encoding="utf-8")
     found = re.search(r"^m_EditorVersion: (\d+)\.(\d+)", text, re.MULTILINE)
-    if found and (int(found[1]), int(found[2])) < (2021, 2):
-        raise KitError(
-            f"this project is for Unity {found[1]}.{found[2]}; NetMQ needs 2021.2 or later (.NET Standard 2.1)"
-        )
+    return (int(found[1]), int(found[2])) if found else (9999, 0)
+
+
+def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:
+    """A KitError if this Unity is too old for these files."""
+    major, minor = version(root)
+    if (major, minor) < (2021, 2):
+        raise KitError(f"this project is for Unity {major}.{minor}; NetMQ needs 2021.2 or later (.NET Standard 2.1)")
+    if (major, minor) >= (2022, 3) or not any(b"Physics.simulationMode" in data for data in files.values()):
+        return
+    what = f"lesson {lesson} steps physics, which" if lesson else "the whole package"
+    raise KitError(
+        f"this project is for Unity {major}.{minor}; {what} needs 2022.3 or later: nothing was copied; "
+        "--lesson 4 copies one lesson that does without"
+    )
 
 
 def packages_of(root: Path) -> dict[str, str]:
@@ -68,6 +80,26 @@ def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
     if name in manifest:
         say(f"the scripts come from {name} in Packages/manifest.json: they are not copied")
     return name in manifest
+
+
+def missing(root: Path, packages: set[str], package: str, name: str) -> set[str]:
+    """Where nothing else in the project brings this DLL: two of one name do not compile, or the wrong one is taken."""
+    if f"org.nuget.{package.lower()}" in packages:
+        return set()
+    copies = [*elsewhere(root, name), *(root / "Library" / "PackageCache").rglob(name)]
+    return PARTS.difference(*(served(copy) for copy in copies))
+
+
+def served(dll: Path) -> set[str]:
+    """Where a DLL is used, by its .meta: com.unity.collections has one for builds alone."""
+    meta = dll.with_name(f"{dll.name}.meta")
+    text = meta.read_text(encoding="utf-8", errors="replace") if meta.exists() else ""
+    # Unity 6 writes no line `second:`.
+    enabled = dict(re.findall(r"^[ -]*(?:first:\n *)?([\w ]+):.*\n(?: *second:\n)? *enabled: (\d)", text, re.MULTILINE))
+    if not enabled:
+        return PARTS
+    builds = {"builds"} if "1" in (on for name, on in enabled.items() if name.strip() != "Editor") else set()
+    return builds | ({"editor"} if enabled.get("Editor", enabled.get("Any")) == "1" else set())
 
 
 def has_netmq(root: Path, packages: set[str]) -> bool:

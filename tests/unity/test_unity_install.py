@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -137,11 +136,11 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
     assert ("NetMQLifetime.cs" in copied) != web
     for kind in ("*.jslib", "NetMQExample.Web.asmdef"):
         assert bool(list((project / TARGET).rglob(kind))) == web
-    assert (project / TARGET / "NetMQExample.asmdef").exists(), "the game's own assemblies could not refer to them"
+    # What a game's own assemblies refer to; one without scripts Unity would warn of.
+    assert (project / TARGET / "NetMQExample.asmdef").exists() != web
     assert not list((project / TARGET).rglob("*.unity"))
     if key.startswith("01"):
         assert copied == {
-            "BufferManager.cs",
             "ConnectedBehaviour.cs",
             "HelloClient.cs",
             "HelloRequester.cs",
@@ -171,25 +170,40 @@ def test_the_scripts_of_one_lesson_compile_alone(key: str, project: Path, nuget:
     assert result.ok, result.output
 
 
-def test_the_lesson_that_reads_json_brings_unitys_package_for_it(project: Path, nuget: Path) -> None:
+def test_a_lean_project_gets_what_the_scripts_need_of_unity(
+    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     manifest = project / "Packages" / "manifest.json"
-    before = manifest.read_bytes()
+    own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))["dependencies"]
+
+    def added() -> set[str]:
+        dependencies: dict[str, str] = json.loads(manifest.read_text(encoding="utf-8"))["dependencies"]
+        assert dependencies.pop("com.unity.ugui") == "1.0.0"
+        assert dependencies.items() <= own.items()
+        return dependencies.keys() | set()
+
     unity_install.install(project, "4", False)
-    assert manifest.read_bytes() == before
+    modules = {"com.unity.modules.imgui", "com.unity.modules.jsonserialize"}
+    assert added() == modules, "HelloWorldHud draws, ServerAddress reads a field"
+    assert "added com.unity.modules.imgui 1.0.0 to Packages/manifest.json" in capsys.readouterr().out
     unity_install.install(project, "5", False)
-    own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
-    name = "com.unity.nuget.newtonsoft-json"
-    wanted = {"com.unity.ugui": "1.0.0", name: own["dependencies"][name]}
-    assert json.loads(manifest.read_text(encoding="utf-8")) == {"dependencies": wanted}
+    assert added() >= modules | {"com.unity.nuget.newtonsoft-json"}
+    unity_install.install(project, None, False)
+    package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
+    assert added() == package["dependencies"].keys()
     after = manifest.read_bytes()
-    unity_install.install(project, "5", False)
+    unity_install.install(project, None, False)
     assert manifest.read_bytes() == after
     assert [path.name for path in manifest.parent.iterdir()] == ["manifest.json"]
 
 
-def test_a_newtonsoft_json_that_is_there_is_the_one(project: Path, nuget: Path) -> None:
-    before = (project / "Packages" / "manifest.json").read_bytes()
+def test_what_is_there_by_another_route_is_not_added(project: Path, nuget: Path) -> None:
+    package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
+    brought = [name for name in package["dependencies"] if name.startswith("com.unity.modules.")]
+    lock = {"dependencies": {name: {"depth": 1} for name in brought}}
+    (project / "Packages" / "packages-lock.json").write_text(json.dumps(lock))
     (project / "Assets" / "Newtonsoft.Json.dll").write_bytes(b"MZ")
+    before = (project / "Packages" / "manifest.json").read_bytes()
     unity_install.install(project, None, False)
     assert (project / "Packages" / "manifest.json").read_bytes() == before
 
@@ -240,16 +254,99 @@ def test_a_damaged_lock_is_none(text: str, project: Path, nuget: Path) -> None:
     assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
 
 
-def test_the_stub_is_left_out_where_the_real_library_is(project: Path, nuget: Path) -> None:
+SHARED_DLLS = [Path(inside).name for _, _, inside in unity_install.LIBRARIES if "/System." in inside]
+# As Unity wrote a .meta before Unity 6, and since: com.unity.collections has a DLL for builds alone.
+ENTRY = "  - first:\n      {}\n    second:\n      enabled: {}\n"
+FOR_BUILDS = ENTRY.format("Any: ", 1) + ENTRY.format("Editor: Editor", 0)
+FOR_EDITOR = "    Any:\n      enabled: 0\n      settings: {}\n    Editor:\n      enabled: 1\n"
+
+
+@pytest.mark.parametrize("name", SHARED_DLLS)
+@pytest.mark.parametrize("where", ["manifest", "lock", "Library/PackageCache/com.unity.some@1.0.0", "Assets/Other"])
+def test_a_dll_of_nets_own_that_another_package_brings_is_not_copied(
+    name: str, where: str, project: Path, nuget: Path
+) -> None:
+    package = f"org.nuget.{name.removesuffix('.dll').lower()}"
+    if where == "manifest":
+        (project / "Packages" / "manifest.json").write_text(json.dumps({"dependencies": {package: "1.0.0"}}))
+    elif where == "lock":
+        (project / "Packages" / "packages-lock.json").write_text(json.dumps({"dependencies": {package: {}}}))
+    else:
+        (project / where).mkdir(parents=True)
+        (project / where / name).write_bytes(b"MZ other")
     unity_install.install(project, "4", False)
-    assert (project / TARGET / "ServiceModel" / "System.ServiceModel.Primitives.asmdef").exists()
-    shutil.rmtree(project / TARGET)
-    real = project / "Assets" / "Packages" / "System.ServiceModel.Primitives.dll"
-    real.parent.mkdir()
-    real.write_bytes(b"MZ")
+    assert {path.name for path in (project / TARGET / "Plugins").glob("*.dll")} == {
+        Path(inside).name for _, _, inside in unity_install.LIBRARIES
+    } - {name}
+
+
+@pytest.mark.parametrize(("theirs", "ours"), [(FOR_BUILDS, (0, 1)), (FOR_EDITOR, (1, 0))])
+def test_one_that_serves_builds_or_the_editor_alone_is_supplemented(
+    theirs: str, ours: tuple[int, int], project: Path, nuget: Path
+) -> None:
+    cache = project / "Library" / "PackageCache" / "com.unity.some@1.0.0" / "Tests"
+    cache.mkdir(parents=True)
+    (cache / SHARED_DLLS[0]).write_bytes(b"MZ other")
+    (cache / f"{SHARED_DLLS[0]}.meta").write_text(f"fileFormatVersion: 2\nPluginImporter:\n  platformData:\n{theirs}")
     unity_install.install(project, "4", False)
-    assert not (project / TARGET / "ServiceModel").exists()
-    assert not (project / TARGET / "ServiceModel.meta").exists()
+    meta = (project / TARGET / "Plugins" / f"{SHARED_DLLS[0]}.meta").read_text()
+    enabled = dict(re.findall(r"(Any|Editor):.*\n    second:\n      enabled: (\d)", meta))
+    assert enabled == {"Any": str(ours[0]), "Editor": str(ours[1])}
+    assert f"Exclude Editor: {1 - ours[1]}" in meta
+
+
+def test_no_script_of_the_game_sees_the_dlls_of_nets_own(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    for path in (project / TARGET / "Plugins").glob("*.dll.meta"):
+        hidden = path.name.removesuffix(".meta") in SHARED_DLLS
+        assert f"isExplicitlyReferenced: {int(hidden)}\n" in path.read_text(), path.name
+
+
+def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(
+    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two scripts with one class do not compile, nor does an assembly definition with a name of Unity's own."""
+    unity_install.install(project, "4", False)
+    record = project / TARGET / ".kit.json"
+    known = json.loads(record.read_text())
+    for name in ("Stub/Old.cs", "Stub/Old.cs.meta", "Stub.meta", "Shared/Renamed.cs", "Shared/Renamed.cs.meta"):
+        (project / TARGET / name).parent.mkdir(exist_ok=True)
+        (project / TARGET / name).write_bytes(name.encode())
+        known[f"{TARGET}/{name}"] = unity_install.digest(name.encode())
+    record.write_text(json.dumps(known))
+    (project / TARGET / "Shared" / "Renamed.cs").write_text("// mine")
+    unity_install.install(project, "4", False)
+    assert not list((project / TARGET).glob("Stub*"))
+    printed = capsys.readouterr().out
+    assert f"deleted {TARGET}/Stub/Old.cs, which is no longer a part of the kit" in printed
+    assert f"{TARGET}/Shared/Renamed.cs is no longer a part of the kit, and stays" in printed
+    assert (project / TARGET / "Shared" / "Renamed.cs.meta").exists()
+    before = listing(project)
+    unity_install.install(project, "4", False)
+    assert listing(project) == before
+
+
+@pytest.mark.parametrize(
+    ("version", "lesson", "refused"),
+    [
+        ("2021.1.0f1", "1", "NetMQ needs 2021.2 or later"),
+        ("2021.3.45f1", None, "the whole package needs 2022.3 or later: nothing was copied; --lesson 4"),
+        ("2021.3.45f1", "9", "lesson 9 steps physics, which needs 2022.3 or later: nothing was copied; --lesson 4"),
+        ("2021.3.45f1", "4", ""),
+        ("2022.3.76f1", None, ""),
+        ("6000.7.0a1", None, ""),
+    ],
+)
+def test_an_older_unity_gets_what_compiles_there(
+    version: str, lesson: str | None, refused: str, project: Path, nuget: Path
+) -> None:
+    (project / "ProjectSettings" / "ProjectVersion.txt").write_text(f"m_EditorVersion: {version}\n")
+    if not refused:
+        unity_install.install(project, lesson, False)
+        return
+    with pytest.raises(KitError, match=refused) as error:
+        unity_install.install(project, lesson, False)
+    assert "\n" not in str(error.value) and not (project / TARGET).exists()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has access lists instead of these bits")

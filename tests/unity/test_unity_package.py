@@ -100,7 +100,7 @@ def test_equal_input_makes_an_equal_file(pack: Callable[..., Path]) -> None:
     assert pack().read_bytes() == pack(name="Other.unitypackage").read_bytes()
 
 
-def test_an_import_brings_unitys_package_for_json(pack: Callable[..., Path]) -> None:
+def test_an_import_brings_unitys_packages(pack: Callable[..., Path]) -> None:
     with tarfile.open(pack()) as archive:
         manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))  # type: ignore[arg-type]
     own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
@@ -113,7 +113,8 @@ def test_one_lesson_takes_only_what_it_uses(pack: Callable[..., Path]) -> None:
     assert "Assets/NetMQExample/01_request_reply/HelloClient.cs" in found
     assert not [name for name in found if "/02_" in name or name.endswith(".unity")]
     with tarfile.open(file) as archive:
-        assert "packagemanagermanifest/asset" not in archive.getnames(), "it reads no JSON"
+        manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))  # type: ignore[arg-type]
+    assert manifest == {"dependencies": {"com.unity.modules.jsonserialize": "1.0.0"}}, "ServerAddress reads a field"
 
 
 def test_a_guid_that_two_assets_have_is_refused() -> None:

@@ -362,7 +362,7 @@ def test_a_broken_script_is_refused(member: str, fault: str) -> None:
     [
         ({"dependencies": {"com.unity.modules.inputlegacy": "1.0.0"}}, "com.unity.modules.inputlegacy is not in every"),
         ({"dependencies": {"org.nuget.netmq": "4.0.4.5"}}, "org.nuget.netmq 4.0.4.5 is no package"),
-        ({"dependencies": {"org.nuget.netmq": "4.0.4-05"}}, "org.nuget.netmq 4.0.4-05 is no package"),
+        ({"dependencies": {"org.nuget.netmq": "1.0.4-05"}}, "org.nuget.netmq 1.0.4-05 is no package"),
         ({"dependencies": {"org.nuget.NetMQ": "4.0.4-5"}}, "org.nuget.NetMQ 4.0.4-5 is no package"),
         ({"scopedRegistries": [{"name": "a", "url": "https://a.b"}]}, "a registry wants a name, an address and scopes"),
         ({"unityRelease": "0f"}, "unityRelease is no release"),

@@ -90,7 +90,8 @@ namespace NetMQExample
             run.Thread.Start();
         }
 
-        /// <summary>Ends this client alone: what others were doing when the game was paused, they note themselves.</summary>
+        /// <summary>Ends this client alone: the others note by themselves what the game's pause has interrupted.
+        /// </summary>
         protected override void End()
         {
             if (run == null) return;
