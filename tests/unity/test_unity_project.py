@@ -18,8 +18,8 @@ from tests.programs import ROOT, finished
 
 UNITY = ROOT / "unity"
 SCENES = sorted(PACKAGE.rglob("*.unity"))
-# The assemblies that Unity itself, or its test framework, brings along.
-UNITYS_OWN = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}
+# The assemblies of Unity's test framework, and of a package that may be there.
+UNITYS_OWN = {"UnityEngine.TestRunner", "UnityEditor.TestRunner", "Unity.InputSystem"}
 
 
 def relative(path: Path) -> str:

@@ -43,15 +43,9 @@ namespace NetMQExample
         public override MessageArray Render() => world.Render();
 
         /// <inheritdoc/>
-        protected override double[] Heuristic()
-        {
-#if ENABLE_LEGACY_INPUT_MANAGER
+        protected override double[] Heuristic() =>
             // There is no third way: whoever does not push to the right pushes to the left.
-            return new[] { Input.GetAxis("Horizontal") > 0 ? 1.0 : 0.0 };
-#else
-            return new[] { 0.0 };
-#endif
-        }
+            new[] { ArrowKeys.Horizontal > 0 ? 1.0 : 0.0 };
 
         private void Awake()
         {

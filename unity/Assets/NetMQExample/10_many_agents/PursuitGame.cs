@@ -47,11 +47,9 @@ namespace NetMQExample
         {
             // The others rest: alone one wins slowly.
             var way = 0.0;
-#if ENABLE_LEGACY_INPUT_MANAGER
-            var (x, y) = (Input.GetAxis("Horizontal"), Input.GetAxis("Vertical"));
+            var (x, y) = (ArrowKeys.Horizontal, ArrowKeys.Vertical);
             if (agent == "hunter_0" && x != 0) way = x < 0 ? 1 : 2;
             else if (agent == "hunter_0" && y != 0) way = y < 0 ? 3 : 4;
-#endif
             return new[] { way };
         }
 
