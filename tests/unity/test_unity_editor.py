@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.programs import ROOT, Mark, finds_processes, steady_endpoint
-from tests.unity.conftest import Editor
+from tests.unity.conftest import PACKAGE, Editor
 
 # They share what was built.
 pytestmark = pytest.mark.xdist_group("player")
@@ -35,6 +35,19 @@ def test_the_stand_in_has_unitys_signatures(editor_dll: Path) -> None:
     assert [line.rstrip() for line in lines] == [
         line if line.startswith(" ") else line.split("    ")[0] for line in facts
     ]
+
+
+def test_what_is_for_the_editor_alone_needs_no_more_than_net_framework() -> None:
+    """Unity compiles them against it by default (Player Settings, Editor Assemblies Compatibility Level), the tests do
+    against .NET Standard 2.1. So here is what the kit uses elsewhere, and .NET Framework 4.8 lacks."""
+    lacking = re.compile(
+        r"\bAsSpan|\.Span\b|\bSpan<|ReadOnlySpan|\.TryDequeue|\.TryPeek|GetValueOrDefault|Array\.Fill|Math\.Clamp|HashCode"
+    )
+    for path in [*(PACKAGE / "Editor").glob("*.cs"), *(PACKAGE / "Tests" / "EditMode").glob("*.cs")]:
+        code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
+        assert not lacking.search(code), path
+        # There a MatchCollection is no IEnumerable<Match>.
+        assert code.count(".Matches(") == code.count(".Cast<Match>()"), path
 
 
 @finds_processes

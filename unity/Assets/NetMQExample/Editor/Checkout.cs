@@ -86,7 +86,7 @@ namespace NetMQExample.Editor
             var project = File.ReadAllText(Path.Combine(Root, "pyproject.toml"));
             // With what application 20's webcam needs.
             var names = $"dependencies|{key}(?:_camera)?";
-            var lists = Regex.Matches(project, $"^(?:{names}) = \\[(.*)\\]", RegexOptions.Multiline);
+            var lists = Regex.Matches(project, $"^(?:{names}) = \\[(.*)\\]", RegexOptions.Multiline).Cast<Match>();
             // PowerShell takes what is in quotation marks for a text, and no command.
             var command = python.Contains(" ") ? $"\"{python}\"" : python;
             return $"{command} -m pip install {string.Join(" ", lists.Select(list => Words(list.Groups[1].Value)))}";

@@ -66,7 +66,7 @@ namespace NetMQExample.Editor
         {
             try
             {
-                if (bytes.Length <= 10_000) return NetMQLifetime.Printable(Strict.GetString(bytes.Span));
+                if (bytes.Length <= 10_000) return NetMQLifetime.Printable(Strict.GetString(bytes.ToArray()));
             }
             catch (ArgumentException) { /* It is no UTF-8. */ }
             return $"({bytes.Length} bytes)";
