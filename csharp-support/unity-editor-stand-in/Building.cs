@@ -6,20 +6,40 @@ namespace UnityEditor
 {
     public enum BuildTarget
     {
+        StandaloneOSX = 2,
         iOS = 9,
         Android = 13,
         StandaloneLinux64 = 24,
         VisionOS = 47,
     }
 
+    public enum AndroidSdkVersions
+    {
+        AndroidApiLevelAuto = 0,
+        AndroidApiLevel36 = 36,
+    }
+
     public sealed class PlayerSettings : UnityEngine.Object
     {
         private PlayerSettings() { }
 
+        public static string productName { get; set; } = "My Game";
+
         public class Android
         {
             public static bool forceInternetPermission { get; set; }
+
+            public static AndroidSdkVersions targetSdkVersion { get; set; }
         }
+    }
+}
+
+namespace UnityEditor.OSXStandalone
+{
+    // In Unity it comes with the editor for macOS.
+    public static class MacOSCodeSigning
+    {
+        public static void CodeSignAppBundle(string path) => Drawing.Lines.Add($"signed {path}");
     }
 }
 

@@ -218,6 +218,41 @@ def test_a_device_is_warned_of_what_cannot_work_there(editor: Open, project: Pat
     assert "link: " in unity.do(f"build Android {tmp_path}")
 
 
+PLIST = '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n</dict>\n</plist>\n'
+
+
+@pytest.mark.parametrize(
+    ("output", "inside", "signed"),
+    [("Game.app", "Contents", True), ("xcode", "My Game", False)],
+    ids=["a program", "a project for Xcode"],
+)
+def test_a_mac_asks_for_the_local_network(
+    output: str, inside: str, signed: bool, editor: Open, project: Path, tmp_path: Path
+) -> None:
+    """And is not warned of 127.0.0.1: that is the same Mac. A program that was signed before is signed again, once."""
+    unity = editor(project)
+    plist = tmp_path / output / inside / "Info.plist"
+    plist.parent.mkdir(parents=True)
+    plist.write_text(PLIST, encoding="utf-8")
+    said = unity.do(f"build StandaloneOSX {tmp_path / output}") + unity.do(f"build StandaloneOSX {tmp_path / output}")
+    assert said.count(f"signed {tmp_path / output}") == signed
+    assert not any("127.0.0.1" in line for line in said)
+    assert plist.read_text(encoding="utf-8").count("<key>NSLocalNetworkUsageDescription</key>") == 1
+
+
+def test_android_17_asks_for_the_local_network(editor: Open, project: Path, tmp_path: Path) -> None:
+    unity = editor(project)
+    ask = (
+        "from Android 17 on the user decides whether a game may talk to the local network: declare android.permission."
+    )
+    for level, asked in {"36": False, "37": True, "0": False}.items():
+        assert (ask in "\n".join(unity.do(f"build Android {tmp_path} {level}"))) == asked
+    manifest = project / "Assets" / "Plugins" / "Android" / "AndroidManifest.xml"
+    manifest.parent.mkdir(parents=True)
+    manifest.write_text('<uses-permission android:name="android.permission.ACCESS_LOCAL_NETWORK" />', encoding="utf-8")
+    assert ask not in "\n".join(unity.do(f"build Android {tmp_path} 37"))
+
+
 def test_the_menu_adds_the_prefab(editor: Open, project: Path) -> None:
     """By its GUID, wherever the package lies; and what the prefab refers to is there."""
     unity = editor(project)

@@ -10,7 +10,7 @@
 //     another ENDPOINT        one more of it, and both are selected; prefab: it is one in Assets; destroy it
 //     host ADDRESS            into the asset with the servers' address
 //     flood                   a hundred messages of ten long frames
-//     build TARGET FOLDER     what Unity calls when it builds for a platform
+//     build TARGET FOLDER     what Unity calls when it builds for a platform; build Android FOLDER 37: for that API level
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     calls DLL               how often a build of the lessons shows a message
 //     quit                    the end of the editor
@@ -152,6 +152,7 @@ namespace NetMQExample.EditorTest
         {
             var target = (BuildTarget)Enum.Parse(typeof(BuildTarget), words[0]);
             var (guards, report) = (new BuildGuards(), new BuildReport(target));
+            PlayerSettings.Android.targetSdkVersion = (AndroidSdkVersions)int.Parse(words.ElementAtOrDefault(2) ?? "0");
             guards.OnPreprocessBuild(report);
             var thing = new GameObject("client");
             thing.SetActive(false);
@@ -159,6 +160,8 @@ namespace NetMQExample.EditorTest
             guards.OnProcessScene(default, report);
             Object.DestroyImmediate(thing);
             BuildGuards.AddNetworkSentence(target, words[1]);
+            foreach (var line in Drawing.Lines) Console.WriteLine(line);
+            Drawing.Lines.Clear();
             Console.WriteLine($"link: {guards.GenerateAdditionalLinkXmlFile(report, null)}");
         }
 

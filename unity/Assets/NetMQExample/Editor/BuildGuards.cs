@@ -1,5 +1,6 @@
 // What a build for a device is warned of, and what is added to it: the checklist of docs/guide/devices.md, as far as a
 // program can go through it.
+using System;
 using System.IO;
 using UnityEditor;
 using UnityEditor.Build;
@@ -20,22 +21,33 @@ namespace NetMQExample.Editor
         /// <inheritdoc/>
         public int callbackOrder => 0;
 
-        /// <summary>Adds to an iOS or visionOS build the sentence that its user is asked with.</summary>
+        /// <summary>Adds to a build for a system of Apple's the sentence that its user is asked with.</summary>
         /// <param name="target">The platform.</param>
-        /// <param name="pathToBuiltProject">The folder of the Xcode project.</param>
+        /// <param name="pathToBuiltProject">The folder of the Xcode project, or a Mac's program.</param>
         [PostProcessBuild]
         public static void AddNetworkSentence(BuildTarget target, string pathToBuiltProject)
         {
-            var path = Path.Combine(pathToBuiltProject, "Info.plist");
-            if (!IsDevice(target) || !File.Exists(path)) return;
-            File.WriteAllText(path, DeviceChecks.WithNetworkSentence(File.ReadAllText(path)));
+            var mac = target == BuildTarget.StandaloneOSX;
+            var program = mac && pathToBuiltProject.EndsWith(".app", StringComparison.Ordinal);
+            var folder = program ? "Contents" : mac ? PlayerSettings.productName : "";
+            var path = Path.Combine(pathToBuiltProject, folder, "Info.plist");
+            if (!(mac || IsDevice(target)) || !File.Exists(path)) return;
+            var before = File.ReadAllText(path);
+            var after = DeviceChecks.WithNetworkSentence(before);
+            if (after == before) return;
+            File.WriteAllText(path, after);
+#if UNITY_EDITOR_OSX
+            // Unity has signed what it was.
+            if (program) UnityEditor.OSXStandalone.MacOSCodeSigning.CodeSignAppBundle(pathToBuiltProject);
+#endif
         }
 
         /// <inheritdoc/>
         public void OnPreprocessBuild(BuildReport report)
         {
-            if (report.summary.platform == BuildTarget.Android && !PlayerSettings.Android.forceInternetPermission)
-                Debug.LogWarning(DeviceChecks.Permission);
+            if (report.summary.platform != BuildTarget.Android) return;
+            if (!PlayerSettings.Android.forceInternetPermission) Debug.LogWarning(DeviceChecks.Permission);
+            if (DeviceChecks.MustAsk((int)PlayerSettings.Android.targetSdkVersion)) Debug.LogWarning(DeviceChecks.Ask);
         }
 
         /// <inheritdoc/>

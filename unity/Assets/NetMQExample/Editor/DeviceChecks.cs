@@ -1,4 +1,5 @@
 // What is said of a build for a device, and what is written into it.
+using System.IO;
 using System.Text.RegularExpressions;
 
 namespace NetMQExample.Editor
@@ -10,7 +11,20 @@ namespace NetMQExample.Editor
         public const string Permission = "Android may refuse NetMQ the network: set Project Settings, Player, Other "
             + "Settings, Internet Access to Require";
 
+        /// <summary>Said of Android 17.</summary>
+        public const string Ask = "from Android 17 on the user decides whether a game may talk to the local network: "
+            + "declare android.permission." + Access + " in " + Manifest + ", and ask for it with "
+            + "UnityEngine.Android.Permission.RequestUserPermission";
+
+        private const string Access = "ACCESS_LOCAL_NETWORK";
+        private const string Manifest = "Assets/Plugins/Android/AndroidManifest.xml";
         private const string Key = "NSLocalNetworkUsageDescription";
+
+        /// <summary>Whether an Android build must ask for the local network, and does not declare it.</summary>
+        /// <param name="target">Its API level; 0 is the newest one installed, whichever that is.</param>
+        /// <returns>True if <see cref="Ask"/> is to be said.</returns>
+        public static bool MustAsk(int target) =>
+            target >= 37 && !(File.Exists(Manifest) && File.ReadAllText(Manifest).Contains(Access));
 
         /// <summary>Whether an endpoint means the machine that the game itself runs on.</summary>
         /// <param name="endpoint">Such as tcp://127.0.0.1:5554, or null.</param>
@@ -26,7 +40,8 @@ namespace NetMQExample.Editor
             $"{client} in scene {scene} asks 127.0.0.1, which on a device is the device itself: write your computer's "
             + "address into Tools, NetMQ Example, Server address";
 
-        /// <summary>Adds what iOS shows when a game wants to talk to the local network, if nothing is there.</summary>
+        /// <summary>Adds what Apple's systems show when a game wants to talk to the local network, if nothing is
+        /// there.</summary>
         /// <param name="plist">The text of an Info.plist.</param>
         /// <returns>The same, with the sentence.</returns>
         public static string WithNetworkSentence(string plist) => plist.Contains($"<key>{Key}</key>")
