@@ -3,6 +3,7 @@ using System;
 using System.IO;
 using System.Linq;
 using UnityEngine;
+using UnityEngine.UIElements;
 using Object = UnityEngine.Object;
 
 namespace UnityEditor
@@ -24,9 +25,9 @@ namespace UnityEditor
 
         public Object[] targets { get; internal set; }
 
-        public bool DrawDefaultInspector() => true;
+        public SerializedObject serializedObject { get; } = new SerializedObject();
 
-        public virtual void OnInspectorGUI() => DrawDefaultInspector();
+        public virtual VisualElement CreateInspectorGUI() => null;
 
         public virtual bool RequiresConstantRepaint() => false;
     }

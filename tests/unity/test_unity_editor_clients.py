@@ -28,6 +28,8 @@ def test_the_inspector_shows_the_state_and_has_buttons(editor: Open, project: Pa
     unity.do(f"play 4 {endpoint} 2")
     drawn = unity.draw_until("^Info: Connected, round trip [0-9.]+ ms$")
     assert "[Drop the connection]" in drawn and "[Connect]" not in drawn
+    # By UI Toolkit, as Unity draws them itself: a drawer that a user has made with it would have no GUI otherwise.
+    assert drawn.index("fields of HelloBackground") < drawn.index("Info: Connected")
     unity.play_until("done: 2 replies")
     # The component has all that it wanted; a request more is the editor's.
     unity.do("press Send hello")

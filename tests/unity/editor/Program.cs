@@ -23,6 +23,7 @@ using NetMQExample.PlayTest;
 using UnityEditor;
 using UnityEditor.Build.Reporting;
 using UnityEngine;
+using UnityEngine.UIElements;
 using UnityPlayer;
 using Drawing = UnityEditor.Drawing;
 using Object = UnityEngine.Object;
@@ -36,6 +37,7 @@ namespace NetMQExample.EditorTest
 
         private static Player player;
         private static ClientInspector inspector;
+        private static VisualElement drawn;
         private static TextMesh shown;
 
         private static int Main()
@@ -86,7 +88,7 @@ namespace NetMQExample.EditorTest
             Drawing.Pressed = pressed;
             player?.Frame();
             EditorApplication.update?.Invoke();
-            if (inspector != null) inspector.OnInspectorGUI();
+            drawn?.Draw();
             if (player != null) Console.WriteLine($"hud: {shown.text}");
             foreach (var window in EditorWindow.Open)
             {
@@ -121,6 +123,7 @@ namespace NetMQExample.EditorTest
                 if (words.Length > 3) Inspector.Set(scripts, "patience", words[3]);
                 inspector = ScriptableObject.CreateInstance<ClientInspector>();
                 inspector.targets = new Object[] { scripts.OfType<ConnectedBehaviour>().First() };
+                drawn = inspector.CreateInspectorGUI();
                 var hud = new GameObject("hud");
                 hud.AddComponent<TextMesh>();
                 typeof(ClientHud).GetField("client", Any).SetValue(hud.AddComponent<ClientHud>(), inspector.target);
@@ -142,7 +145,7 @@ namespace NetMQExample.EditorTest
         private static void Stop()
         {
             player.Stop();
-            (player, inspector, EditorApplication.isPlaying) = (null, null, false);
+            (player, inspector, drawn, EditorApplication.isPlaying) = (null, null, null, false);
         }
 
         private static void SetHost(string host) =>

@@ -2,7 +2,9 @@
 using System.Collections.Generic;
 using System.Linq;
 using UnityEditor;
+using UnityEditor.UIElements;
 using UnityEngine;
+using UnityEngine.UIElements;
 
 namespace NetMQExample.Editor
 {
@@ -14,15 +16,23 @@ namespace NetMQExample.Editor
         public override bool RequiresConstantRepaint() => EditorApplication.isPlaying;
 
         /// <inheritdoc/>
-        public override void OnInspectorGUI()
+        public override VisualElement CreateInspectorGUI()
         {
-            DrawDefaultInspector();
-            foreach (var client in Playing) Draw(client);
+            var inspector = new VisualElement();
+            // As Unity draws them by itself: with the drawers that a project has for its own attributes.
+            InspectorElement.FillDefaultInspector(inspector, serializedObject, this);
+            inspector.Add(new IMGUIContainer(DrawClients));
+            return inspector;
         }
 
         // Of a prefab in Assets a button would change the file. And what is selected may just have been destroyed.
         private IEnumerable<ConnectedBehaviour> Playing => targets.Cast<ConnectedBehaviour>().Where(client =>
             EditorApplication.isPlaying && client != null && !EditorUtility.IsPersistent(client));
+
+        private void DrawClients()
+        {
+            foreach (var client in Playing) Draw(client);
+        }
 
         private static void Draw(ConnectedBehaviour client)
         {
