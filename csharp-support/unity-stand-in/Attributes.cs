@@ -55,6 +55,13 @@ namespace UnityEngine
         public RequireComponent(Type requiredComponent) => m_Type0 = requiredComponent;
     }
 
+    public sealed class AddComponentMenu : Attribute
+    {
+        public AddComponentMenu(string menuName) => componentMenu = menuName;
+
+        public string componentMenu { get; }
+    }
+
     [AttributeUsage(AttributeTargets.Class, Inherited = false)]
     public sealed class DisallowMultipleComponent : Attribute { }
 

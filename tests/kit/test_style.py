@@ -138,8 +138,9 @@ def python_lines(text):
 
 
 def csharp_lines(text):
-    """The same, where XML documentation is a comment; a lone brace counts."""
-    return [line for line in text.splitlines() if line.strip() and not line.strip().startswith("//")]
+    """The same, where XML documentation is a comment, as is a component's place in a menu; a lone brace counts."""
+    quiet = ("//", "[AddComponentMenu(")
+    return [line for line in text.splitlines() if line.strip() and not line.strip().startswith(quiet)]
 
 
 def limit(path, text):

@@ -238,3 +238,27 @@ def test_the_linker_is_not_told_to_keep_all_of_netmq() -> None:
     """Kept whole it would drag in what only its BufferPool names, at every stripping level."""
     text = (PACKAGE / "link.xml").read_text(encoding="utf-8")
     assert re.findall(r'assembly fullname="(\w+)" preserve="all" ignoreIfMissing="1"', text) == ["NetMQExample"]
+
+
+def test_each_component_has_its_place_in_the_menu() -> None:
+    """Add Component, NetMQ Example, by lesson; without it all lie in one row below Scripts."""
+    found: dict[str, tuple[str, Path, str]] = {}
+    for path in PACKAGE.rglob("[0-9S]*/*.cs"):
+        text = path.read_text(encoding="utf-8")
+        for kind, name, base in re.findall(r"^    public (\w* ?)class (\w+)(?:<\w+>)? : (\w+)", text, re.MULTILINE):
+            found[name] = (base, path, kind)
+    bases = {name: base for name, (base, _, _) in found.items()}
+
+    def is_component(name: str) -> bool:
+        return name == "MonoBehaviour" or (name in bases and is_component(bases[name]))
+
+    components = {name: path for name, (_, path, kind) in found.items() if kind != "abstract " and is_component(name)}
+    assert len(components) > 30
+    # A link to nowhere would be worse than Unity's own page on scripts: with the package's address they all get one.
+    public = "documentationUrl" in json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
+    for name, path in components.items():
+        text = path.read_text(encoding="utf-8")
+        number = f"{path.parent.name[:2]} " if path.parent.name[:2].isdigit() else ""
+        words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+        assert f'    [AddComponentMenu("NetMQ Example/{number}{words}")]\n' in text, relative(path)
+        assert ("[HelpURL(" in text) == public, relative(path)

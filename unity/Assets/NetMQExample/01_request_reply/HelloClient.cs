@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Says Hello to the server a number of times and logs each reply.</summary>
+    [AddComponentMenu("NetMQ Example/01 Hello Client")]
     public sealed class HelloClient : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5551";

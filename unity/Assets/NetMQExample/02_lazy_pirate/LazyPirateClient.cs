@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Adds to the server's account a number of times and logs each reply and each retry.</summary>
+    [AddComponentMenu("NetMQ Example/02 Lazy Pirate Client")]
     public sealed class LazyPirateClient : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5552";

@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Moves its Transform as the publisher says.</summary>
+    [AddComponentMenu("NetMQ Example/03 Pose Follower")]
     public sealed class PoseFollower : NetworkBehaviour
     {
         [SerializeField, Tooltip("The publisher")] private string endpoint = "tcp://127.0.0.1:5553";

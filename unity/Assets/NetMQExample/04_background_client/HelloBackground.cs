@@ -10,6 +10,7 @@ using UnityEngine.Events;
 namespace NetMQExample
 {
     /// <summary>Says hello to the server, once a frame, a number of times, and logs each reply.</summary>
+    [AddComponentMenu("NetMQ Example/04 Hello Background")]
     [DisallowMultipleComponent]
     public sealed class HelloBackground : ConnectedBehaviour
     {

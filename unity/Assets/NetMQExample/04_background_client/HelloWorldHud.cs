@@ -10,6 +10,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Shows state, round-trip time, messages a second and the last error.</summary>
+    [AddComponentMenu("NetMQ Example/04 Hello World Hud")]
     [RequireComponent(typeof(HelloBackground))]
     public sealed class HelloWorldHud : MonoBehaviour
     {

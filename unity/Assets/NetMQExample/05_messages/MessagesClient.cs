@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Sends pictures to the server a number of times and logs where each is brightest.</summary>
+    [AddComponentMenu("NetMQ Example/05 Messages Client")]
     public sealed class MessagesClient : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5555";

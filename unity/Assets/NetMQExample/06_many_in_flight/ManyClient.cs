@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Asks the server a number of things at once and logs each reply when it arrives.</summary>
+    [AddComponentMenu("NetMQ Example/06 Many Client")]
     public sealed class ManyClient : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5556";

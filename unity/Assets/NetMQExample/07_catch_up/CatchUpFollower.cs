@@ -10,6 +10,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Moves its Transform as the publisher says.</summary>
+    [AddComponentMenu("NetMQ Example/07 Catch Up Follower")]
     public sealed class CatchUpFollower : NetworkBehaviour
     {
         [SerializeField, Tooltip("The publisher")] private string endpoint = "tcp://127.0.0.1:5557";

@@ -11,6 +11,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Sends what the cameras see, and has the car do what Python says.</summary>
+    [AddComponentMenu("NetMQ Example/08 Camera Sender")]
     public sealed class CameraSender : NetworkBehaviour
     {
         [SerializeField, Tooltip("The driver")] private string endpoint = "tcp://127.0.0.1:5558";

@@ -4,6 +4,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Keeps the main camera behind and above this object.</summary>
+    [AddComponentMenu("NetMQ Example/08 Chase View")]
     public sealed class ChaseView : MonoBehaviour
     {
         private void LateUpdate()

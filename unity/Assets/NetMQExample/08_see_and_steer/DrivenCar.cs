@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Stands where the world's car is: its x and y are Unity's x and z.</summary>
+    [AddComponentMenu("NetMQ Example/08 Driven Car")]
     public sealed class DrivenCar : DrivenBehaviour
     {
         [SerializeField, Min(0), Tooltip("The point of the road to begin at")] private int start;

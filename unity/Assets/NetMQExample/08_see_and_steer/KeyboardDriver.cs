@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>A person at the keyboard: arrows or W, A, S, D, and the space bar to brake.</summary>
+    [AddComponentMenu("NetMQ Example/08 Keyboard Driver")]
     public sealed class KeyboardDriver : MonoBehaviour
     {
         private void Update()

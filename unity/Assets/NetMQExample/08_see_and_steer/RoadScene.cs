@@ -6,6 +6,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>The world around the car. On the ground y is 0.</summary>
+    [AddComponentMenu("NetMQ Example/08 Road Scene")]
     public sealed class RoadScene : MonoBehaviour
     {
         // So many points of the road for each piece: 1.5 m.

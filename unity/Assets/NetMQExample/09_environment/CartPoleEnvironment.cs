@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>CartPole.cs in a scene, with a cart and a pole made of cubes.</summary>
+    [AddComponentMenu("NetMQ Example/09 Cart Pole Environment")]
     public sealed class CartPoleEnvironment : PythonEnvironment
     {
         private readonly CartPole world = new CartPole();

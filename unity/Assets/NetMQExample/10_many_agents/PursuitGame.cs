@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Pursuit.cs in a scene.</summary>
+    [AddComponentMenu("NetMQ Example/10 Pursuit Game")]
     public sealed class PursuitGame : PythonAgents
     {
         private readonly Pursuit world = new Pursuit();

@@ -10,6 +10,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>A picture for each answer to Python.</summary>
+    [AddComponentMenu("NetMQ Example/11 Camera Sensor")]
     public sealed class CameraSensor : SensorComponent
     {
         [SerializeField, Tooltip("Looks when it is asked to; it is disabled")] private Camera source;

@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>CoinCar.cs in a scene, with cubes for the car and the coins.</summary>
+    [AddComponentMenu("NetMQ Example/11 Coin Car Agent")]
     [RequireComponent(typeof(CameraSensor))]
     public sealed class CoinCarAgent : Agent
     {

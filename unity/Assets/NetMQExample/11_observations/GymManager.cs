@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>A scene whose time passes when Python steps.</summary>
+    [AddComponentMenu("NetMQ Example/11 Gym Manager")]
     public class GymManager : SteppedBehaviour
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5561";

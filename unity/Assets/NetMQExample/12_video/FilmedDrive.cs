@@ -7,6 +7,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Stands where the world's car is: its x and y are Unity's x and z.</summary>
+    [AddComponentMenu("NetMQ Example/12 Filmed Drive")]
     [RequireComponent(typeof(ViewRecorder))]
     public sealed class FilmedDrive : MonoBehaviour
     {

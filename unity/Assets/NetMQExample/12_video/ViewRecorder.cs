@@ -10,6 +10,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Offers cameras to Python. While nobody films it costs nothing.</summary>
+    [AddComponentMenu("NetMQ Example/12 View Recorder")]
     public sealed class ViewRecorder : NetworkBehaviour
     {
         [SerializeField, Tooltip("Where Python films")] private string endpoint = "tcp://127.0.0.1:5562";

@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample.SideChannels
 {
     /// <summary>A number of rounds.</summary>
+    [AddComponentMenu("NetMQ Example/13 Side Channel Client")]
     public sealed class SideChannelClient : SideChannelBehaviour
     {
         [SerializeField, Min(0), Tooltip("How many rounds")] private int count = 5;

@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Has one job done, and shows how far it is.</summary>
+    [AddComponentMenu("NetMQ Example/14 Job Runner")]
     [DisallowMultipleComponent]
     public sealed class JobRunner : NetworkBehaviour
     {

@@ -6,6 +6,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Draws the newest state of a job. What needs memory was made on the network thread.</summary>
+    [AddComponentMenu("NetMQ Example/14 Job View")]
     [RequireComponent(typeof(JobRunner))]
     public sealed class JobView : MonoBehaviour
     {

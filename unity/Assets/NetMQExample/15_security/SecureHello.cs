@@ -10,6 +10,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Says hello a number of times and logs each reply, or that this client is refused.</summary>
+    [AddComponentMenu("NetMQ Example/15 Secure Hello")]
     public sealed class SecureHello : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5565";

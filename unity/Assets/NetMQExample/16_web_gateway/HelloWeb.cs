@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Says Hello to the server behind the gateway a number of times, and logs each reply.</summary>
+    [AddComponentMenu("NetMQ Example/16 Hello Web")]
     public sealed class HelloWeb : MonoBehaviour
     {
         [SerializeField, Tooltip("The gateway")] private string endpoint = "http://127.0.0.1:5566";

@@ -7,6 +7,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Lesson 09's cart and pole, as a simulator of a hub.</summary>
+    [AddComponentMenu("NetMQ Example/17 Fleet Member")]
     public sealed class FleetMember : SteppedBehaviour
     {
         [SerializeField, Tooltip("The hub")] private string endpoint = "tcp://127.0.0.1:5567";

@@ -10,6 +10,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Where the landmarks of a person or a hand are.</summary>
+    [AddComponentMenu("NetMQ Example/20 Body Tracker")]
     public sealed class BodyTracker : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5570";

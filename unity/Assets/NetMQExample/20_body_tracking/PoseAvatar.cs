@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Turns hips, spine, head, arms, legs and feet. The character stays where it is.</summary>
+    [AddComponentMenu("NetMQ Example/20 Pose Avatar")]
     [RequireComponent(typeof(BodyTracker))]
     public sealed class PoseAvatar : MonoBehaviour
     {

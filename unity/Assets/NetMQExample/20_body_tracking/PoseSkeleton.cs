@@ -7,6 +7,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>A sphere for each landmark, and a thin cube for each line between two of them.</summary>
+    [AddComponentMenu("NetMQ Example/20 Pose Skeleton")]
     [RequireComponent(typeof(BodyTracker))]
     public sealed class PoseSkeleton : MonoBehaviour
     {

@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Says what a model answers, in the corner of the game's view and in the console.</summary>
+    [AddComponentMenu("NetMQ Example/21 Talking Character")]
     public class TalkingCharacter : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5571";

@@ -7,6 +7,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Shows a client's state, and why it has given up.</summary>
+    [AddComponentMenu("NetMQ Example/Client Hud")]
     [RequireComponent(typeof(TextMesh))]
     public sealed class ClientHud : MonoBehaviour
     {

@@ -8,6 +8,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Shows the line that was logged last.</summary>
+    [AddComponentMenu("NetMQ Example/Last Line")]
     [RequireComponent(typeof(TextMesh))]
     public sealed class LastLine : MonoBehaviour
     {
