@@ -262,3 +262,34 @@ def test_each_component_has_its_place_in_the_menu() -> None:
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
         assert f'    [AddComponentMenu("NetMQ Example/{number}{words}")]\n' in text, relative(path)
         assert ("[HelpURL(" in text) == public, relative(path)
+
+
+# What a primitive is made of, which fails if IL2CPP's linker has taken one away: GameObject.CreatePrimitive's page in
+# Unity's reference. Of a cylinder the collider is a capsule.
+COLLIDERS = {
+    "Cube": "Box",
+    "Sphere": "Sphere",
+    "Capsule": "Capsule",
+    "Cylinder": "Capsule",
+    "Plane": "Mesh",
+    "Quad": "Mesh",
+}
+
+
+def test_the_linker_keeps_what_primitives_are_made_of() -> None:
+    # A script may name the kind in one place and create it in another.
+    named = {
+        kind for path in PACKAGE.rglob("*.cs") for kind in re.findall(r"PrimitiveType\.(\w+)", path.read_text("utf-8"))
+    }
+    assert {"Cube", "Sphere"} <= named
+    kept = {
+        (assembly, name)
+        for assembly, types in re.findall(
+            r'<assembly fullname="UnityEngine\.(\w+)".*?>(.*?)</assembly>',
+            (PACKAGE / "link.xml").read_text("utf-8"),
+            re.DOTALL,
+        )
+        for name in re.findall(r'<type fullname="UnityEngine\.(\w+)" preserve="all" />', types)
+    }
+    colliders = {("PhysicsModule", f"{COLLIDERS[kind]}Collider") for kind in named}
+    assert kept == {("CoreModule", "MeshFilter"), ("CoreModule", "MeshRenderer"), *colliders}
