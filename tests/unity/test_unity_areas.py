@@ -59,6 +59,14 @@ def test_a_scene_without_areas_says_so(scene: Callable[..., Program]) -> None:
 
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
+def test_physics_is_given_back_by_the_last_one_that_steps_it(runtime: str, scene: Callable[..., Program]) -> None:
+    program = scene(runtime, "2", "switch")
+    assert program.wait() == 0, program.output
+    said = [line for line in program.lines if line.startswith("physics: ")]
+    assert said == [*["physics: Script"] * 3, "physics: FixedUpdate"]
+
+
+@pytest.mark.parametrize("runtime", RUNTIMES)
 def test_what_a_step_costs_the_main_thread(
     runtime: str, scene: Callable[..., Program], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2,6 +2,7 @@
 //
 //     … play.dll areas 16 play --endpoint tcp://127.0.0.1:5560     until Python has closed the environment
 //     … play.dll areas 16 warn --endpoint tcp://127.0.0.1:5560     the same, and each step of physics is warned of
+//     … play.dll areas 16 switch                                   whose physics it is, as one after the other is disabled
 //     … play.dll areas 16 cost 1000                                what a step of all areas costs the main thread
 using System;
 using System.Globalization;
@@ -40,13 +41,29 @@ namespace NetMQExample.PlayTest
             });
             if (what == "cost") Cost(worlds, int.Parse(words[0], CultureInfo.InvariantCulture));
             if (what == "warn") Physics.simulationMode = SimulationMode.FixedUpdate;
-            while (what != "cost" && !(areas.Done && worlds.All(world => world.Done)) && player.Errors == 0)
+            if (what == "switch") Switch(areas, worlds);
+            while (what != "cost" && what != "switch" && !(areas.Done && worlds.All(world => world.Done)) && player.Errors == 0)
             {
                 player.Frame();
                 Thread.Sleep(1);
             }
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
+        }
+
+        // An area, which takes no physics, and then of two that do the first one.
+        private static void Switch(CartPoleAreas areas, CartPoleEnvironment[] worlds)
+        {
+            var other = new GameObject("by hand");
+            other.SetActive(false);
+            Inspector.Set(new MonoBehaviour[] { other.AddComponent<CartPoleEnvironment>() }, "byHand", "true");
+            other.SetActive(true);
+            foreach (var one in new SteppedBehaviour[] { worlds[0], areas, other.GetComponent<CartPoleEnvironment>() })
+            {
+                Console.WriteLine($"physics: {Physics.simulationMode}");
+                one.enabled = false;
+            }
+            Console.WriteLine($"physics: {Physics.simulationMode}");
         }
 
         // Without the network thread, which reads and writes the messages.

@@ -4,6 +4,7 @@
 // 10 ms is waited for, but no frame waits longer than that: else Python would make one step a frame. A game that Python
 // launches takes the endpoint from its command line, and quits when Python closes it.
 using System;
+using System.Collections.Generic;
 using System.Threading;
 using UnityEngine;
 using Stopwatch = System.Diagnostics.Stopwatch;
@@ -19,8 +20,11 @@ namespace NetMQExample
         // How many milliseconds a frame may wait for Python's requests.
         private const int Most = 10;
 
+        // Physics is everybody's: the first one that steps it takes it, and the last one gives it back.
+        private static readonly HashSet<SteppedBehaviour> Users = new HashSet<SteppedBehaviour>();
+        private static SimulationMode before;
+
         private readonly Stopwatch thinking = new Stopwatch();
-        private SimulationMode before;
         private volatile bool launched, quick;
 
         /// <summary>Where the environment listens.</summary>
@@ -35,7 +39,9 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            (before, Physics.simulationMode) = (Physics.simulationMode, SimulationMode.Script);
+            if (Users.Count == 0) before = Physics.simulationMode;
+            Users.Add(this);
+            Physics.simulationMode = SimulationMode.Script;
             if (Connects) base.Begin();
         }
 
@@ -43,7 +49,7 @@ namespace NetMQExample
         protected override void OnDisable()
         {
             if (Connects) base.OnDisable();
-            Physics.simulationMode = before;
+            if (Users.Remove(this) && Users.Count == 0) Physics.simulationMode = before;
         }
 
         /// <inheritdoc/>
