@@ -78,6 +78,9 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "a component's name: renamed",
         "a line",
         "shown: a line",
+        f"shown: {'a' * 59}|b|{'c' * 70}|d|{'e' * 60}|f",
+        "HelloWeb: False",
+        "HelloWeb: True",
         "a second one: True",
         'JSON: {"hp":3,"speeds":[1,0.5],"path":[{"x":0,"y":1,"z":0}],"to":{"who":""},"text":"a \\"word\\",\\n",'
         '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
@@ -99,7 +102,8 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "in the scene: Connecting",
     ]
     assert [line for line in play.lines if line in happened] == happened
-    assert play.lines.count("Application.runInBackground is now true") == 1
+    # HelloWeb and, of the two clients, the first.
+    assert play.lines.count("Application.runInBackground is now true") == 2
     assert "Can't add component 'Once' to renamed: it allows no second one" in play.lines
     assert "Habits.Start returns IEnumerator: it is left out, because the player runs no coroutines" in play.lines
     assert "System.InvalidOperationException: in a continuation" in play.lines

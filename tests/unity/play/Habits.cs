@@ -27,8 +27,23 @@ namespace NetMQExample.PlayTest
                 Console.WriteLine($"a component's name: {habits.name}");
                 var text = new GameObject("text");
                 text.AddComponent<LastLine>();
-                Debug.Log("a line");
-                Console.WriteLine($"shown: {text.GetComponent<TextMesh>().text}");
+                foreach (var line in new[] { "a line", $"{new string('a', 59)} b {new string('c', 70)} d\n{new string('e', 60)} f" })
+                {
+                    Debug.Log(line);
+                    Console.WriteLine($"shown: {text.GetComponent<TextMesh>().text.Replace("\n", "|")}");
+                }
+                // The setting of the whole game is left alone, or set and said.
+                foreach (var wanted in new[] { false, true })
+                {
+                    Application.runInBackground = false;
+                    var web = new GameObject("web");
+                    web.SetActive(false);
+                    Inspector.Set(new MonoBehaviour[] { web.AddComponent<HelloWeb>() }, "runInBackground", $"{wanted}");
+                    web.SetActive(true);
+                    Console.WriteLine($"HelloWeb: {Application.runInBackground}");
+                    DestroyImmediate(web);
+                }
+                Application.runInBackground = false;
                 thing.AddComponent<Once>();
                 // Both want to go on in the background; it is said once.
                 new GameObject("client 1").AddComponent<HelloClient>();

@@ -17,6 +17,8 @@ namespace NetMQExample
         [SerializeField, Tooltip("By Socket.IO in place of plain WebSocket")] private bool socketio = false;
         [SerializeField, Tooltip("The word that the gateway was given as --token")] private string token = "";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
+        [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
+        private bool runInBackground = true;
 
         private WebRequester requester;
         private int asked, replies;
@@ -27,7 +29,8 @@ namespace NetMQExample
         private void OnEnable()
         {
             // Without it Unity stops calling Update when another window has the focus.
-            Application.runInBackground = true;
+            if (runInBackground && !Application.runInBackground) Debug.Log("Application.runInBackground is now true");
+            Application.runInBackground |= runInBackground;
             (requester, asked, replies) = (null, 0, 0);
             Debug.Log($"asking {endpoint}");
         }

@@ -29,7 +29,8 @@ namespace NetMQExample
             var now = Time.realtimeSinceStartup;
             if (now < next) return;
             next = now + Interval;
-            mesh.text = client == null ? "no client" : $"{client.GetType().Name}: {client.State}\n{client.LastError}";
+            mesh.text = LastLine.Wrapped(
+                client == null ? "no client" : $"{client.GetType().Name}: {client.State}\n{client.LastError}");
         }
 
         private void Follow(Transform eye) =>
