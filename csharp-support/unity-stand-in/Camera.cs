@@ -87,6 +87,15 @@ namespace UnityEngine
 
     public class Material : Object
     {
+        public Material(Material source)
+        {
+            MainThread.Only("CreateWithMaterial");
+            color = source.color;
+            Scene.Made.Add(this);
+        }
+
+        internal Material() { }
+
         public Color color { get; set; } = new Color(1, 1, 1, 1);
     }
 
@@ -105,7 +114,7 @@ namespace UnityEngine
             get
             {
                 MainThread.Only("get_material");
-                if (own == null) own = sharedMaterial = new Material { color = sharedMaterial.color };
+                if (own == null) own = sharedMaterial = new Material(sharedMaterial);
                 return own;
             }
         }
@@ -123,6 +132,7 @@ namespace UnityEngine
             this.width = width;
             this.height = height;
             Pixels = new byte[width * height * 4];
+            Scene.Made.Add(this);
         }
 
         public static RenderTexture active { get; set; }
@@ -161,6 +171,9 @@ namespace UnityEngine
 
         public RenderTexture targetTexture { get; set; }
 
+        // A bit for each layer.
+        public int cullingMask { get; set; } = -1;
+
         // Not whether it is enabled.
         public void CopyFrom(Camera other)
         {
@@ -168,6 +181,7 @@ namespace UnityEngine
             transform.SetPositionAndRotation(other.transform.position, other.transform.rotation);
             (fieldOfView, nearClipPlane, farClipPlane) = (other.fieldOfView, other.nearClipPlane, other.farClipPlane);
             (clearFlags, backgroundColor, targetTexture) = (other.clearFlags, other.backgroundColor, other.targetTexture);
+            cullingMask = other.cullingMask;
         }
 
         public void Render()

@@ -24,6 +24,8 @@ namespace UnityEngine
 
         public string tag { get; set; } = "Untagged";
 
+        public int layer { get; set; }
+
         /// <summary>A thing that is seen. Unity gives it a collider too.</summary>
         public static GameObject CreatePrimitive(PrimitiveType type)
         {
@@ -243,6 +245,9 @@ namespace UnityEngine
 
         public static List<Object> Doomed { get; } = new List<Object>();
 
+        /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is left.</summary>
+        public static HashSet<Object> Made { get; } = new HashSet<Object>();
+
         public static void Remove(Object thing)
         {
             if (thing is GameObject whole)
@@ -258,6 +263,7 @@ namespace UnityEngine
                 (part as MonoBehaviour)?.End();
                 part.Owner.Components.Remove(part);
             }
+            Made.Remove(thing);
             thing.Destroyed = true;
         }
 

@@ -25,7 +25,8 @@ namespace UnityEngine
             for (var i = 0; i < Scene.Objects.Count; i++)
             {
                 var thing = Scene.Objects[i];
-                if (!thing.activeSelf || !(thing.GetComponent<Renderer>() is Renderer shape) || !shape.enabled) continue;
+                if (!thing.activeSelf || !(thing.GetComponent<Renderer>() is Renderer shape) || !shape.enabled
+                    || (camera.cullingMask >> thing.layer & 1) == 0) continue;
                 var (turn, half) = (back * thing.transform.rotation, thing.transform.localScale * 0.5f);
                 Cube(back * (thing.transform.position - eye), turn * new Vector3(half.x, 0, 0), turn * new Vector3(0, half.y, 0),
                     turn * new Vector3(0, 0, half.z), camera, Packed(shape.sharedMaterial.color));

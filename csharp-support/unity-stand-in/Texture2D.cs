@@ -55,7 +55,14 @@ namespace UnityEngine
         private static Texture2D white;
         private readonly byte[] pixels;
 
-        public static Texture2D whiteTexture => white != null ? white : white = new Texture2D(4, 4, TextureFormat.RGBA32, false);
+        public static Texture2D whiteTexture
+        {
+            get
+            {
+                if (white == null) Scene.Made.Remove(white = new Texture2D(4, 4, TextureFormat.RGBA32, false));
+                return white;
+            }
+        }
 
         public Texture2D(int width, int height, TextureFormat textureFormat, bool mipChain)
         {
@@ -65,6 +72,7 @@ namespace UnityEngine
             this.width = width;
             this.height = height;
             pixels = new byte[width * height * (int)textureFormat];
+            Scene.Made.Add(this);
         }
 
         public void LoadRawTextureData(byte[] data)

@@ -118,20 +118,7 @@ Light:
   m_Color: {r: 1, g: 0.96, b: 0.84, a: 1}
   m_Intensity: 1
 """
-# What these two refer to is built into Unity: the cube and its grey, the font and its ink.
-CUBE = """--- !u!33 &{mesh}
-MeshFilter:
-  m_ObjectHideFlags: 0
-  m_GameObject: {{fileID: 200}}
-  m_Mesh: {{fileID: 10202, guid: 0000000000000000e000000000000000, type: 0}}
---- !u!23 &{renderer}
-MeshRenderer:
-  m_ObjectHideFlags: 0
-  m_GameObject: {{fileID: 200}}
-  m_Enabled: 1
-  m_Materials:
-  - {{fileID: 10303, guid: 0000000000000000f000000000000000, type: 0}}
-"""
+# What it refers to is built into Unity: the font and its ink.
 TEXT = """--- !u!102 &402
 TextMesh:
   m_ObjectHideFlags: 0
@@ -159,6 +146,7 @@ MeshRenderer:
   m_Materials:
   - {fileID: 10100, guid: 0000000000000000e000000000000000, type: 0}
 """
+TEXT_BELOW = "\n  - {fileID: 401}"
 SCRIPT = """--- !u!114 &{number}
 MonoBehaviour:
   m_ObjectHideFlags: 0
@@ -214,31 +202,26 @@ def scene(scripts: list[Path]) -> str:
     """A camera, a light, a text that shows the last line, and one game object with the lesson's scripts, whose fields
     have the values that the code gives. What moves is a cube, if it does not make its own."""
     code = "".join(path.read_text(encoding="utf-8") for path in scripts)
-    # Where the camera moves, the text moves along.
-    children, father, place = " []", 0, "{x: 0, y: 4, z: 0}"
-    if "Camera.main" in code:
-        children, father, place = "\n  - {fileID: 401}", 101, "{x: 0, y: 3, z: 10}"
+    if "transform." in code and not re.search(r"CreatePrimitive|Cube\.Make", code):
+        scripts = [*scripts, PACKAGE / "Shared" / "Cube.cs"]
     numbers = [202 + i for i in range(len(scripts))]
-    last = numbers[-1]
-    moves = "transform." in code and "CreatePrimitive" not in code
-    cube = [last + 1, last + 2] if moves else []
     shown = PACKAGE / "Shared" / "LastLine.cs"
     parts = [
-        game_object(100, "Main Camera", "MainCamera", "{x: 0, y: 1, z: -10}", [101, 102], children=children),
+        game_object(100, "Main Camera", "MainCamera", "{x: 0, y: 1, z: -10}", [101, 102], children=TEXT_BELOW),
         CAMERA,
-        game_object(200, scripts[0].stem, "Untagged", "{x: 0, y: 0, z: 0}", [201, *numbers, *cube]),
+        game_object(200, scripts[0].stem, "Untagged", "{x: 0, y: 0, z: 0}", [201, *numbers]),
         *(script(n, 200, path) for n, path in zip(numbers, scripts, strict=True)),
-        CUBE.format(mesh=last + 1, renderer=last + 2) if moves else "",
         # Down and to the right, as the light of a new scene in Unity.
         game_object(
             300, "Light", "Untagged", "{x: 0, y: 3, z: 0}", [301, 302], "{x: 0.41, y: -0.23, z: 0.11, w: 0.88}"
         ),
         LIGHT,
-        game_object(400, "Last line", "Untagged", place, [401, 402, 403, 404], father=father),
+        # Where the camera looks, and where it moves.
+        game_object(400, "Last line", "Untagged", "{x: 0, y: 3, z: 10}", [401, 402, 403, 404], father=101),
         TEXT,
         script(404, 400, shown),
     ]
-    roots = "".join(f"  - {{fileID: {number}}}\n" for number in (101, 201, 301, 401)[: 3 if father else 4])
+    roots = "".join(f"  - {{fileID: {number}}}\n" for number in (101, 201, 301))
     return YAML + SCENE.format(game_objects="".join(parts), roots=roots)
 
 
@@ -246,9 +229,7 @@ def prefab() -> str:
     """Lesson 04's client, with a text of its own that follows the camera."""
     client = PACKAGE / "04_background_client" / "HelloBackground.cs"
     parts = [
-        game_object(
-            200, "Background client", "Untagged", "{x: 0, y: 0, z: 0}", [201, 202], children="\n  - {fileID: 401}"
-        ),
+        game_object(200, "Background client", "Untagged", "{x: 0, y: 0, z: 0}", [201, 202], children=TEXT_BELOW),
         script(202, 200, client),
         game_object(400, "Hud", "Untagged", "{x: 0, y: 0, z: 2}", [401, 402, 403, 404], father=201),
         TEXT.replace("m_CharacterSize: 0.05", "m_CharacterSize: 0.01"),

@@ -22,8 +22,8 @@ UNITY = ROOT / "unity"
 FILES = sorted(
     path for kind in ("*.unity", "*.prefab", "*.asset") for path in UNITY.rglob(kind) if "Library" not in path.parts
 )
-# What Unity has built in, by the GUIDs of its two libraries: the cube, the font, its ink; and the grey material.
-BUILT_IN = {"0" * 16 + "e" + "0" * 15: {"10202", "10102", "10100"}, "0" * 16 + "f" + "0" * 15: {"10303"}}
+# What Unity has built in, by the GUID of its library: the font and its ink. Its grey material is magenta in URP.
+BUILT_IN = {"0" * 16 + "e" + "0" * 15: {"10102", "10100"}}
 # A script's only object.
 SCRIPT = "11500000"
 # What Unity itself writes into a MonoBehaviour, beside the fields of its class.

@@ -79,6 +79,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
         "a line",
         "shown: a line",
         f"shown: {'a' * 59}|b|{'c' * 70}|d|{'e' * 60}|f",
+        "a cube: (0.00, 1.00, 0.00)",
         "HelloWeb: False",
         "HelloWeb: True",
         "a second one: True",

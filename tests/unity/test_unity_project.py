@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import shutil
 import sys
@@ -71,17 +72,39 @@ def test_each_lesson_has_a_scene_with_its_scripts(lesson: Path) -> None:
     by_guid = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
     found = re.findall(r"m_Script: \{fileID: 11500000, guid: ([0-9a-f]{32}), type: 3\}", text)
     assert all(one in by_guid for one in found), "the scene names a script that is not there"
-    # The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold them, and what shows it.
-    assert {by_guid[one] for one in found} == {*behaviours(lesson), PACKAGE / "Shared" / "LastLine.cs"}
+    # The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold them, and what shows it:
+    # the last line, in lessons 03 and 07 a cube that moves, and in 21 one that talks.
+    shown = ["LastLine.cs", *(["Cube.cs"] if lesson.name.startswith(("03", "07", "21")) else [])]
+    assert {by_guid[one] for one in found} == {*behaviours(lesson), *(PACKAGE / "Shared" / name for name in shown)}
 
 
 @pytest.mark.parametrize("path", SCENES, ids=relative)
 def test_something_can_be_seen_in_a_scene(path: Path) -> None:
     kinds = [kind for kind, _, _ in documents(path.read_text(encoding="utf-8"))]
-    # A light, and a text with its renderer; in lessons 03 and 07 a cube that moves, and in 21 one that talks.
-    assert kinds.count(108) == 1 and kinds.count(102) == 1
-    cubes = 1 if path.stem.startswith(("03", "07", "21")) else 0
-    assert (kinds.count(23), kinds.count(33)) == (1 + cubes, cubes)
+    # A light, and a text with its renderer. A shape would name a material, which is of one render pipeline only.
+    assert (kinds.count(108), kinds.count(102), kinds.count(23), kinds.count(33)) == (1, 1, 1, 0)
+
+
+@pytest.mark.parametrize(("key", "begin", "end"), [("10_many_agents", -4, 4), ("11_observations", 0, 10)])
+def test_a_field_is_seen_from_above_and_below_the_text(key: str, begin: float, end: float) -> None:
+    """From its own height one thing on it would cover the other."""
+    text = (PACKAGE / key / f"{key}.unity").read_text(encoding="utf-8")
+    (camera,) = [body for _, name, body in documents(text) if name == 101]
+    turn, place = (
+        [float(number) for number in re.findall(r"[xyzw]: (-?[\d.]+)", re.search(f"m_Local{what}: (.*)", camera)[1])]
+        for what in ("Rotation", "Position")
+    )
+    assert turn[1:3] == [0, 0], "it looks straight ahead, and down"
+    down = 2 * math.atan2(turn[0], turn[3])
+    assert math.degrees(down) >= 30
+    for x in (begin, end):
+        for z in (begin, end):
+            right, up, ahead = x - place[0], -place[1], z - place[2]
+            depth = ahead * math.cos(down) - up * math.sin(down)
+            high = up * math.cos(down) + ahead * math.sin(down)
+            # 60 degrees from top to bottom, in a window of 4 to 3; the text stands 3 m high in 10 m.
+            assert -math.tan(math.radians(30)) < high / depth < 0.25
+            assert abs(right) / depth < math.tan(math.radians(30)) * 4 / 3
 
 
 @pytest.mark.parametrize("path", SCENES, ids=relative)

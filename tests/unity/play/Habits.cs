@@ -2,6 +2,7 @@
 using System;
 using System.Collections;
 using System.Collections.Generic;
+using System.Linq;
 using System.Threading;
 using System.Threading.Tasks;
 using UnityEngine;
@@ -32,6 +33,10 @@ namespace NetMQExample.PlayTest
                     Debug.Log(line);
                     Console.WriteLine($"shown: {text.GetComponent<TextMesh>().text.Replace("\n", "|")}");
                 }
+                var moved = new GameObject("moved");
+                moved.AddComponent<Cube>();
+                moved.transform.position = Vector3.up;
+                Console.WriteLine($"a cube: {string.Join(" ", moved.transform.GetComponentsInChildren<Renderer>().Select(part => part.transform.position))}");
                 // The setting of the whole game is left alone, or set and said.
                 foreach (var wanted in new[] { false, true })
                 {

@@ -32,8 +32,9 @@ namespace NetMQExample
         private void Awake()
         {
             Car = new Car(new Road(), start);
-            Part(new Vector3(0, 0.45f, -1), new Vector3(1.6f, 0.5f, 3));
-            Part(new Vector3(0, 0.9f, -1.5f), new Vector3(1.4f, 0.5f, 1.6f));
+            // All behind the cameras and below: they do not see it.
+            Cube.Make(new Vector3(1.6f, 0.5f, 3), transform).localPosition = new Vector3(0, 0.45f, -1);
+            Cube.Make(new Vector3(1.4f, 0.5f, 1.6f), transform).localPosition = new Vector3(0, 0.9f, -1.5f);
             Place();
             if (Math.Abs(Time.fixedDeltaTime - Drive.StepSeconds) > 1e-6)
                 Debug.LogWarning("trouble: time goes wrong: set Project Settings, Time, Fixed Timestep to 0.02");
@@ -44,14 +45,6 @@ namespace NetMQExample
             var ahead = new Vector3((float)Car.AheadX, 0, (float)Car.AheadY);
             var place = new Vector3((float)Car.X, 0, (float)Car.Y);
             transform.SetPositionAndRotation(place, Quaternion.LookRotation(ahead));
-        }
-
-        // All behind the cameras and below: they do not see it.
-        private void Part(Vector3 middle, Vector3 size)
-        {
-            var cube = GameObject.CreatePrimitive(PrimitiveType.Cube);
-            cube.transform.SetParent(transform, false);
-            (cube.transform.localPosition, cube.transform.localScale) = (middle, size);
         }
     }
 }

@@ -50,8 +50,8 @@ namespace NetMQExample
 
         private void Awake()
         {
-            (cart, pole) = (Cube(new Vector3(0.8f, 0.5f, 0.5f)), Cube(new Vector3(0.1f, 2, 0.1f)));
-            Cube(new Vector3(5, 0.05f, 0.1f));
+            (cart, pole) = (Cube.Make(new Vector3(0.8f, 0.5f, 0.5f)), Cube.Make(new Vector3(0.1f, 2, 0.1f)));
+            Cube.Make(new Vector3(5, 0.05f, 0.1f));
         }
 
         private void LateUpdate()
@@ -60,13 +60,6 @@ namespace NetMQExample
             var along = new Vector3((float)Math.Sin(world.Angle), (float)Math.Cos(world.Angle), 0);
             var turn = Quaternion.Euler(0, 0, (float)(-world.Angle * 180 / Math.PI));
             pole.SetPositionAndRotation(cart.position + along, turn);
-        }
-
-        private static Transform Cube(Vector3 size)
-        {
-            var cube = GameObject.CreatePrimitive(PrimitiveType.Cube).transform;
-            cube.localScale = size;
-            return cube;
         }
     }
 }

@@ -57,11 +57,8 @@ namespace NetMQExample
         private void Awake()
         {
             foreach (var name in world.Agents.Select(agent => agent.Name))
-            {
-                cubes[name] = GameObject.CreatePrimitive(PrimitiveType.Cube).transform;
                 // Hunters are the taller ones.
-                cubes[name].localScale = new Vector3(0.3f, name[0] == 'h' ? 0.6f : 0.3f, 0.3f);
-            }
+                cubes[name] = Cube.Make(new Vector3(0.3f, name[0] == 'h' ? 0.6f : 0.3f, 0.3f));
         }
 
         private void LateUpdate()
@@ -69,8 +66,8 @@ namespace NetMQExample
             foreach (var cube in cubes)
             {
                 var (x, y, lives) = world.Place(cube.Key);
-                // Whoever is out lies behind the fence. The world is 8 m wide.
-                cube.Value.position = new Vector3((float)(4 * x), lives ? 0 : -3, (float)(4 * y));
+                // Whoever is out is higher than the camera, which looks down. The world is 8 m wide.
+                cube.Value.position = new Vector3((float)(4 * x), lives ? 0 : 20, (float)(4 * y));
             }
         }
     }

@@ -38,8 +38,8 @@ namespace NetMQExample
 
         private void Awake()
         {
-            Cube(new Color32(40, 80, 40, 255), (float)CoinCar.Field).position = Ground(5, 5, -5);
-            body = Cube(new Color32(200, 30, 30, 255), 1);
+            Cube.Make(Vector3.one * (float)CoinCar.Field, new Color32(40, 80, 40, 255)).position = Ground(5, 5, -5);
+            body = Cube.Make(Vector3.one, new Color32(200, 30, 30, 255));
             var eye = new GameObject("Eye").AddComponent<Camera>();
             // The whole field: half of it is 5 m, and 60 degrees from edge to edge.
             eye.transform.SetPositionAndRotation(Ground(5, 5, 8.7f), Quaternion.Euler(90, 0, 0));
@@ -50,7 +50,8 @@ namespace NetMQExample
         private void Show()
         {
             body.position = Ground(car.Spot.X, car.Spot.Y, 0.5f);
-            while (coins.Count < car.Spots.Count) coins.Add(Cube(new Color32(240, 200, 40, 255), 0.6f));
+            while (coins.Count < car.Spots.Count)
+                coins.Add(Cube.Make(Vector3.one * 0.6f, new Color32(240, 200, 40, 255)));
             for (var i = 0; i < coins.Count; i++)
             {
                 // What was collected lies below the ground.
@@ -60,13 +61,5 @@ namespace NetMQExample
         }
 
         private static Vector3 Ground(double x, double y, float up) => new Vector3((float)x, up, (float)y);
-
-        private static Transform Cube(Color32 colour, float size)
-        {
-            var cube = GameObject.CreatePrimitive(PrimitiveType.Cube);
-            cube.transform.localScale = Vector3.one * size;
-            cube.GetComponent<Renderer>().material.color = colour;
-            return cube.transform;
-        }
     }
 }

@@ -22,11 +22,8 @@ namespace NetMQExample
             gameObject.AddComponent<RoadScene>();
             gameObject.AddComponent<ChaseView>();
             // All behind the camera on the car: it does not see it.
-            var body = GameObject.CreatePrimitive(PrimitiveType.Cube);
-            body.transform.SetParent(transform, false);
-            body.transform.localPosition = new Vector3(0, 0.6f, -2);
-            body.transform.localScale = new Vector3(3, 0.8f, 3);
-            body.GetComponent<Renderer>().material.color = new Color32(200, 30, 30, 255);
+            Cube.Make(new Vector3(3, 0.8f, 3), new Color32(200, 30, 30, 255), transform).localPosition =
+                new Vector3(0, 0.6f, -2);
             Camera front = CarCamera.On(transform, 0), map = CarCamera.On(transform, 0);
             (front.name, map.name) = ("front", "map");
             // 120 m of ground from above, which 60 degrees see from this height.

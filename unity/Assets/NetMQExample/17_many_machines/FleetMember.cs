@@ -22,7 +22,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override SimulatorBase MakeSimulator() => new FleetSimulator(world, build);
 
-        private void Awake() => cart = GameObject.CreatePrimitive(PrimitiveType.Cube).transform;
+        private void Awake() => cart = Cube.Make(Vector3.one);
 
         // On its place of the track, and turned as the pole is.
         private void LateUpdate()
