@@ -91,6 +91,10 @@ namespace UnityPlayer
         /// <summary>Gives a character a bone, as the import of a model with the rig Humanoid does.</summary>
         public static void MakeHuman(Animator character, HumanBodyBones bone, Transform part) => character.Bones[bone] = part;
 
+        /// <summary>The textures that nobody has destroyed, and the materials with their colours.</summary>
+        public static IEnumerable<string> Left => Scene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
+            ? FormattableString.Invariant($":{paint.color.r:F2},{paint.color.g:F2},{paint.color.b:F2}") : ""));
+
         /// <summary>What OnGUI has drawn last.</summary>
         public static string Drawn => GUI.Drawn;
 
@@ -189,7 +193,7 @@ namespace UnityPlayer
             ForEach(script => script.Send("OnApplicationQuit"));
             Application.SayQuitting();
             while (Scene.Objects.Count > 0) Scene.Remove(Scene.Objects[0]);
-            Scene.Doomed.Clear();
+            Scene.RemoveDoomed();
             Application.Playing = false;
             SynchronizationContext.SetSynchronizationContext(contextBefore);
             return busy.Elapsed;

@@ -286,3 +286,27 @@ def test_what_a_frame_costs(
     with capsys.disabled():
         print(f"\n{cameras}: {cost}")
     assert leaves_nothing_to_collect(cost), cost
+
+
+@pytest.mark.parametrize("words", [[], ["topfirst"], ["noreadback"], ["topfirst", "noreadback"]], ids=" ".join)
+def test_a_view_is_upright_and_leaves_nothing(words: list[str], harness: Path, start: Callable[..., Program]) -> None:
+    """Its camera sees one layer, on which nothing is by itself; and a new picture can go where the last one was."""
+    program = start("dotnet", harness, "cameras", *words)
+    assert program.wait() == 0, program.output
+    for shape, red, blue in (("7, 3", "200 0 0", "0 0 200"), ("7", "60", "23")):
+        program.wait_for(rf"^\[4, {shape}\]: " + " ".join([red] * 14 + [blue] * 14) + "$")
+    # The red of its world, and what the next picture is read into.
+    left = sorted(program.wait_for("^left: (.*)$")[1].split())
+    assert left == ["Material:0.78,0.00,0.00", *(["Texture2D"] if "noreadback" in words else [])]
+    looks, allocated = map(int, program.wait_for(r"^cost: (\d+) frames: .* (\d+) bytes allocated").groups())
+    assert allocated < 1000 * looks
+
+
+def test_a_sensor_that_is_started_twice_is_one(harness: Path, start: Callable[..., Program]) -> None:
+    program = start("dotnet", harness, "cameras")
+    assert program.wait() == 0, program.output
+    assert [line for line in program.lines if line.startswith(("the eye", "sensors"))] == [
+        "the eye draws: False",
+        "sensors: 1",
+        "sensors: 0",
+    ]

@@ -153,6 +153,9 @@ class Editor:
         self.press("stop")
         took = float(self.wait_for(r"^stopped in ([\d.]+) ms")[1])
         stalled = self.stalled(before)
+        # A game that leaves one behind with each scene fills its memory. One material for each colour is no such thing.
+        left = self.wait_for("^left: (.*)$")[1].split()
+        assert all(one.startswith("Material:") for one in left) and len(left) == len(set(left)), left
         self.row.stops.append(took)
         ready = self.wait_for(r"^ready$|^unloaded in ([\d.]+) ms|^not collected")
         if ready[1]:

@@ -10,6 +10,7 @@
 //     … play.dll wrong 4 tries 0                         a Play of ten frames with a field that is wrong
 //     … play.dll views front front                       a Play of lesson 12 with cameras of these names
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
+//     … play.dll cameras noreadback …                    what a camera sees, and what it leaves; see Cameras.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
@@ -50,6 +51,7 @@ namespace NetMQExample.PlayTest
                 case "habits": Habits.Print(); return 0;
                 case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2], words.Skip(3).ToArray());
+                case "cameras": return Cameras.Run(words);
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
@@ -129,6 +131,7 @@ namespace NetMQExample.PlayTest
             Player.Mobile = false;
             here.SetData(Asked, null);
             Say("stopped", player.Stop());
+            Console.WriteLine($"left: {string.Join(" ", Player.Left)}");
             return 0;
         }
 

@@ -19,6 +19,9 @@ namespace NetMQExample
     /// <summary>One picture of a camera on its way from the graphics card.</summary>
     public sealed class CameraReadback
     {
+        // Where Unity waits for each picture. One for all cameras: what it holds is copied out at once.
+        private static Texture2D copy;
+
         private readonly Camera camera;
         private readonly byte[] pixels;
         private AsyncGPUReadbackRequest request;
@@ -35,7 +38,8 @@ namespace NetMQExample
             (this.camera, this.pixels) = (camera, pixels);
         }
 
-        /// <summary>Set it where the pictures come with the highest row first; see <see cref="IsTurned"/>.</summary>
+        /// <summary>Whether each picture is turned over. What <see cref="IsTurned"/> says makes the lowest row the
+        /// first one; the opposite, the highest.</summary>
         public bool Turned { get; set; }
 
         /// <summary>True if the graphics card had an error in place of the last picture.</summary>
@@ -80,9 +84,15 @@ namespace NetMQExample
             var near = 2 * camera.nearClipPlane;
             marker.transform.SetPositionAndRotation(eye + turn * new Vector3(0, near / 2, near * 1.5f), turn);
             marker.transform.localScale = new Vector3(4, 0.5f, 1) * near;
-            marker.GetComponent<Renderer>().material.color = new Color(1, 0, 1, 1);
+            // On the first layer that this camera sees.
+            for (var layer = 31; layer >= 0; layer--)
+                if ((camera.cullingMask >> layer & 1) == 1) marker.layer = layer;
+            // A copy, which nobody else would destroy.
+            var paint = marker.GetComponent<Renderer>().material;
+            paint.color = new Color(1, 0, 1, 1);
             var with = Now();
             Object.DestroyImmediate(marker);
+            Object.DestroyImmediate(paint);
             // How much, and not how often: effects may change every pixel a little.
             var (first, last, half) = (0L, 0L, pixels.Length / 2);
             for (var i = 0; i < half; i++)
@@ -103,12 +113,15 @@ namespace NetMQExample
         private void Read()
         {
             var (seen, before) = (camera.targetTexture, RenderTexture.active);
-            var copy = new Texture2D(seen.width, seen.height, TextureFormat.RGBA32, false);
+            if (copy == null || copy.width != seen.width || copy.height != seen.height)
+            {
+                Object.Destroy(copy);
+                copy = new Texture2D(seen.width, seen.height, TextureFormat.RGBA32, false);
+            }
             RenderTexture.active = seen;
             copy.ReadPixels(new Rect(0, 0, seen.width, seen.height), 0, 0, false);
             RenderTexture.active = before;
             Copy(copy.GetRawTextureData<byte>());
-            Object.DestroyImmediate(copy);
         }
 
         private void Copy(NativeArray<byte> data)

@@ -11,10 +11,7 @@ namespace NetMQExample
         /// <summary>Puts a camera on a car, 1.5 m above the ground and tilted down.</summary>
         /// <param name="car">What carries it.</param>
         /// <param name="right">Metres to the right of the middle.</param>
-        /// <param name="width">Pixels of a row.</param>
-        /// <param name="height">Rows of a picture.</param>
-        public static Camera On(
-            Transform car, double right, int width = DrawnCamera.Width, int height = DrawnCamera.Height)
+        public static Camera On(Transform car, double right)
         {
             var camera = new GameObject("Camera").AddComponent<Camera>();
             camera.transform.SetParent(car, false);
@@ -24,6 +21,17 @@ namespace NetMQExample
             camera.fieldOfView = 60;
             camera.clearFlags = CameraClearFlags.SolidColor;
             camera.backgroundColor = new Color32(150, 190, 230, 255);
+            return camera;
+        }
+
+        /// <summary>The same with a texture, which whoever takes the camera away has to destroy.</summary>
+        /// <param name="car">What carries it.</param>
+        /// <param name="right">Metres to the right of the middle.</param>
+        /// <param name="width">Pixels of a row.</param>
+        /// <param name="height">Rows of a picture.</param>
+        public static Camera On(Transform car, double right, int width, int height)
+        {
+            var camera = On(car, right);
             // The bytes in it are those of the screen, also where a project computes its light in linear space.
             camera.targetTexture = new RenderTexture(width, height, 24,
                 RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);

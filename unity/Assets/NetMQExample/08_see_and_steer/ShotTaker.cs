@@ -20,6 +20,7 @@ namespace NetMQExample
         private readonly Stack<Taking> free = new Stack<Taking>();
         private readonly object gate = new object();
         private readonly Camera[] cameras;
+        private readonly RenderTexture[] textures;
         private readonly bool jpeg;
         private Taking newest, sent;
         private readonly int steps;
@@ -36,6 +37,7 @@ namespace NetMQExample
         {
             (this.jpeg, this.steps) = (jpeg, steps);
             cameras = new Shot(names, 1, 1, 4).Right.Select(make).ToArray();
+            textures = Array.ConvertAll(cameras, camera => camera.targetTexture);
             for (var i = 0; i < 4; i++) free.Push(new Taking(names, cameras));
             var turned = free.Peek().Readbacks[0].IsTurned();
             if (turned) Debug.Log("pictures come with the highest row first here: they are turned over");
@@ -87,11 +89,12 @@ namespace NetMQExample
         {
             foreach (var camera in cameras)
             {
+                // Whatever carried it may have been destroyed before.
                 if (camera == null) continue;
-                Object.Destroy(camera.gameObject);
-                Object.Destroy(camera.targetTexture);
                 camera.targetTexture = null;
+                Object.Destroy(camera.gameObject);
             }
+            foreach (var texture in textures) Object.Destroy(texture);
         }
 
         private void Collect()

@@ -19,6 +19,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("[height, width] in place of [height, width, 3]")] private bool greyscale;
 
         private CameraView view;
+        private byte[] picture;
 
         /// <summary>The camera. Set it before the first answer.</summary>
         public Camera Camera { get => source; set => source = value; }
@@ -31,7 +32,16 @@ namespace NetMQExample
         {
             if (source == null) throw new MessageException("no-camera", "it has no camera");
             view ??= new CameraView(source, width, height, greyscale);
-            return view.Look();
+            // One for ever: an answer is sent before Python asks again.
+            return view.Look(picture ??= new byte[view.Size]);
+        }
+
+        /// <inheritdoc/>
+        protected override void Start()
+        {
+            base.Start();
+            // Until Python's first question it would draw over the game's own.
+            if (source != null) source.enabled = false;
         }
 
         private void OnDestroy() => view?.Dispose();

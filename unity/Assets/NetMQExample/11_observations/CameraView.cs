@@ -15,61 +15,71 @@ namespace NetMQExample
     {
         private readonly Camera camera;
         private readonly CameraReadback readback;
+        private readonly RenderTexture texture;
         private readonly byte[] pixels;
-        private readonly int width, height;
-        private readonly bool greyscale;
+        private readonly int[] shape;
 
         /// <summary>Takes the camera: it gets a texture of its own.</summary>
         /// <exception cref="ArgumentException">There is no graphics card.</exception>
         public CameraView(Camera camera, int width, int height, bool greyscale)
         {
-            (this.camera, this.width, this.height, this.greyscale) = (camera, width, height, greyscale);
-            camera.enabled = false;
-            camera.targetTexture = new RenderTexture(
-                width, height, 24, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
+            this.camera = camera;
             pixels = new byte[width * height * 4];
+            // Before the texture: it says if there is no graphics card.
             readback = new CameraReadback(camera, pixels);
-            readback.Turned = readback.IsTurned();
+            camera.enabled = false;
+            camera.targetTexture = texture = new RenderTexture(
+                width, height, 24, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
+            // Python has the highest row first.
+            readback.Turned = !readback.IsTurned();
+            shape = greyscale ? new[] { height, width } : new[] { height, width, 3 };
+            Size = width * height * (greyscale ? 1 : 3);
         }
 
+        /// <summary>How many bytes a picture has.</summary>
+        public int Size { get; }
+
         /// <summary>What it sees now.</summary>
+        /// <param name="into">Where the picture is written, <see cref="Size"/> bytes; null: a new array, which no later
+        /// look overwrites.</param>
         /// <exception cref="MessageException">The graphics card gave no picture.</exception>
-        public MessageArray Look()
+        public MessageArray Look(byte[] into = null)
         {
             readback.Begin();
             readback.Wait();
             if (readback.Failed) throw new MessageException("no-picture", "the graphics card gave no picture");
-            return greyscale ? Grey() : Coloured();
+            into ??= new byte[Size];
+            if (shape.Length == 2) Grey(into);
+            else Colour(into);
+            return new MessageArray("uint8", into, shape);
         }
 
         /// <summary>Releases the texture.</summary>
         public void Dispose()
         {
-            if (camera == null) return;
-            Object.Destroy(camera.targetTexture);
-            camera.targetTexture = null;
+            // The camera may have been destroyed before.
+            if (camera != null) camera.targetTexture = null;
+            Object.Destroy(texture);
         }
 
-        private MessageArray Coloured()
+        private void Colour(byte[] picture)
         {
-            var picture = new byte[width * height * 3];
-            for (var i = 0; i < picture.Length; i++) picture[i] = pixels[4 * Upright(i / 3) + i % 3];
-            return new MessageArray("uint8", picture, height, width, 3);
+            for (int from = 0, to = 0; from < pixels.Length; from += 4, to += 3)
+            {
+                picture[to] = pixels[from];
+                picture[to + 1] = pixels[from + 1];
+                picture[to + 2] = pixels[from + 2];
+            }
         }
 
         // As television weighs colours: 0.299 red, 0.587 green, 0.114 blue.
-        private MessageArray Grey()
+        private void Grey(byte[] picture)
         {
-            var picture = new byte[width * height];
-            for (var i = 0; i < picture.Length; i++)
+            for (int from = 0, to = 0; from < pixels.Length; from += 4, to++)
             {
-                var at = 4 * Upright(i);
-                picture[i] = (byte)((299 * pixels[at] + 587 * pixels[at + 1] + 114 * pixels[at + 2] + 500) / 1000);
+                var sum = 299 * pixels[from] + 587 * pixels[from + 1] + 114 * pixels[from + 2];
+                picture[to] = (byte)((sum + 500) / 1000);
             }
-            return new MessageArray("uint8", picture, height, width);
         }
-
-        // What comes from the graphics card has the lowest row first.
-        private int Upright(int pixel) => (height - 1 - pixel / width) * width + pixel % width;
     }
 }

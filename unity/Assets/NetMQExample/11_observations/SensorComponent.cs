@@ -38,6 +38,8 @@ namespace NetMQExample
         {
             try
             {
+                // Without a reload of the scene Unity may start what lives on once more.
+                All.Remove(place);
                 place = Agent.Below(transform, FullName, locator, Key, Read);
                 All.Add(place);
             }

@@ -1,0 +1,82 @@
+// What a camera sees, and what is left of it:
+//
+//     … play.dll cameras                       with topfirst, noreadback: another graphics card
+//
+// The upper half of what it looks at is red, the rest blue, and it sees one layer only.
+using System;
+using System.Linq;
+using System.Reflection;
+using UnityEngine;
+using UnityPlayer;
+using Object = UnityEngine.Object;
+
+namespace NetMQExample.PlayTest
+{
+    internal static class Cameras
+    {
+        private const BindingFlags Hidden = BindingFlags.Instance | BindingFlags.NonPublic;
+
+        public static int Run(string[] words)
+        {
+            (Player.TopRowFirst, Player.NoReadback) = (words.Contains("topfirst"), words.Contains("noreadback"));
+            var player = new Player(typeof(NetMQLifetime).Assembly);
+            Camera camera = null;
+            player.Begin(() =>
+            {
+                camera = new GameObject("camera").AddComponent<Camera>();
+                camera.backgroundColor = new Color32(0, 0, 200, 255);
+                camera.cullingMask = 1 << 5;
+                var half = Cube.Make(new Vector3(40, 20, 1), new Color32(200, 0, 0, 255));
+                (half.position, half.gameObject.layer) = (new Vector3(0, 10, 5), 5);
+            });
+            // Not square, so that rows and columns are not taken for each other.
+            foreach (var grey in new[] { false, true }) Show(camera, grey);
+            player.Frame();
+            Console.WriteLine($"left: {string.Join(" ", Player.Left)}");
+            Measure(player, camera);
+            Start(player);
+            player.Stop();
+            return 0;
+        }
+
+        private static void Show(Camera camera, bool grey)
+        {
+            using var view = new CameraView(camera, 7, 4, grey);
+            var picture = view.Look();
+            camera.backgroundColor = new Color32(0, 255, 0, 255);
+            // It has an array of its own.
+            view.Look();
+            camera.backgroundColor = new Color32(0, 0, 200, 255);
+            Console.WriteLine($"[{string.Join(", ", picture.Shape)}]: {string.Join(" ", picture.Data.ToArray())}");
+        }
+
+        private static void Measure(Player player, Camera camera)
+        {
+            using var view = new CameraView(camera, 640, 480, false);
+            var picture = new byte[view.Size];
+            var cost = new FrameCost(50);
+            while (!cost.Done)
+            {
+                player.Frame();
+                var rendering = Player.Rendering;
+                cost.Begin();
+                view.Look(picture);
+                cost.End((Player.Rendering - rendering).TotalMilliseconds);
+            }
+            Console.WriteLine($"cost: {cost}");
+        }
+
+        // Lesson 11's agent, whose sensor is started twice, as Unity may do it where a scene is not loaded anew.
+        private static void Start(Player player)
+        {
+            var sensor = new GameObject("agent").AddComponent<CoinCarAgent>().GetComponent<CameraSensor>();
+            player.Frame();
+            Console.WriteLine($"the eye draws: {sensor.Camera.enabled}");
+            typeof(CameraSensor).GetMethod("Start", Hidden).Invoke(sensor, null);
+            Console.WriteLine($"sensors: {SensorComponent.All.Count}");
+            Object.Destroy(sensor.gameObject);
+            player.Frame();
+            Console.WriteLine($"sensors: {SensorComponent.All.Count}");
+        }
+    }
+}
