@@ -73,6 +73,12 @@ namespace UnityEditor
             return "";
         }
 
+        public static bool CopyAsset(string path, string newPath)
+        {
+            File.Copy(path, newPath);
+            return true;
+        }
+
         public static void CreateAsset(Object asset, string path)
         {
             Drawing.Lines.Add($"created {path}");

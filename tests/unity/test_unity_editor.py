@@ -245,7 +245,10 @@ def test_a_scene_is_opened_where_unity_opens_scenes(editor: Callable[..., Editor
     (project / "Packages").mkdir()
     (project / "Packages" / "com.netmqexample.lessons").symlink_to(project / "Assets" / "NetMQExample")
     unity.do("package Packages/com.netmqexample.lessons")
-    assert "[Open its scene]" not in unity.do("draw")
+    for _ in range(2):
+        assert "opened Assets/NetMQExample scenes/03_publish_subscribe.unity" in unity.do("press Open its scene")
+    copy = project / "Assets" / "NetMQExample scenes" / "03_publish_subscribe.unity"
+    assert copy.read_bytes() == (PACKAGE / "03_publish_subscribe" / "03_publish_subscribe.unity").read_bytes()
 
 
 def test_in_the_kits_own_project_the_servers_are_found(editor: Callable[..., Editor]) -> None:

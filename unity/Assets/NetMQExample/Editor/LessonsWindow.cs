@@ -12,7 +12,7 @@ namespace NetMQExample.Editor
     /// <summary>The window in which servers are started and stopped.</summary>
     public sealed class LessonsWindow : EditorWindow
     {
-        private const string Menu = "Tools/NetMQ Example/", Kit = "NetMQExample.kit";
+        private const string Menu = "Tools/NetMQ Example/", Kit = "NetMQExample.kit", Copies = "NetMQExample scenes";
         // Of this project alone, and not emptied when the editor ends.
         private static readonly string Log = Path.GetFullPath("Library/NetMQExample/server.log");
 
@@ -103,10 +103,20 @@ namespace NetMQExample.Editor
         {
             var folder = Path.GetDirectoryName(Path.GetDirectoryName(Script));
             var scene = $"{folder}/{lessons[chosen]}/{lessons[chosen]}.unity".Replace('\\', '/');
-            // Unity opens no scene of a package, nor one while it plays.
-            if (!scene.StartsWith("Assets/") || !File.Exists(scene) || EditorApplication.isPlaying) return;
+            // Unity opens no scene while it plays.
+            if (scene.StartsWith("Assets/") && !File.Exists(scene) || EditorApplication.isPlaying) return;
             if (GUILayout.Button("Open its scene") && EditorSceneManager.SaveCurrentModifiedScenesIfUserWantsTo())
-                EditorSceneManager.OpenScene(scene);
+                EditorSceneManager.OpenScene(Writable(scene));
+        }
+
+        // Nor one of a package that it has fetched by an address, which is read-only: there a copy takes its place.
+        private static string Writable(string scene)
+        {
+            if (scene.StartsWith("Assets/")) return scene;
+            var copy = $"Assets/{Copies}/{Path.GetFileName(scene)}";
+            if (!AssetDatabase.IsValidFolder($"Assets/{Copies}")) AssetDatabase.CreateFolder("Assets", Copies);
+            if (!File.Exists(copy)) AssetDatabase.CopyAsset(scene, copy);
+            return copy;
         }
 
         private void Launch(string script, string words)

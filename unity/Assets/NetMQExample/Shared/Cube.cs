@@ -9,6 +9,7 @@ using UnityEngine;
 namespace NetMQExample
 {
     /// <summary>Shows where its object is.</summary>
+    [AddComponentMenu("NetMQ Example/Cube")]
     public sealed class Cube : MonoBehaviour
     {
         // One material for all that has this colour: Unity draws them together, and no scene leaves any behind.
