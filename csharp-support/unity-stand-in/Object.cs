@@ -29,6 +29,9 @@ namespace UnityEngine
             if (obj != null) Scene.Remove(obj);
         }
 
+        /// <summary>No scene is left here, so it only looks who asks.</summary>
+        public static void DontDestroyOnLoad(Object target) => MainThread.Only(nameof(DontDestroyOnLoad));
+
         public static implicit operator bool(Object exists) => exists != null;
 
         public static bool operator ==(Object x, Object y) =>
