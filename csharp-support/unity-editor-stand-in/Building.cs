@@ -34,15 +34,6 @@ namespace UnityEditor
     }
 }
 
-namespace UnityEditor.OSXStandalone
-{
-    // In Unity it comes with the editor for macOS.
-    public static class MacOSCodeSigning
-    {
-        public static void CodeSignAppBundle(string path) => Drawing.Lines.Add($"signed {path}");
-    }
-}
-
 namespace UnityEditor.Build
 {
     public interface IOrderedCallback

@@ -31,7 +31,7 @@ def test_the_stand_in_has_unitys_signatures(editor_dll: Path) -> None:
     facts = (ROOT / "tests" / "unity" / "unity_editor_api.txt").read_text(encoding="utf-8").splitlines()
     facts = [line.rstrip() for line in facts if line and not line.startswith("#")]
     types = [line for line in facts if not line.startswith(" ")]
-    assert all(re.fullmatch(r"\w+ [\w.`+]+( : \w+)?    \S+\.(cs|md)( \S+\.cs)*", line) for line in types)
+    assert all(re.fullmatch(r"\w+ [\w.`+]+( : \w+)?    \S+\.cs( \S+\.cs)*", line) for line in types)
     assert [line.rstrip() for line in lines] == [
         line if line.startswith(" ") else line.split("    ")[0] for line in facts
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -232,12 +233,22 @@ def test_a_mac_asks_for_the_local_network(
     output: str, inside: str, signed: bool, editor: Open, project: Path, tmp_path: Path
 ) -> None:
     """And is not warned of 127.0.0.1: that is the same Mac. A program that was signed before is signed again, once."""
-    unity = editor(project)
+    # Where there is no codesign, its line is said.
+    codesign = tmp_path / "bin" / "codesign"
+    codesign.parent.mkdir()
+    unity = editor(project, str(shutil.which("dotnet")), PATH=str(codesign.parent))
     plist = tmp_path / output / inside / "Info.plist"
     plist.parent.mkdir(parents=True)
     plist.write_text(PLIST, encoding="utf-8")
     said = unity.do(f"build StandaloneOSX {tmp_path / output}") + unity.do(f"build StandaloneOSX {tmp_path / output}")
-    assert said.count(f"signed {tmp_path / output}") == signed
+    words = f'--force --deep --sign - "{tmp_path / output}"'
+    assert said.count(f"on a Mac, before {output} runs: codesign {words}") == signed
+    codesign.write_text(f'#!/bin/sh\necho "$@" >> {codesign}.log\n', encoding="utf-8")
+    codesign.chmod(0o755)
+    plist.write_text(PLIST, encoding="utf-8")
+    said += unity.do(f"build StandaloneOSX {tmp_path / output}") + unity.do(f"build StandaloneOSX {tmp_path / output}")
+    log = Path(f"{codesign}.log")
+    assert (log.read_text().splitlines() if log.exists() else []) == [words.replace('"', "")] * signed
     assert not any("127.0.0.1" in line for line in said)
     assert plist.read_text(encoding="utf-8").count("<key>NSLocalNetworkUsageDescription</key>") == 1
 

@@ -1,6 +1,8 @@
 // What a build for a device is warned of, and what is added to it: the checklist of docs/guide/devices.md, as far as a
 // program can go through it.
 using System;
+using System.ComponentModel;
+using System.Diagnostics;
 using System.IO;
 using UnityEditor;
 using UnityEditor.Build;
@@ -9,6 +11,7 @@ using UnityEditor.Callbacks;
 using UnityEditor.UnityLinker;
 using UnityEngine;
 using UnityEngine.SceneManagement;
+using Debug = UnityEngine.Debug;
 
 namespace NetMQExample.Editor
 {
@@ -36,10 +39,24 @@ namespace NetMQExample.Editor
             var after = DeviceChecks.WithNetworkSentence(before);
             if (after == before) return;
             File.WriteAllText(path, after);
-#if UNITY_EDITOR_OSX
-            // Unity has signed what it was.
-            if (program) UnityEditor.OSXStandalone.MacOSCodeSigning.CodeSignAppBundle(pathToBuiltProject);
-#endif
+            if (program) Sign(pathToBuiltProject);
+        }
+
+        // Unity has signed what it was. Its own class for this is in a module that only some editors have: in the others a
+        // script that names it does not compile.
+        private static void Sign(string program)
+        {
+            var start = new ProcessStartInfo("codesign", $"--force --deep --sign - \"{program}\"");
+            start.UseShellExecute = false;
+            try
+            {
+                using var codesign = Process.Start(start);
+                codesign.WaitForExit();
+            }
+            catch (Win32Exception)
+            {
+                Debug.Log($"on a Mac, before {Path.GetFileName(program)} runs: codesign {start.Arguments}");
+            }
         }
 
         /// <inheritdoc/>
