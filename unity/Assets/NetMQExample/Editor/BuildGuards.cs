@@ -42,8 +42,8 @@ namespace NetMQExample.Editor
             if (program) Sign(pathToBuiltProject);
         }
 
-        // Unity has signed what it was. Its own class for this is in a module that only some editors have: in the others a
-        // script that names it does not compile.
+        // Unity has signed what it was. Its own class for this is in a module that only some editors have, and in the
+        // others a script that names it does not compile.
         private static void Sign(string program)
         {
             var start = new ProcessStartInfo("codesign", $"--force --deep --sign - \"{program}\"");
