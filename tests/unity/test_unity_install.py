@@ -141,6 +141,7 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
     assert not list((project / TARGET).rglob("*.unity"))
     if key.startswith("01"):
         assert copied == {
+            "Arrival.cs",
             "ConnectedBehaviour.cs",
             "HelloClient.cs",
             "HelloRequester.cs",

@@ -140,9 +140,8 @@ def script_faults(files: Files) -> Iterator[str]:
     # Without texts and comments, in which anything may stand.
     code = {n: re.sub(r'"(?:[^"\\\n]|\\.)*"|//.*', '""', text) for n, text in files.items() if n.endswith(".cs")}
     classes = {found[1]: (name, *found) for name, text in code.items() for found in CLASS.findall(text)}
-    values = rf"{PLAIN}|" + "|".join(
-        re.findall(r"(?:\benum|\[Serializable\]\s+[\w ]*(?:class|struct)) (\w+)", "".join(code.values()))
-    )
+    own = re.findall(r"(?:\benum|\[Serializable\]\s+[\w ]*(?:class|struct)) (\w+)", "".join(code.values()))
+    values = rf"{PLAIN}|(?:{'|'.join(own)})(<.*>)?"
 
     def line(name: str) -> list[str]:
         """A class and its bases; the last one is not the package's."""

@@ -2,6 +2,7 @@
 // That thread, and how its lines get to Update, is in NetworkBehaviour.cs (Shared).
 //
 // Use: start python/01_request_reply/server.py, add this component to any GameObject, press Play.
+using System;
 using System.Threading;
 using UnityEngine;
 
@@ -14,6 +15,10 @@ namespace NetMQExample
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5551";
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
+        [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
+
+        /// <summary>With each reply's text, for scripts.</summary>
+        public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
@@ -22,8 +27,9 @@ namespace NetMQExample
             using var requester = new HelloRequester(endpoint);
             for (var i = 1; i <= count; i++)
             {
-                var reply = NetMQLifetime.Printable(requester.Request("Hello", Seconds(patience), stop));
-                Log($"{i}: sent Hello, received {reply}");
+                var reply = requester.Request("Hello", Seconds(patience), stop);
+                Log($"{i}: sent Hello, received {NetMQLifetime.Printable(reply)}");
+                Arrive(replied, reply);
             }
             Log($"done: {count} replies");
         }

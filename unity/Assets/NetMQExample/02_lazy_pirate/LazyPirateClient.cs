@@ -2,6 +2,7 @@
 //
 // Use: start python/02_lazy_pirate/server.py, add this component to any GameObject, set Count to 100000, press Play.
 // Then stop the server, see the retries in the console, and start it again: the count goes on where it was.
+using System;
 using System.Threading;
 using UnityEngine;
 
@@ -16,6 +17,10 @@ namespace NetMQExample
         [SerializeField, Tooltip("add 1, or balance")] private string text = "add 1";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float patience = 0.5f;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 5;
+        [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
+
+        /// <summary>With each reply's text, for scripts.</summary>
+        public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
@@ -24,8 +29,9 @@ namespace NetMQExample
             using var pirate = new LazyPirateRequester(endpoint, Seconds(patience), tries, Log);
             for (var i = 1; i <= count; i++)
             {
-                var reply = NetMQLifetime.Printable(pirate.Request(text, stop));
-                Log($"{i}: sent {text}, received {reply}");
+                var reply = pirate.Request(text, stop);
+                Log($"{i}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+                Arrive(replied, reply);
             }
             Log($"done: {count} replies");
         }

@@ -16,16 +16,21 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("End after so many poses")] private int count = 300;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
+        [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<Pose> moved = new();
 
         private volatile float[] newest;
+
+        /// <summary>With each pose that a frame finds, for scripts: of several between two frames the newest.</summary>
+        public event System.Action<Pose> Moved { add => moved.Raised += value; remove => moved.Raised -= value; }
 
         /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
-            var n = newest;
-            if (n == null) return;
-            transform.SetPositionAndRotation(new Vector3(n[2], n[3], n[4]), new Quaternion(n[5], n[6], n[7], n[8]));
+            if (!(Interlocked.Exchange(ref newest, null) is float[] n)) return;
+            var pose = new Pose(new Vector3(n[2], n[3], n[4]), new Quaternion(n[5], n[6], n[7], n[8]));
+            transform.SetPositionAndRotation(pose.position, pose.rotation);
+            moved.Raise(pose);
         }
 
         /// <inheritdoc/>
@@ -36,7 +41,7 @@ namespace NetMQExample
             for (var i = 0; i < count; i++)
             {
                 var message = listener.Newest(Seconds(patience), stop);
-                newest = Parse(message) ?? newest;
+                if (Parse(message) is float[] pose) newest = pose;
                 if (every > 0 && i % every == 0) Log($"received {NetMQLifetime.Printable(message)}");
             }
             Log($"done: received {count}");

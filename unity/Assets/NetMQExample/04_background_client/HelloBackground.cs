@@ -5,7 +5,6 @@
 // The Python and terminal clients print the same lines.
 using System;
 using UnityEngine;
-using UnityEngine.Events;
 
 namespace NetMQExample
 {
@@ -19,16 +18,14 @@ namespace NetMQExample
         [SerializeField, Tooltip("hello, or echo TEXT")] private string text = "hello";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 1;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 20;
-
-        [SerializeField, Tooltip("What else happens with each reply")]
-        private UnityEvent<string> replied = new UnityEvent<string>();
+        [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 
         private string shown;
         private int asked, replies;
         private bool done;
 
-        /// <summary>With each reply, for scripts; the inspector has an event of its own.</summary>
-        public event Action<string> Replied;
+        /// <summary>With each reply's text, for scripts.</summary>
+        public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
         /// <summary>For those who want to know how it goes, such as HelloWorldHud.</summary>
         public BackgroundClient Client { get; private set; }
@@ -64,8 +61,7 @@ namespace NetMQExample
         private void OnReply(string reply)
         {
             Debug.Log($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
-            replied.Invoke(reply);
-            Replied?.Invoke(reply);
+            replied.Raise(reply);
         }
 
         private void Finish(string why)

@@ -16,6 +16,10 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("How many pictures")] private int count = 10;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
         [SerializeField, Min(1), Tooltip("Times in a row to ask without a reply")] private int tries = 20;
+        [SerializeField, Tooltip("With each reply")] private Arrival<Message> replied = new();
+
+        /// <summary>With each reply, for scripts.</summary>
+        public event Action<Message> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
@@ -28,6 +32,7 @@ namespace NetMQExample
                 {
                     var reply = requester.Request(TestPicture.Request(i), Seconds(patience), stop);
                     Log(TestPicture.Line(i, reply));
+                    Arrive(replied, reply);
                     (i, lost) = (i + 1, 0);
                 }
                 catch (TimeoutException e) when (++lost < tries)

@@ -19,6 +19,11 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("How many requests may be under way")] private int window = 4;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float patience = 2.5f;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 3;
+        [SerializeField, Tooltip("With each reply, in the order in which they come")]
+        private Arrival<string> replied = new();
+
+        /// <summary>With each reply's text, for scripts.</summary>
+        public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
@@ -35,6 +40,7 @@ namespace NetMQExample
                     : $"gave up: {answer.Failure}";
                 var asked = NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length]);
                 Log($"{answer.Number}: sent {asked}, {outcome}");
+                if (answer.Failure == null) Arrive(replied, answer.Reply);
             }
             Log($"done: {count - failures} replies");
             var where = $"{count} requests to {endpoint}";

@@ -20,15 +20,22 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("Or after this time")] private float seconds = 60;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a snapshot")] private float patience = 5;
+        [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<Pose> moved = new();
 
-        private volatile PoseMessage newest = PoseMessage.None;
+        private volatile PoseMessage newest;
+
+        /// <summary>With each pose that a frame finds, for scripts: of several between two frames the newest.</summary>
+        public event Action<Pose> Moved { add => moved.Raised += value; remove => moved.Raised -= value; }
 
         /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
-            var (p, r) = (newest.Position, newest.Rotation);
-            transform.SetPositionAndRotation(new Vector3(p.X, p.Y, p.Z), new Quaternion(r.X, r.Y, r.Z, r.W));
+            if (!(Interlocked.Exchange(ref newest, null) is PoseMessage found)) return;
+            var (p, r) = (found.Position, found.Rotation);
+            var pose = new Pose(new Vector3(p.X, p.Y, p.Z), new Quaternion(r.X, r.Y, r.Z, r.W));
+            transform.SetPositionAndRotation(pose.position, pose.rotation);
+            moved.Raise(pose);
         }
 
         /// <inheritdoc/>
@@ -39,14 +46,15 @@ namespace NetMQExample
             while (subscriber.Received < count && time.Elapsed.TotalSeconds < seconds)
             {
                 var news = subscriber.Receive(Seconds(patience), stop);
-                var pose = newest = subscriber.Pose;
+                var pose = subscriber.Pose;
+                if (news) newest = pose;
                 var p = pose.Position;
                 if (news && every > 0 && subscriber.Received % every == 0)
                     Log(FormattableString.Invariant($"{pose.Number}: at {p.X:F4} {p.Y:F4} {p.Z:F4}"));
                 if (until > 0 && pose.Number >= until) break;
             }
             Log($"done: received {subscriber.Received}, missed {subscriber.Missed}; "
-                + $"run {newest.Run} at {newest.Number}, checksum {subscriber.Checksum}");
+                + $"run {subscriber.Pose.Run} at {subscriber.Pose.Number}, checksum {subscriber.Checksum}");
         }
     }
 }

@@ -7,6 +7,7 @@
 //         public override void Step(double throttle, double brake, double steer) => … forces, wheels, …
 //     }
 // Take home: this file and Drive.cs, with CameraSender.cs.
+using System;
 using UnityEngine;
 
 namespace NetMQExample
@@ -18,7 +19,11 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("Pixels of a picture")] private int width = DrawnCamera.Width;
         [SerializeField, Min(1), Tooltip("Pixels of a picture")] private int height = DrawnCamera.Height;
         [SerializeField, Min(1), Tooltip("A picture for each so many steps of 0.02 s")] private int steps = 1;
+        [SerializeField, Tooltip("With each picture's action")] private Arrival<DriveAction> acted = new();
         private Drive drive;
+
+        /// <summary>With each picture's action, for scripts.</summary>
+        public event Action<DriveAction> Acted { add => acted.Raised += value; remove => acted.Raised -= value; }
 
         /// <summary>What Python sees, or null for a camera on the car. Set it before CameraSender is enabled.</summary>
         public Camera Eye { get => eye; set => eye = value; }
@@ -49,6 +54,7 @@ namespace NetMQExample
         {
             Drive.Apply(action);
             if (Drive.Lockstep) Drive.Step();
+            if (action != null) acted.Raise(action.Value);
         }
 
         /// <summary>Drives on. Virtual, so that the compiler warns of a FixedUpdate in a class of yours, which Unity

@@ -23,6 +23,8 @@ namespace NetMQExample
         [SerializeField, Tooltip("Have the server forget the job after its end")] private bool forget = false;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float patience = 1;
         [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
+        [SerializeField, Tooltip("With how much is done, from 0 to 1")] private Arrival<float> advanced = new();
+        [SerializeField, Tooltip("With the result")] private Arrival<JobNews> ended = new();
 
         private volatile JobNews newest;
         private volatile JobClient client;
@@ -31,6 +33,12 @@ namespace NetMQExample
 
         /// <summary>The newest about the job, or null. For the main thread, such as JobView.</summary>
         public JobNews Newest => newest;
+
+        /// <summary>With how much is done, from 0 to 1, for scripts.</summary>
+        public event Action<float> Advanced { add => advanced.Raised += value; remove => advanced.Raised -= value; }
+
+        /// <summary>With the result, for scripts.</summary>
+        public event Action<JobNews> Ended { add => ended.Raised += value; remove => ended.Raised -= value; }
 
         /// <summary>Asks for the job's end; for a button.</summary>
         public void Cancel() => client?.Cancel();
@@ -46,6 +54,8 @@ namespace NetMQExample
             {
                 if (!news.SameTenthAs(newest)) Log(news.Line);
                 newest = news;
+                Arrive(advanced, news.Share);
+                if (news.Kind == "result") Arrive(ended, news);
                 if (news.Kind != "feedback") continue;
                 if (cancelAt > 0 && news.Done >= cancelAt) mine.Cancel();
                 if (leaveAt == 0 || news.Done < leaveAt) continue;

@@ -3,6 +3,7 @@
 // Use: start python/15_security/server.py, add this component to any GameObject, press Play. What is missing is said:
 // first the server's public key. Copy server.key into the folder that is named, or write its 40 characters into the
 // field, above all in a build. This client's own pair is made there at the first start; enrol its client.key.
+using System;
 using System.IO;
 using System.Threading;
 using UnityEngine;
@@ -22,6 +23,10 @@ namespace NetMQExample
         private string serverKey = "";
         [SerializeField, Tooltip("With a new key, which nobody has enrolled")] private bool stranger;
         [SerializeField, Tooltip("Without keys")] private bool plain;
+        [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
+
+        /// <summary>With each reply's text, for scripts.</summary>
+        public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
 
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
@@ -33,7 +38,11 @@ namespace NetMQExample
             using var requester = new SecureRequester(
                 endpoint, stranger ? own?.Stranger() : own, Seconds(patience), tries, Log);
             for (var i = 1; i <= count; i++)
-                Log($"{i}: sent Hello, received {NetMQLifetime.Printable(requester.Request("Hello", stop))}");
+            {
+                var reply = requester.Request("Hello", stop);
+                Log($"{i}: sent Hello, received {NetMQLifetime.Printable(reply)}");
+                Arrive(replied, reply);
+            }
             Log($"done: {count} replies");
         }
     }

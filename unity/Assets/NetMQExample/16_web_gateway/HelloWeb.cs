@@ -5,6 +5,7 @@
 // GameObject, press Play.
 using System;
 using UnityEngine;
+using UnityEngine.Events;
 
 namespace NetMQExample
 {
@@ -19,9 +20,13 @@ namespace NetMQExample
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
         [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
         private bool runInBackground = true;
+        [SerializeField, Tooltip("With each reply")] private UnityEvent<string> replied = new();
 
         private WebRequester requester;
         private int asked, replies;
+
+        /// <summary>With each reply's text, for scripts.</summary>
+        public event Action<string> Replied;
 
         /// <summary>True once the last line, or the reason why there is none, was logged.</summary>
         public bool Done => !enabled;
@@ -42,12 +47,20 @@ namespace NetMQExample
                 requester ??= WebRequester.To(endpoint, "hello", socketio, token, TimeSpan.FromSeconds(patience));
                 if (asked == replies && asked++ < count) requester.Ask("Hello");
                 if (replies < count && requester.TryReceive(out var frames))
-                    Debug.Log($"{++replies}: sent Hello, received {WebText.Printable(string.Join(" ", frames))}");
+                    Hear(string.Join(" ", frames));
                 if (replies < count) return;
                 Debug.Log($"done: {replies} replies");
             }
             catch (Exception e) when (e is TimeoutException || e is ArgumentException) { GaveUp(e); }
             enabled = false;
+        }
+
+        private void Hear(string reply)
+        {
+            Debug.Log($"{++replies}: sent Hello, received {WebText.Printable(reply)}");
+            // Not by Arrival.cs, which a build for the browser does not have.
+            replied.Invoke(reply);
+            Replied?.Invoke(reply);
         }
 
         private static void GaveUp(Exception e) => Debug.LogError($"gave up: {e.Message}");

@@ -20,9 +20,14 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 25;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
         [SerializeField, Min(1), Tooltip("Times in a row to wait without a pose")] private int tries = 20;
+        [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<BodyPose> tracked = new();
 
         private OneEuroFilter filter;
         private volatile BodyPose newest;
+        private BodyPose told;
+
+        /// <summary>With each pose that a frame finds, for scripts; without places while nobody is there.</summary>
+        public event Action<BodyPose> Tracked { add => tracked.Raised += value; remove => tracked.Raised -= value; }
 
         /// <summary>False before the first pose, and while nobody is there.</summary>
         public bool Present => filter != null && newest?.Places != null;
@@ -42,9 +47,10 @@ namespace NetMQExample
         protected override void Update()
         {
             base.Update();
-            if (!(newest?.Places is double[] places)) return;
-            filter ??= new OneEuroFilter(places.Length);
-            filter.Step(places, Time.deltaTime);
+            var pose = newest;
+            if (pose?.Places is double[] places)
+                (filter ??= new OneEuroFilter(places.Length)).Step(places, Time.deltaTime);
+            if (pose != told) tracked.Raise(told = pose);
         }
 
         /// <inheritdoc/>

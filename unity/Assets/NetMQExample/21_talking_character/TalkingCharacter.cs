@@ -3,6 +3,7 @@
 //
 // Use: start python/21_talking_character/server.py, add this component to a character, press Play. Then, from the game:
 // `character.Ask("Who are you?")`.
+using System;
 using System.Threading;
 using UnityEngine;
 
@@ -20,6 +21,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("Walk away when so many words were said; 0: never")] private int leaveAfter;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float patience = 1;
         [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
+        [SerializeField, Tooltip("With each sentence")] private Arrival<string> said = new();
 
         private volatile bool near;
         private volatile string text = "";
@@ -27,6 +29,9 @@ namespace NetMQExample
 
         /// <summary>All that was said so far, for a bubble of your own.</summary>
         public string Text => text;
+
+        /// <summary>With each sentence, for scripts.</summary>
+        public event Action<string> Said { add => said.Raised += value; remove => said.Raised -= value; }
 
         /// <summary>Says something else to it, at once; what it is saying breaks off.</summary>
         public void Ask(string words)
@@ -67,7 +72,11 @@ namespace NetMQExample
                 if (stop.IsCancellationRequested) continue;
                 var lines = (line + speech.Hear(last = news)).Split('\n');
                 (text, line) = (speech.Text, lines[lines.Length - 1]);
-                for (var i = 0; i < lines.Length - 1; i++) Log(lines[i]);
+                for (var i = 0; i < lines.Length - 1; i++)
+                {
+                    Log(lines[i]);
+                    Arrive(said, lines[i].Substring("she: ".Length));
+                }
                 if (news.Kind == "feedback" && leaveAfter > 0 && speech.Words >= leaveAfter) mine.Cancel();
             }
             Log(speech.Outcome(last));

@@ -2,8 +2,8 @@
 // Talk, which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the
 // scene.
 //
-// Take home: this file, with ConnectedBehaviour.cs and NetMQLifetime.cs. For a component of your own, derive from it;
-// an Update of its own overrides this one, and calls base.Update().
+// Take home: this file, with Arrival.cs, ConnectedBehaviour.cs and NetMQLifetime.cs. For a component of your own,
+// derive from it; an Update of its own overrides this one, and calls base.Update().
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
@@ -43,6 +43,12 @@ namespace NetMQExample
         /// <summary>Logs a line in Update. For the network thread.</summary>
         /// <param name="line">The line.</param>
         protected void Log(string line) => InUpdate(() => Debug.Log(line));
+
+        /// <summary>Raises an event in Update, after the lines logged before. For the network thread.</summary>
+        /// <param name="arrival">The event.</param>
+        /// <param name="value">What has arrived.</param>
+        /// <typeparam name="T">Its type.</typeparam>
+        protected void Arrive<T>(Arrival<T> arrival, T value) => InUpdate(() => arrival.Raise(value));
 
         /// <summary>Has something done in Update, and waits while much else is to be done there. For the network
         /// thread.
@@ -111,7 +117,8 @@ namespace NetMQExample
         /// <returns>False if there is nothing.</returns>
         protected bool DoNext(int patience)
         {
-            if (!run.ForUpdate.TryTake(out var action, patience)) return false;
+            // A listener may have disabled the component in this very frame: it has heard enough.
+            if (run.Stop.IsCancellationRequested || !run.ForUpdate.TryTake(out var action, patience)) return false;
             action();
             return true;
         }

@@ -3,13 +3,13 @@ using System;
 using System.Collections;
 using System.Collections.Generic;
 using System.Linq;
+using System.Reflection;
 using System.Text;
 using System.Text.RegularExpressions;
 using NetMQ;
 using NetMQExample.SideChannels;
 using NUnit.Framework;
 using UnityEngine;
-using UnityEngine.Events;
 using UnityEngine.TestTools;
 
 namespace NetMQExample.Tests
@@ -54,7 +54,7 @@ namespace NetMQExample.Tests
         [UnityTest]
         public IEnumerator GetsItsFirstReply([ValueSource(nameof(Talks))] Talk talk)
         {
-            var lines = new List<string>();
+            var (lines, events) = (new List<string>(), new List<string>());
             void Hear(string line, string stack, LogType type) => lines.Add(line);
             Application.logMessageReceived += Hear;
             MonoBehaviour client;
@@ -64,24 +64,33 @@ namespace NetMQExample.Tests
             {
                 client = Scene.Play(talk.Client, talk.Beside, server.Endpoint,
                     ("every", 1), ("snapshots", snapshots.Endpoint), ("plain", true));
+                foreach (var part in client.GetComponentsInChildren<MonoBehaviour>()) Listen(part, events);
                 yield return Scene.Until(() => lines.Any(talk.Line.IsMatch), $"a line like {talk.Line}");
+                yield return Scene.Until(() => events.Count == 0, $"its events {string.Join(" ", events)}");
             }
             Application.logMessageReceived -= Hear;
             yield return Scene.End(client);
         }
 
         [UnityTest]
-        public IEnumerator TellsInspectorAndScriptsOfAReply()
+        public IEnumerator TellsOfEachReplyAfterItsLine()
         {
-            var (heard, wired) = (new List<string>(), new UnityEvent<string>());
-            wired.AddListener(heard.Add);
-            using var server = InProcessServer.Answering(WithId("world"));
-            var client = (HelloBackground)Scene.Play(
-                typeof(HelloBackground), null, server.Endpoint, ("count", 1), ("replied", wired));
+            var heard = new List<string>();
+            void Hear(string line, string stack, LogType type) => heard.Add(line);
+            Application.logMessageReceived += Hear;
+            using var server = InProcessServer.Answering(request => Frames("World"));
+            var client = (HelloClient)Scene.Play(typeof(HelloClient), null, server.Endpoint, ("count", 3));
             client.Replied += heard.Add;
-            yield return Scene.Until(() => client.Done, "the end");
+            // Who has heard enough hears no more, also of what waits for the same frame.
+            client.Replied += _ => client.enabled = heard.Count(one => one == "World") < 2;
+            yield return Scene.Until(() => !client.enabled, "the second reply");
+            for (var frames = 0; frames < 5; frames++) yield return null;
+            Application.logMessageReceived -= Hear;
             UnityEngine.Object.Destroy(client.gameObject);
-            Assert.That(heard, Is.EqualTo(new[] { "world", "world" }));
+            Assert.That(heard.SkipWhile(one => !one.StartsWith("1:")), Is.EqualTo(new[]
+            {
+                "1: sent Hello, received World", "World", "2: sent Hello, received World", "World",
+            }));
         }
 
         [UnityTest]
@@ -92,6 +101,26 @@ namespace NetMQExample.Tests
             var client = Scene.Play(type, null, "tcp://127.0.0.1:9");
             for (var frames = 0; frames < 5; frames++) yield return null;
             yield return Scene.End(client);
+        }
+
+        // Of each event two are expected: what the inspector wires, and what a script adds itself to.
+        private static void Listen(MonoBehaviour component, List<string> expected)
+        {
+            const BindingFlags own = BindingFlags.Instance | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
+            for (var type = component.GetType(); type != typeof(MonoBehaviour); type = type.BaseType)
+                foreach (var field in type.GetFields(own).Where(field => field.FieldType.IsGenericType
+                    && field.FieldType.GetGenericTypeDefinition() == typeof(Arrival<>)))
+                    typeof(ClientsTests).GetMethod(nameof(ListenTo), BindingFlags.Static | BindingFlags.NonPublic)
+                        .MakeGenericMethod(field.FieldType.GetGenericArguments())
+                        .Invoke(null, new[] { component, field.Name, field.GetValue(component), expected });
+        }
+
+        private static void ListenTo<T>(MonoBehaviour component, string name, Arrival<T> arrival, List<string> expected)
+        {
+            var script = component.GetType().GetEvent(char.ToUpperInvariant(name[0]) + name.Substring(1));
+            expected.AddRange(new[] { name, script.Name });
+            arrival.AddListener(_ => expected.Remove(name));
+            script.AddEventHandler(component, new Action<T>(_ => expected.Remove(script.Name)));
         }
 
         private static NetMQMessage Frames(params string[] texts) =>

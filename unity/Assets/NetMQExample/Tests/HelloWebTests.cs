@@ -1,6 +1,7 @@
 // For Window > General > Test Runner, PlayMode: lesson 16 in Unity itself, whose client has a WebSocket and no NetMQ.
 using System;
 using System.Collections;
+using System.Collections.Generic;
 using System.IO;
 using System.Net;
 using System.Net.Sockets;
@@ -9,6 +10,7 @@ using System.Text;
 using System.Threading.Tasks;
 using NUnit.Framework;
 using UnityEngine;
+using UnityEngine.Events;
 using UnityEngine.TestTools;
 
 namespace NetMQExample.Tests
@@ -21,11 +23,15 @@ namespace NetMQExample.Tests
             var listener = new TcpListener(IPAddress.Loopback, 0);
             listener.Start();
             var gateway = Task.Run(() => Answer(listener));
-            var client = (HelloWeb)Scene.Play(
-                typeof(HelloWeb), null, $"http://127.0.0.1:{((IPEndPoint)listener.LocalEndpoint).Port}", ("count", 1));
+            var (heard, wired) = (new List<string>(), new UnityEvent<string>());
+            wired.AddListener(heard.Add);
+            var endpoint = $"http://127.0.0.1:{((IPEndPoint)listener.LocalEndpoint).Port}";
+            var client = (HelloWeb)Scene.Play(typeof(HelloWeb), null, endpoint, ("count", 1), ("replied", wired));
+            client.Replied += heard.Add;
             LogAssert.Expect(LogType.Log, "1: sent Hello, received World");
             LogAssert.Expect(LogType.Log, "done: 1 replies");
             yield return Scene.Until(() => client.Done, "the end");
+            Assert.That(heard, Is.EqualTo(new[] { "World", "World" }));
             yield return Scene.End(client);
             gateway.Result.Dispose();
             listener.Stop();
