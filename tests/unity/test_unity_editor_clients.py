@@ -277,3 +277,11 @@ def test_the_menu_adds_the_prefab(editor: Open, project: Path) -> None:
     assert len(names) == len(set(names)) and set(re.findall(r"\{fileID: (\d+)\}", text)) <= {"0", *names}
     client = re.search(r"&(\d+)\nMonoBehaviour:(?:\n  .*)+?" + scripts[0], text)
     assert client and f"  client: {{fileID: {client[1]}}}\n" in text
+
+
+def test_the_profiler_shows_the_network_threads(editor: Open, project: Path) -> None:
+    unity = editor(project)
+    unity.do("play 1 tcp://127.0.0.1:9 3")
+    unity.draw_until("^asking ")
+    unity.do("stop")
+    assert unity.do("threads") == ["NetMQ: HelloClient"]

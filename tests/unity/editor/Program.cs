@@ -11,6 +11,7 @@
 //     host ADDRESS            into the asset with the servers' address
 //     flood                   a hundred messages of ten long frames
 //     build TARGET FOLDER     what Unity calls when it builds for a platform; build Android FOLDER 37: for that API level
+//     threads                 which the Profiler shows
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     calls DLL               how often a build of the lessons shows a message
 //     quit                    the end of the editor
@@ -23,6 +24,7 @@ using NetMQExample.PlayTest;
 using UnityEditor;
 using UnityEditor.Build.Reporting;
 using UnityEngine;
+using UnityEngine.Profiling;
 using UnityEngine.UIElements;
 using UnityPlayer;
 using Drawing = UnityEditor.Drawing;
@@ -75,6 +77,7 @@ namespace NetMQExample.EditorTest
                 case "host": SetHost(with); break;
                 case "flood": Flood(); break;
                 case "build": Build(with.Split(' ')); break;
+                case "threads": foreach (var thread in Profiler.Threads) Console.WriteLine(thread); break;
                 case "counted": Count(); break;
                 case "calls": Console.WriteLine($"calls: {CallsOfShow(Assembly.LoadFile(with))}"); break;
                 case "quit": EditorApplication.SayQuitting(); break;

@@ -68,7 +68,7 @@ namespace NetMQExample
             if (tries < 1 || capacity < 1) throw new ArgumentException("tries and capacity must be at least 1");
             this.capacity = capacity;
             var first = patience ?? TimeSpan.FromSeconds(1);
-            thread = new Thread(() => Talk(endpoint, first, tries)) { IsBackground = true };
+            thread = new Thread(() => Talk(endpoint, first, tries)) { IsBackground = true, Name = "BackgroundClient" };
             thread.Start();
         }
 

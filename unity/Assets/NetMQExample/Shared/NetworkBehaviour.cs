@@ -10,6 +10,7 @@ using System.Collections.Generic;
 using System.Threading;
 using System.Threading.Tasks;
 using UnityEngine;
+using UnityEngine.Profiling;
 using Debug = UnityEngine.Debug;
 using Stopwatch = System.Diagnostics.Stopwatch;
 
@@ -151,6 +152,8 @@ namespace NetMQExample
             private void Work(NetworkBehaviour behaviour)
             {
                 own = this;
+                // Without it the Profiler does not show a thread.
+                Profiler.BeginThreadProfiling("NetMQ", Thread.Name);
                 try
                 {
                     behaviour.Talk(Stop.Token);
