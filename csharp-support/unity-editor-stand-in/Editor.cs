@@ -38,6 +38,14 @@ namespace UnityEditor
         public void Repaint() { }
     }
 
+    public enum PlayModeStateChange
+    {
+        EnteredEditMode,
+        ExitingEditMode,
+        EnteredPlayMode,
+        ExitingPlayMode,
+    }
+
     public sealed class EditorApplication
     {
         public static CallbackFunction update;
@@ -46,9 +54,13 @@ namespace UnityEditor
 
         public static event Action quitting;
 
+        public static event Action<PlayModeStateChange> playModeStateChanged;
+
         public static bool isPlaying { get; set; }
 
         internal static void SayQuitting() => quitting?.Invoke();
+
+        internal static void Say(PlayModeStateChange state) => playModeStateChanged?.Invoke(state);
     }
 
     /// <summary>What outlives the editor.</summary>

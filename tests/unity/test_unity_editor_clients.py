@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -277,6 +278,29 @@ def test_the_menu_adds_the_prefab(editor: Open, project: Path) -> None:
     assert len(names) == len(set(names)) and set(re.findall(r"\{fileID: (\d+)\}", text)) <= {"0", *names}
     client = re.search(r"&(\d+)\nMonoBehaviour:(?:\n  .*)+?" + scripts[0], text)
     assert client and f"  client: {{fileID: {client[1]}}}\n" in text
+
+
+def test_clients_that_a_script_forgot_are_counted_once_after_stop(editor: Open, project: Path) -> None:
+    unity = editor(project)
+    # What has ended a moment after Stop is nothing to speak of, however long one looks.
+    unity.do("play 1 tcp://127.0.0.1:9 3")
+    unity.do("forget 1")
+    unity.do("stop")
+    unity.do("remember")
+    began = time.monotonic()
+    while time.monotonic() - began < 3:
+        assert unity.do("draw") == []
+        time.sleep(0.1)
+    unity.do("forget 2")
+    unity.do("play 1 tcp://127.0.0.1:9 3")
+    began = time.monotonic()
+    unity.do("stop")
+    drawn = unity.draw_until("not disposed")
+    assert "NetMQ clients that were not disposed: 2; call Dispose in OnDisable or OnDestroy" in drawn
+    assert time.monotonic() - began >= 2, "what is still ending has its time"
+    assert unity.do("draw") == []
+    assert unity.program.output.count("not disposed") == 1
+    unity.do("remember")
 
 
 def test_the_profiler_shows_the_network_threads(editor: Open, project: Path) -> None:

@@ -11,11 +11,14 @@
 //     host ADDRESS            into the asset with the servers' address
 //     flood                   a hundred messages of ten long frames
 //     build TARGET FOLDER     what Unity calls when it builds for a platform; build Android FOLDER 37: for that API level
+//     forget 2                so many clients of a script's that are never disposed; remember: they are after all
 //     threads                 which the Profiler shows
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     calls DLL               how often a build of the lessons shows a message
 //     quit                    the end of the editor
 using System;
+using System.Collections.Generic;
+using System.Globalization;
 using System.Linq;
 using System.Reflection;
 using NetMQ.Sockets;
@@ -36,6 +39,8 @@ namespace NetMQExample.EditorTest
     {
         private const BindingFlags Any = BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic;
         private static readonly Assembly Package = typeof(LessonServer).Assembly;
+
+        private static readonly Stack<NetMQLifetime> Forgotten = new Stack<NetMQLifetime>();
 
         private static Player player;
         private static ClientInspector inspector;
@@ -77,6 +82,8 @@ namespace NetMQExample.EditorTest
                 case "host": SetHost(with); break;
                 case "flood": Flood(); break;
                 case "build": Build(with.Split(' ')); break;
+                case "forget": for (var i = int.Parse(with, CultureInfo.InvariantCulture); i > 0; i--) Forgotten.Push(new NetMQLifetime()); break;
+                case "remember": while (Forgotten.Count > 0) Forgotten.Pop().Dispose(); break;
                 case "threads": foreach (var thread in Profiler.Threads) Console.WriteLine(thread); break;
                 case "counted": Count(); break;
                 case "calls": Console.WriteLine($"calls: {CallsOfShow(Assembly.LoadFile(with))}"); break;
@@ -115,6 +122,7 @@ namespace NetMQExample.EditorTest
             var lessons = typeof(NetMQLifetime).Assembly;
             var types = Scripts.Of(lessons, words[0]);
             player = new Player(lessons);
+            EditorApplication.Say(PlayModeStateChange.ExitingEditMode);
             EditorApplication.isPlaying = true;
             player.Begin(() =>
             {
@@ -149,6 +157,7 @@ namespace NetMQExample.EditorTest
         {
             player.Stop();
             (player, inspector, drawn, EditorApplication.isPlaying) = (null, null, null, false);
+            EditorApplication.Say(PlayModeStateChange.EnteredEditMode);
         }
 
         private static void SetHost(string host) =>

@@ -28,7 +28,6 @@ namespace NetMQExample
         private const int Leaving = 2000, Coming = 10000;
         private static readonly object Gate = new object();
         private static readonly Stopwatch Joining = new Stopwatch(), SinceJoin = new Stopwatch();
-        private static int users;
         private static bool unloading;
         private static Stopwatch cleaning;
         private bool left;
@@ -42,7 +41,7 @@ namespace NetMQExample
             {
                 unloading = true;
                 var waited = Stopwatch.StartNew();
-                while ((users > 0 || cleaning != null) && waited.ElapsedMilliseconds < Coming) Monitor.Wait(Gate, 50);
+                while ((Users > 0 || cleaning != null) && waited.ElapsedMilliseconds < Coming) Monitor.Wait(Gate, 50);
             }
             // The last events of NetMQ's sockets come by the thread pool, a moment after they are disposed, and Mono
             // can end when it aborts one. Others may use the pool for longer, and are not waited for.
@@ -53,6 +52,9 @@ namespace NetMQExample
                 ThreadPool.GetAvailableThreads(out free, out _);
             }
         };
+
+        /// <summary>How many are there: each that was made and not disposed.</summary>
+        public static int Users { get; private set; }
 
         /// <summary>Joins the users of NetMQ. The first one selects managed sockets on Windows.</summary>
         /// <exception cref="TimeoutException">NetMQ has not ended since the last user left.</exception>
@@ -70,7 +72,7 @@ namespace NetMQExample
                 if (unloading) throw new OperationCanceledException("the scripts are being loaded anew");
                 // On Windows NetMQ would use I/O completion ports, which outlive a domain reload in the Unity editor.
                 // Elsewhere this call does nothing. It only counts before the first socket.
-                if (users++ == 0) ForceDotNet.Force();
+                if (Users++ == 0) ForceDotNet.Force();
             }
         }
 
@@ -84,7 +86,7 @@ namespace NetMQExample
                 left = true;
                 // A thread that a domain reload aborts must not wait: NetMQ's own threads are aborted as well.
                 var aborted = (Thread.CurrentThread.ThreadState & ThreadState.AbortRequested) != 0;
-                if (--users > 0 || aborted) return;
+                if (--Users > 0 || aborted) return;
                 cleaning = Stopwatch.StartNew();
                 new Thread(Cleanup) { IsBackground = true, Name = "NetMQ cleanup" }.Start();
                 Cleaned(Leaving);

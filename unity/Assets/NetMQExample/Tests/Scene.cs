@@ -54,8 +54,7 @@ namespace NetMQExample.Tests
             Object.DestroyImmediate(client.gameObject);
             // It tells its thread to end, and may wait 200 ms for that.
             Assert.That(busy.ElapsedMilliseconds, Is.LessThan(1000), "it made the main thread wait");
-            var users = typeof(NetMQLifetime).GetField("users", BindingFlags.Static | BindingFlags.NonPublic);
-            return Until(() => (int)users.GetValue(null) == 0, "nobody uses NetMQ any more");
+            return Until(() => NetMQLifetime.Users == 0, "nobody uses NetMQ any more");
         }
     }
 }
