@@ -36,6 +36,7 @@ from kitlib.unity.project import (
     has_netmq,
     has_scripts,
     missing,
+    other_dlls,
     packages_of,
 )
 
@@ -134,7 +135,8 @@ def install(
         if (root / PLUGINS).exists():
             say(f"delete {PLUGINS}, which this command wrote before: two of one name do not compile")
     else:
-        files |= libraries(dlls, lambda package, name: missing(root, packages, package, name))
+        others = other_dlls(root)
+        files |= libraries(dlls, lambda package, name: missing(others, packages, package, name))
     write(root, files, force)
     add_packages(root, {name: version for name, version in unitys_packages(files).items() if name not in packages})
     for line in advice(root):

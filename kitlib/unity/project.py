@@ -82,12 +82,16 @@ def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
     return name in manifest
 
 
-def missing(root: Path, packages: set[str], package: str, name: str) -> set[str]:
+def other_dlls(root: Path) -> list[Path]:
+    """Those of the project, and of the packages that Unity has fetched for it."""
+    return [*elsewhere(root, "*.dll"), *(root / "Library" / "PackageCache").rglob("*.dll")]
+
+
+def missing(others: list[Path], packages: set[str], package: str, name: str) -> set[str]:
     """Where nothing else in the project brings this DLL: two of one name do not compile, or the wrong one is taken."""
     if f"org.nuget.{package.lower()}" in packages:
         return set()
-    copies = [*elsewhere(root, name), *(root / "Library" / "PackageCache").rglob(name)]
-    return PARTS.difference(*(served(copy) for copy in copies))
+    return PARTS.difference(*(served(other) for other in others if other.name == name))
 
 
 def served(dll: Path) -> set[str]:
