@@ -644,3 +644,15 @@ def test_a_program_whose_netmq_never_ends_ends(
     program = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "forgotten")
     assert program.wait() == 0, program.output
     assert program.lines == ["done"]
+
+
+@pytest.mark.parametrize(("runtime", "count"), [("mono", 2), (".net", 0)])
+def test_only_a_runtime_that_unloads_domains_is_listened_to(
+    runtime: str, count: int, harness: Path, engine: dotnet.Engine, start: Callable[..., Program]
+) -> None:
+    """CoreCLR, to which Unity moves, never unloads one, and what listens to that is never unloaded itself."""
+    if runtime == "mono":
+        needs_mono(engine)
+    program = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "listeners")
+    assert program.wait() == 0, program.output
+    assert program.lines == [f"{count} listen to the end of their domain"]

@@ -15,6 +15,7 @@
 //     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
+//     … play.dll listeners                               no Play: how many classes a reload of the scripts tells of it
 //
 // It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
 // Threads and sockets are counted by the test, from outside.
@@ -55,6 +56,7 @@ namespace NetMQExample.PlayTest
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
+                case "listeners": return Listeners();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
                 case "views": return Views(words.Skip(1).ToArray());
                 case "wrong": return Wrong(words[1], words[2], float.Parse(words[3], CultureInfo.InvariantCulture));
@@ -132,6 +134,16 @@ namespace NetMQExample.PlayTest
             here.SetData(Asked, null);
             Say("stopped", player.Stop());
             Console.WriteLine($"left: {string.Join(" ", Player.Left)}");
+            return 0;
+        }
+
+        private static int Listeners()
+        {
+            foreach (var type in new[] { typeof(NetMQLifetime), typeof(DotNetConnection) })
+                RuntimeHelpers.RunClassConstructor(type.TypeHandle);
+            var field = typeof(AppDomain).GetField("DomainUnload", BindingFlags.Instance | BindingFlags.NonPublic);
+            var all = (Delegate)field.GetValue(AppDomain.CurrentDomain);
+            Console.WriteLine($"{all?.GetInvocationList().Length ?? 0} listen to the end of their domain");
             return 0;
         }
 

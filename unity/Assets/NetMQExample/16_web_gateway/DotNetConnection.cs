@@ -27,13 +27,20 @@ namespace NetMQExample
         private volatile bool open;
         private Task sending = Task.CompletedTask;
 
+        static DotNetConnection()
+        {
+            // Only Mono unloads a domain. In CoreCLR, to which Unity moves, the event never comes, and what listens to
+            // it is never unloaded.
+            if (Environment.Version.Major < 5) AppDomain.CurrentDomain.DomainUnload += Unload;
+        }
+
         // What has its turn only now, in the midst of an assembly reload, starts threads that nobody ends, and Mono can
         // end itself of that. All have been told to leave, and most often nothing is left.
-        static DotNetConnection() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
+        private static void Unload(object domain, EventArgs nothing)
         {
             Reload.Cancel();
             for (var rest = 5000; rest > 0 && Volatile.Read(ref running) > 0; rest--) Thread.Sleep(1);
-        };
+        }
 
         /// <summary>Begins to connect.</summary>
         /// <param name="address">A <c>ws://</c> or <c>wss://</c> address.</param>

@@ -32,10 +32,17 @@ namespace NetMQExample
         private static Stopwatch cleaning;
         private bool left;
 
+        static NetMQLifetime()
+        {
+            // Only Mono unloads a domain. In CoreCLR, to which Unity moves, the event never comes, and what listens to
+            // it is never unloaded.
+            if (Environment.Version.Major < 5) AppDomain.CurrentDomain.DomainUnload += Unload;
+        }
+
         // An assembly reload aborts the threads of its domain. NetMQ's leave sockets open when that hits them at work,
         // and now and then Mono itself ends. What Stop's 200 ms were too short for is waited for here; most often that
         // is nothing. On a machine that is too busy for anything else, more than five seconds were seen.
-        static NetMQLifetime() => AppDomain.CurrentDomain.DomainUnload += (domain, nothing) =>
+        private static void Unload(object domain, EventArgs nothing)
         {
             lock (Gate)
             {
@@ -51,7 +58,7 @@ namespace NetMQExample
                 Thread.Sleep(1);
                 ThreadPool.GetAvailableThreads(out free, out _);
             }
-        };
+        }
 
         /// <summary>How many are there: each that was made and not disposed.</summary>
         public static int Users { get; private set; }
