@@ -492,6 +492,7 @@ def test_a_flood_of_replies_fills_no_frame(
         ("4", "patience", "1e30", "patience must be"),
         ("5", "patience", "-1", "patience must be"),
         ("6", "window", "0", "window and tries must be"),
+        ("13", "trouble", "bogus", "trouble"),
     ],
 )
 def test_a_wrong_field_is_said_once(

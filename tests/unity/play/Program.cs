@@ -59,7 +59,7 @@ namespace NetMQExample.PlayTest
                 case "listeners": return Listeners();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
                 case "views": return Views(words.Skip(1).ToArray());
-                case "wrong": return Wrong(words[1], words[2], float.Parse(words[3], CultureInfo.InvariantCulture));
+                case "wrong": return Wrong(words[1], words[2], words[3]);
             }
             if (words[0] == "inside") return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
             var inside = words.Skip(1).Prepend("inside").ToArray();
@@ -175,7 +175,7 @@ namespace NetMQExample.PlayTest
             return 0;
         }
 
-        private static int Wrong(string script, string name, float value)
+        private static int Wrong(string script, string name, string value)
         {
             var lessons = typeof(NetMQLifetime).Assembly;
             var player = new Player(lessons);
