@@ -53,6 +53,15 @@ namespace UnityPlayer
             set => Application.Editor = value;
         }
 
+        /// <summary>The shaders of a game that URP draws; null: the built-in pipeline draws it.</summary>
+        public static string[] UrpShaders
+        {
+            set => (GraphicsSettings.currentRenderPipeline, Shader.All) = value == null ? (null, Shader.All) : (new Urp(), value);
+        }
+
+        /// <summary>The shader that draws a thing.</summary>
+        public static string ShaderOf(Renderer thing) => thing.sharedMaterial.Drawn;
+
         /// <summary>No graphics card, as with -nographics.</summary>
         public static bool NoGraphics
         {
@@ -223,5 +232,7 @@ namespace UnityPlayer
                 if (method.GetCustomAttribute<RuntimeInitializeOnLoadMethodAttribute>()?.loadType == moment)
                     method.Invoke(null, null);
         }
+
+        private sealed class Urp : RenderPipelineAsset { }
     }
 }

@@ -8,6 +8,14 @@ namespace UnityEngine.Rendering
         Null = 4,
         OpenGLCore = 17,
     }
+
+    public abstract class RenderPipelineAsset : ScriptableObject { }
+
+    public sealed class GraphicsSettings : Object
+    {
+        /// <summary>None: the built-in pipeline.</summary>
+        public static RenderPipelineAsset currentRenderPipeline { get; internal set; }
+    }
 }
 
 namespace UnityEngine
@@ -85,6 +93,14 @@ namespace UnityEngine
         public static implicit operator Color(Color32 c) => new Color(c.r / 255f, c.g / 255f, c.b / 255f, c.a / 255f);
     }
 
+    public sealed class Shader : Object
+    {
+        /// <summary>Those of the game.</summary>
+        internal static string[] All { get; set; } = { "Sprites/Default" };
+
+        public static Shader Find(string name) => Array.IndexOf(All, name) < 0 ? null : new Shader { Title = name };
+    }
+
     public class Material : Object
     {
         public Material(Material source)
@@ -94,7 +110,17 @@ namespace UnityEngine
             Scene.Made.Add(this);
         }
 
+        public Material(Shader shader)
+        {
+            MainThread.Only("CreateWithShader");
+            Drawn = shader.Title;
+            Scene.Made.Add(this);
+        }
+
         internal Material() { }
+
+        /// <summary>By which shader; Standard is the built-in pipeline's.</summary>
+        internal string Drawn { get; } = "Standard";
 
         public Color color { get; set; } = new Color(1, 1, 1, 1);
     }

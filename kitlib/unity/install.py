@@ -132,13 +132,13 @@ def install(
         for path in elsewhere(root, "NetMQ.dll"):
             old = path.relative_to(root).as_posix()
             say(f"if {old} is older than {NETMQ}, delete it with its AsyncIO.dll, and run this again")
-        if (root / PLUGINS).exists():
-            say(f"delete {PLUGINS}, which this command wrote before: two of one name do not compile")
     else:
         others = other_dlls(root)
         files |= libraries(dlls, lambda package, name: missing(others, packages, package, name))
-    write(root, files, force)
-    add_packages(root, {name: version for name, version in unitys_packages(files).items() if name not in packages})
+    write(root, files, force, dlls=not scripts_only)
+    # Also of other lessons, which are there already: all are one assembly.
+    here = {path.as_posix(): path.read_bytes() for path in (root / TARGET).rglob("*.cs")}
+    add_packages(root, {name: version for name, version in unitys_packages(here).items() if name not in packages})
     for line in advice(root):
         say(line)
     if scripts_only and not there:
@@ -199,6 +199,8 @@ def add_packages(root: Path, wanted: dict[str, str]) -> None:
     # Beside it, and so on the same disk: a full disk leaves the old one whole.
     new = path.with_name(f"manifest.json.{os.getpid()}")
     try:
+        if path.exists() and not os.access(path, os.W_OK):
+            raise PermissionError("it is read-only")
         manifest = json.loads(path.read_text(encoding="utf-8-sig"))
         manifest.setdefault("dependencies", {}).update(wanted)
         new.write_text(json.dumps(manifest, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
@@ -290,11 +292,15 @@ def download(package: str, version: str, inside: str) -> bytes:
         raise KitError(f"NuGet gave no {package} {version} ({error}): nothing was copied") from None
 
 
-def write(root: Path, files: dict[str, bytes], force: bool) -> None:
-    """All of them or none."""
+def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
+    """All of them or none; of the DLLs that were written before those alone are left, unless `dlls` says so."""
     record = read_record(root)
-    # Unity writes .meta files itself, and other files may refer to what they say: one that exists stays.
-    wanted = {n: d for n, d in files.items() if not (n.endswith(".meta") and (root / n).exists())}
+    # Unity writes .meta files itself, and other files may refer to what they say: one that is not ours stays.
+    wanted = {
+        n: d
+        for n, d in files.items()
+        if not (n.endswith(".meta") and (root / n).exists() and digest((root / n).read_bytes()) != record.get(n))
+    }
     news = {n: d for n, d in wanted.items() if not (root / n).exists() or digest((root / n).read_bytes()) != digest(d)}
     changed = [n for n in news if (root / n).exists() and digest((root / n).read_bytes()) != record.get(n)]
     if changed and not force:
@@ -315,7 +321,7 @@ def write(root: Path, files: dict[str, bytes], force: bool) -> None:
         for number, name in enumerate(news):
             replace(stage / str(number), root / name)
         record |= {name: digest(data) for name, data in news.items()}
-        if remove_outdated(root, record) or news:
+        if remove_outdated(root, record, files, dlls) or news:
             (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
     except OSError as error:
         raise KitError(f"could not write into {root}: {error}") from None
@@ -329,23 +335,32 @@ def write(root: Path, files: dict[str, bytes], force: bool) -> None:
         say(f"{same} files were there already")
 
 
-def remove_outdated(root: Path, record: dict[str, str]) -> bool:
-    """Delete what an older kit wrote and this one does not have: two scripts with one class do not compile."""
-    kept = {PLUGINS, f"{PLUGINS}.meta", *notices()}
-    old = [name for name in record if not kept & {name, Path(name).parent.as_posix()}]
-    old = [name for name in old if not (PACKAGE / name.removeprefix(f"{TARGET}/")).exists()]
+def remove_outdated(root: Path, record: dict[str, str], files: dict[str, bytes], dlls: bool) -> bool:
+    """Delete what this command has written and the project must not have any more: two scripts with one class do not
+    compile, nor do two DLLs of one name."""
+
+    def stays(name: str) -> bool:
+        # The record comes with the project, and so from anybody.
+        if name in files or not name.startswith(f"{TARGET}/") or ".." in Path(name).parts:
+            return True
+        if name.startswith(PLUGINS):
+            return not dlls
+        return name in notices() or (PACKAGE / name.removeprefix(f"{TARGET}/")).exists()
+
+    old = [name for name in record if not stays(name)]
     # A script before its .meta, which stays where the script does; what is in a folder before the folder's.
     for name in sorted(old, key=lambda name: (name.endswith(".meta"), -name.count("/"))):
         path, known = root / name, record.pop(name)
-        if name.endswith(".meta") and path.with_suffix("").exists():
+        if not path.is_file() or (name.endswith(".meta") and path.with_suffix("").is_file()):
             continue
-        if path.is_file() and digest(path.read_bytes()) != known:
+        if digest(path.read_bytes()) != known:
             say(f"{name} is no longer a part of the kit, and stays because you have changed it: delete it if you can")
             continue
-        path.unlink(missing_ok=True)
+        path.unlink()
         if not name.endswith(".meta"):
-            say(f"deleted {name}, which is no longer a part of the kit")
-        if path.parent.is_dir() and not any(path.parent.iterdir()):
+            why = "another package brings it" if name.startswith(PLUGINS) else "it is no longer a part of the kit"
+            say(f"deleted {name}: {why}")
+        if not any(path.parent.iterdir()):
             path.parent.rmdir()
     return bool(old)
 
@@ -364,10 +379,10 @@ def replace(source: Path, target: Path) -> None:
 
 def read_record(root: Path) -> dict[str, str]:
     try:
-        record: dict[str, str] = json.loads((root / RECORD).read_text(encoding="utf-8"))
+        record = json.loads((root / RECORD).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return record
+    return record if isinstance(record, dict) else {}
 
 
 def digest(data: bytes) -> str:

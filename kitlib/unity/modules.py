@@ -16,7 +16,8 @@ TYPES = {
     "com.unity.modules.imageconversion": {"ImageConversion", "EncodeToJPG"},
     "com.unity.modules.imgui": {"GUI"},
     "com.unity.modules.jsonserialize": {"JsonUtility"},
-    "com.unity.modules.physics": {"Collider", "Physics", "SimulationMode"},
+    # CreatePrimitive gives each shape a collider.
+    "com.unity.modules.physics": {"Collider", "Physics", "SimulationMode", "CreatePrimitive"},
 }
 
 

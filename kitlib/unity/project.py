@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from kitlib.lessons import KitError
@@ -14,6 +15,8 @@ from kitlib.unity.meta import PACKAGE
 TARGET = "Assets/NetMQExample"
 # Where a DLL may be wanted.
 PARTS = {"editor", "builds"}
+# The Unity that all of the package is made for.
+OLDEST = (2022, 3)
 
 
 def find_project(path: Path) -> Path:
@@ -40,12 +43,12 @@ def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:
     major, minor = version(root)
     if (major, minor) < (2021, 2):
         raise KitError(f"this project is for Unity {major}.{minor}; NetMQ needs 2021.2 or later (.NET Standard 2.1)")
-    if (major, minor) >= (2022, 3) or not any(b"Physics.simulationMode" in data for data in files.values()):
+    if (major, minor) >= OLDEST or not any(b"Physics.simulationMode" in data for data in files.values()):
         return
     what = f"lesson {lesson} steps physics, which" if lesson else "the whole package"
     raise KitError(
         f"this project is for Unity {major}.{minor}; {what} needs 2022.3 or later: nothing was copied; "
-        "--lesson 4 copies one lesson that does without"
+        "--lesson 4 copies one that steps no physics"
     )
 
 
@@ -55,9 +58,11 @@ def packages_of(root: Path) -> dict[str, str]:
     if not path.exists():
         return {}
     try:
-        dependencies: dict[str, str] = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
+        dependencies = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
     except (ValueError, AttributeError) as error:
         raise KitError(f"{path} is no valid manifest: {error}") from None
+    if not isinstance(dependencies, dict):
+        raise KitError(f"{path} is no valid manifest: its dependencies are no object")
     return dependencies
 
 
@@ -84,7 +89,10 @@ def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
 
 def other_dlls(root: Path) -> list[Path]:
     """Those of the project, and of the packages that Unity has fetched for it."""
-    return [*elsewhere(root, "*.dll"), *(root / "Library" / "PackageCache").rglob("*.dll")]
+    cache = root / "Library" / "PackageCache"
+    # Unity ignores what has no .meta in a package, where it can write none.
+    cached = [path for path in imported(cache, "*.dll") if path.with_name(f"{path.name}.meta").exists()]
+    return [*elsewhere(root, "*.dll"), *cached]
 
 
 def missing(others: list[Path], packages: set[str], package: str, name: str) -> set[str]:
@@ -99,11 +107,12 @@ def served(dll: Path) -> set[str]:
     meta = dll.with_name(f"{dll.name}.meta")
     text = meta.read_text(encoding="utf-8", errors="replace") if meta.exists() else ""
     # Unity 6 writes no line `second:`.
-    enabled = dict(re.findall(r"^[ -]*(?:first:\n *)?([\w ]+):.*\n(?: *second:\n)? *enabled: (\d)", text, re.MULTILINE))
-    if not enabled:
+    found = re.findall(r"^[ -]*(?:first:\n *)?([\w ]+):.*\n(?: *second:\n)? *enabled: (\d)", text, re.MULTILINE)
+    if not found:
         return PARTS
-    builds = {"builds"} if "1" in (on for name, on in enabled.items() if name.strip() != "Editor") else set()
-    return builds | ({"editor"} if enabled.get("Editor", enabled.get("Any")) == "1" else set())
+    builds = {"builds"} if any(on == "1" for name, on in found if name != "Editor") else set()
+    editor = dict(found).get("Editor", dict(found).get("Any"))
+    return builds | ({"editor"} if editor == "1" else set())
 
 
 def has_netmq(root: Path, packages: set[str]) -> bool:
@@ -113,8 +122,14 @@ def has_netmq(root: Path, packages: set[str]) -> bool:
 
 def elsewhere(root: Path, name: str) -> list[Path]:
     """The files of this name in the project, but for those in the kit's own folder."""
-    found = [path for folder in ("Assets", "Packages") for path in (root / folder).rglob(name)]
+    found = [path for folder in ("Assets", "Packages") for path in imported(root / folder, name)]
     return [path for path in found if not path.is_relative_to(root / TARGET)]
+
+
+def imported(folder: Path, name: str) -> list[Path]:
+    """The files of this name that Unity sees: it ignores what begins with a dot or ends with a tilde."""
+    ignored = re.compile(r"^\.|~$")
+    return [p for p in folder.rglob(name) if not any(map(ignored.search, p.relative_to(folder).parts))]
 
 
 def check_moved(root: Path, scripts: dict[str, bytes]) -> None:
@@ -145,13 +160,16 @@ def check_foreign(root: Path, files: dict[str, bytes]) -> None:
             )
 
 
-def advice(root: Path) -> list[str]:
-    """What in the project's settings keeps the scripts from compiling."""
+def advice(root: Path) -> Iterator[str]:
+    """What in the project keeps the scripts from compiling, or may do so."""
+    for path in imported(root / "Assets", "System.ServiceModel.Primitives.asmdef"):
+        yield f"delete {path.relative_to(root).as_posix()}: Unity refuses this name, and then compiles no script at all"
     settings = root / "ProjectSettings" / "ProjectSettings.asset"
-    if not settings.exists():
-        return []
-    text = settings.read_text(encoding="utf-8", errors="replace")
+    text = settings.read_text(encoding="utf-8", errors="replace") if settings.exists() else ""
     # 3 is NET_Unity_4_8 in UnityEditor.ApiCompatibilityLevel; 6 is NET_Standard, which new projects have.
     if re.search(r"^  apiCompatibilityLevelPerPlatform:\n(    \w+: \d+\n)*    \w+: 3$", text, re.MULTILINE):
-        return ["set Project Settings, Player, Api Compatibility Level to .NET Standard 2.1: it is .NET Framework"]
-    return []
+        yield "set Project Settings, Player, Api Compatibility Level to .NET Standard 2.1: it is .NET Framework"
+    if version(root) < OLDEST:
+        yield "this Unity is older than 2022.3, for which the kit is made: this lesson compiles, but was not tried"
+    if not (root / "Library").exists() and any((root / TARGET).rglob("*.dll")):
+        yield "open the project in Unity, then run this again: it deletes DLLs that packages of yours bring as well"

@@ -50,6 +50,10 @@ def nuget(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     yield folder
 
 
+def plugins(project: Path) -> set[str]:
+    return {path.name for path in (project / TARGET / "Plugins").glob("*.dll")}
+
+
 def listing(root: Path) -> dict[str, bytes]:
     return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
 
@@ -198,6 +202,35 @@ def test_a_lean_project_gets_what_the_scripts_need_of_unity(
     assert [path.name for path in manifest.parent.iterdir()] == ["manifest.json"]
 
 
+@pytest.mark.parametrize("dependencies", ["null", "[]", '"x"'])
+def test_a_manifest_without_an_object_is_refused_before_anything_is_copied(
+    dependencies: str, project: Path, nuget: Path
+) -> None:
+    (project / "Packages" / "manifest.json").write_text(f'{{"dependencies": {dependencies}}}')
+    with pytest.raises(KitError, match=r"manifest\.json is no valid manifest: its dependencies are no object"):
+        unity_install.install(project, "4", False)
+    assert not (project / TARGET).exists()
+
+
+def test_what_lessons_need_that_are_there_already_is_added_too(project: Path, nuget: Path) -> None:
+    """All lessons are one assembly: one without its module, and none compiles."""
+    unity_install.install(project, "20", False)
+    (project / "Packages" / "manifest.json").write_text('{"dependencies": {}}')
+    unity_install.install(project, "1", False)
+    assert "com.unity.modules.animation" in (project / "Packages" / "manifest.json").read_text()
+
+
+def test_the_assembly_that_unity_refuses_is_named(
+    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An early kit brought it, and no record says so."""
+    old = project / TARGET / "ServiceModel" / "System.ServiceModel.Primitives.asmdef"
+    old.parent.mkdir(parents=True)
+    old.write_text("{}")
+    unity_install.install(project, "1", False)
+    assert f"delete {old.relative_to(project).as_posix()}: Unity refuses this name" in capsys.readouterr().out
+
+
 def test_what_is_there_by_another_route_is_not_added(project: Path, nuget: Path) -> None:
     package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
     brought = [name for name in package["dependencies"] if name.startswith("com.unity.modules.")]
@@ -248,13 +281,16 @@ def test_a_netmq_that_another_package_brings_is_seen(where: str, project: Path, 
     assert not (project / TARGET / "Plugins").exists()
 
 
-@pytest.mark.parametrize("text", ["{", "[]", "{}"])
-def test_a_damaged_lock_is_none(text: str, project: Path, nuget: Path) -> None:
+@pytest.mark.parametrize("text", ["{", "[]", "{}", "null"])
+def test_a_damaged_lock_or_record_is_none(text: str, project: Path, nuget: Path) -> None:
     (project / "Packages" / "packages-lock.json").write_text(text)
+    (project / TARGET).mkdir()
+    (project / TARGET / ".kit.json").write_text(text)
     unity_install.install(project, "4", False)
     assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
 
 
+ALL_DLLS = {Path(inside).name for _, _, inside in unity_install.LIBRARIES}
 SHARED_DLLS = [Path(inside).name for _, _, inside in unity_install.LIBRARIES if "/System." in inside]
 # As Unity wrote a .meta before Unity 6, and since: com.unity.collections has a DLL for builds alone.
 ENTRY = "  - first:\n      {}\n    second:\n      enabled: {}\n"
@@ -272,13 +308,35 @@ def test_a_dll_of_nets_own_that_another_package_brings_is_not_copied(
         (project / "Packages" / "manifest.json").write_text(json.dumps({"dependencies": {package: "1.0.0"}}))
     elif where == "lock":
         (project / "Packages" / "packages-lock.json").write_text(json.dumps({"dependencies": {package: {}}}))
-    else:
+    # Also if it is there already, from a run in which nobody else brought it.
+    unity_install.install(project, "4", False)
+    assert plugins(project) == ALL_DLLS - ({name} if where in ("manifest", "lock") else set())
+    if where not in ("manifest", "lock"):
         (project / where).mkdir(parents=True)
         (project / where / name).write_bytes(b"MZ other")
+        (project / where / f"{name}.meta").write_text("fileFormatVersion: 2\n")
+        unity_install.install(project, "4", False)
+        assert plugins(project) == ALL_DLLS - {name}
+        assert not (project / TARGET / "Plugins" / f"{name}.meta").exists()
+
+
+@pytest.mark.parametrize("name", ["NetMQ.dll", "System.Collections.Immutable.dll"])
+@pytest.mark.parametrize("where", ["Library/PackageCache/a@1/Server~", "Library/PackageCache/a@1", "Assets/.tools"])
+def test_a_dll_that_unity_ignores_is_none(name: str, where: str, project: Path, nuget: Path) -> None:
+    """A folder that ends with ~ or begins with a dot; and in a package, where Unity writes none, one without .meta."""
+    (project / where).mkdir(parents=True)
+    (project / where / name).write_bytes(b"MZ other")
     unity_install.install(project, "4", False)
-    assert {path.name for path in (project / TARGET / "Plugins").glob("*.dll")} == {
-        Path(inside).name for _, _, inside in unity_install.LIBRARIES
-    } - {name}
+    assert plugins(project) == ALL_DLLS
+
+
+def test_the_dlls_go_where_netmq_comes_from_elsewhere(project: Path, nuget: Path) -> None:
+    unity_install.install(project, "4", False)
+    (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-5"}}')
+    unity_install.install(project, "4", False, scripts_only=True)
+    assert plugins(project) == ALL_DLLS, "the user said that they bring them"
+    unity_install.install(project, "4", False)
+    assert not (project / TARGET / "Plugins").exists()
 
 
 @pytest.mark.parametrize(("theirs", "ours"), [(FOR_BUILDS, (0, 1)), (FOR_EDITOR, (1, 0))])
@@ -310,16 +368,26 @@ def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(
     unity_install.install(project, "4", False)
     record = project / TARGET / ".kit.json"
     known = json.loads(record.read_text())
-    for name in ("Stub/Old.cs", "Stub/Old.cs.meta", "Stub.meta", "Shared/Renamed.cs", "Shared/Renamed.cs.meta"):
+    outside = [f"{TARGET}/../Mine.cs", "Assets/Mine.cs"]
+    for name in (
+        "Stub/Old.cs",
+        "Stub/Old.cs.meta",
+        "Stub.meta",
+        "Shared/Renamed.cs",
+        "Shared/Renamed.cs.meta",
+        "../Mine.cs",
+    ):
         (project / TARGET / name).parent.mkdir(exist_ok=True)
         (project / TARGET / name).write_bytes(name.encode())
         known[f"{TARGET}/{name}"] = unity_install.digest(name.encode())
+    known |= dict.fromkeys(outside, known[outside[0]])
     record.write_text(json.dumps(known))
     (project / TARGET / "Shared" / "Renamed.cs").write_text("// mine")
     unity_install.install(project, "4", False)
     assert not list((project / TARGET).glob("Stub*"))
     printed = capsys.readouterr().out
-    assert f"deleted {TARGET}/Stub/Old.cs, which is no longer a part of the kit" in printed
+    assert f"deleted {TARGET}/Stub/Old.cs: it is no longer a part of the kit" in printed
+    assert (project / "Assets" / "Mine.cs").exists(), "a record may say anything"
     assert f"{TARGET}/Shared/Renamed.cs is no longer a part of the kit, and stays" in printed
     assert (project / TARGET / "Shared" / "Renamed.cs.meta").exists()
     before = listing(project)

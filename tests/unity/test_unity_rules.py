@@ -286,6 +286,7 @@ def test_the_modules_are_those_of_unitys_sources() -> None:
         if source.startswith("Modules/") and re.fullmatch(MODULES, module):
             declared.setdefault(f"com.unity.modules.{module}", set()).add(name)
     declared["com.unity.modules.imageconversion"].add("EncodeToJPG")
+    declared["com.unity.modules.physics"].add("CreatePrimitive")
     assert declared == modules.TYPES
     assert modules.needed(["// GUI\nvar colliders = GetComponent<Collider>();", "class GUIs { }"]) == {
         "com.unity.modules.physics"

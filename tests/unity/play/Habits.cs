@@ -37,6 +37,17 @@ namespace NetMQExample.PlayTest
                 moved.AddComponent<Cube>();
                 moved.transform.position = Vector3.up;
                 Console.WriteLine($"a cube: {string.Join(" ", moved.transform.GetComponentsInChildren<Renderer>().Select(part => part.transform.position))}");
+                // In URP's editor a shape is Unity's own; in its builds it must not be.
+                foreach (var shaders in new[] { null, new[] { "Sprites/Default" }, new[] { "Sprites/Default", "Universal Render Pipeline/Lit" } })
+                {
+                    foreach (var editor in new[] { true, false })
+                    {
+                        (Player.UrpShaders, Player.Editor) = (shaders, editor);
+                        var shape = Cube.Make(Vector3.one, new Color32((byte)(shaders?.Length ?? 0), editor ? (byte)1 : (byte)0, 0, 255));
+                        Console.WriteLine($"drawn by: {Player.ShaderOf(shape.GetComponent<Renderer>())}");
+                    }
+                }
+                (Player.UrpShaders, Player.Editor) = (null, false);
                 // The setting of the whole game is left alone, or set and said.
                 foreach (var wanted in new[] { false, true })
                 {

@@ -33,8 +33,8 @@ namespace NetMQExample
         {
             Car = new Car(new Road(), start);
             // All behind the cameras and below: they do not see it.
-            Cube.Make(new Vector3(1.6f, 0.5f, 3), transform).localPosition = new Vector3(0, 0.45f, -1);
-            Cube.Make(new Vector3(1.4f, 0.5f, 1.6f), transform).localPosition = new Vector3(0, 0.9f, -1.5f);
+            Cube.Make(new Vector3(1.6f, 0.5f, 3), parent: transform).localPosition = new Vector3(0, 0.45f, -1);
+            Cube.Make(new Vector3(1.4f, 0.5f, 1.6f), parent: transform).localPosition = new Vector3(0, 0.9f, -1.5f);
             Place();
             if (Math.Abs(Time.fixedDeltaTime - Drive.StepSeconds) > 1e-6)
                 Debug.LogWarning("trouble: time goes wrong: set Project Settings, Time, Fixed Timestep to 0.02");

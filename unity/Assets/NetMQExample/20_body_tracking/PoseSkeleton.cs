@@ -47,11 +47,10 @@ namespace NetMQExample
 
         private Transform Part(PrimitiveType type)
         {
-            var part = GameObject.CreatePrimitive(type);
-            part.transform.SetParent(transform, false);
+            var part = Cube.Shape(type, null, transform);
             // It is there to be seen, and pushes nothing.
             Destroy(part.GetComponent<Collider>());
-            return part.transform;
+            return part;
         }
     }
 }

@@ -1,10 +1,11 @@
-// Cubes for the lessons' scenes. They are made when play begins, because a material that a scene file can name belongs
-// to one render pipeline, and is magenta in the others.
+// Cubes and other shapes for the lessons' scenes. They are made when play begins, because a material that a scene file
+// can name belongs to one render pipeline, and is magenta in the others.
 //
 // Use: Cube.Make in a script; as a component it is on what moves in the scenes of lessons 03, 07 and 21. An object of
 // your own has a shape of its own, and needs none.
 using System.Collections.Generic;
 using UnityEngine;
+using UnityEngine.Rendering;
 
 namespace NetMQExample
 {
@@ -15,32 +16,45 @@ namespace NetMQExample
         // One material for all that has this colour: Unity draws them together, and no scene leaves any behind.
         private static readonly Dictionary<Color32, Material> Paints = new Dictionary<Color32, Material>();
 
-        /// <summary>Makes a grey one.</summary>
+        /// <summary>Makes a cube.</summary>
         /// <param name="size">In metres.</param>
+        /// <param name="colour">Of all sides; none: white.</param>
         /// <param name="parent">What it goes along with.</param>
-        public static Transform Make(Vector3 size, Transform parent = null)
+        public static Transform Make(Vector3 size, Color32? colour = null, Transform parent = null)
         {
-            var cube = GameObject.CreatePrimitive(PrimitiveType.Cube).transform;
-            cube.SetParent(parent, false);
+            var cube = Shape(PrimitiveType.Cube, colour, parent);
             cube.localScale = size;
             return cube;
         }
 
-        /// <summary>Makes a coloured one.</summary>
-        /// <param name="size">In metres.</param>
-        /// <param name="colour">Of all sides.</param>
+        /// <summary>Makes any of Unity's shapes.</summary>
+        /// <param name="type">Which.</param>
+        /// <param name="colour">Of all sides; none: white.</param>
         /// <param name="parent">What it goes along with.</param>
-        public static Transform Make(Vector3 size, Color32 colour, Transform parent = null)
+        public static Transform Shape(PrimitiveType type, Color32? colour = null, Transform parent = null)
         {
-            var cube = Make(size, parent);
-            var renderer = cube.GetComponent<Renderer>();
-            // Unity ends it with the Play, and may keep the statics.
-            if (!Paints.TryGetValue(colour, out var paint) || paint == null)
-                Paints[colour] = paint = new Material(renderer.sharedMaterial) { color = colour };
-            renderer.sharedMaterial = paint;
-            return cube;
+            var shape = GameObject.CreatePrimitive(type).transform;
+            shape.SetParent(parent, false);
+            var renderer = shape.GetComponent<Renderer>();
+            var paint = colour ?? new Color32(255, 255, 255, 255);
+            // Unity ends a material with the Play, and may keep the statics.
+            if (!Paints.TryGetValue(paint, out var made) || made == null) Paints[paint] = made = Blank(renderer);
+            made.color = paint;
+            renderer.sharedMaterial = made;
+            return shape;
         }
 
-        private void Awake() => Make(Vector3.one, transform);
+        private void Awake() => Make(Vector3.one, null, transform);
+
+        // In the editor a new shape has its pipeline's own material. In a build it has that of the built-in pipeline, which
+        // no other can draw.
+        private static Material Blank(Renderer renderer)
+        {
+            if (Application.isEditor || GraphicsSettings.currentRenderPipeline == null)
+                return new Material(renderer.sharedMaterial);
+            // A game that has anything lit by URP has this; every game has the other, which knows no light.
+            var lit = Shader.Find("Universal Render Pipeline/Lit");
+            return new Material(lit != null ? lit : Shader.Find("Sprites/Default"));
+        }
     }
 }
