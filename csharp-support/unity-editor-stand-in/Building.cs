@@ -78,7 +78,10 @@ namespace UnityEditor.Callbacks
 {
     public abstract class CallbackOrderAttribute : Attribute { }
 
-    public sealed class PostProcessBuildAttribute : CallbackOrderAttribute { }
+    public sealed class PostProcessBuildAttribute : CallbackOrderAttribute
+    {
+        public PostProcessBuildAttribute(int callbackOrder) { }
+    }
 }
 
 namespace UnityEditor.UnityLinker

@@ -438,6 +438,25 @@ def test_each_client_comes_back_from_the_background_also_while_it_waits(
     unity.stop()
 
 
+@pytest.mark.parametrize("key", ["1", "4"])
+def test_a_client_begins_once_whatever_happens_while_the_game_is_paused(
+    key: str, editor: Callable[..., Any], serve: Callable[..., Any]
+) -> None:
+    """Switched off and on meanwhile it has begun already; and a system may say twice that it goes."""
+    lesson = {"1": "01_request_reply", "4": "04_background_client"}[key]
+    unity = editor(".net", "keep", key, serve(lesson)[1], 1, f"{lesson}, switched in the background")
+    unity.play()
+    unity.wait_for("^1: sent ")
+    for begun, buttons in ((2, "pause off on resume"), (3, "pause pause resume")):
+        for button in buttons.split():
+            unity.press(button)
+            unity.wait_for(rf"^{button}d$|^switched {button}$")
+        for _ in range(2):
+            unity.wait_for("^[12]: sent ")
+        assert sum(line.startswith("asking ") for line in unity.program.lines) == begun
+    unity.stop()
+
+
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_a_paused_editor_is_felt_by_the_network_thread(
     runtime: str, editor: Callable[..., Any], serve: Callable[..., Any]

@@ -116,6 +116,7 @@ namespace NetMQExample.PlayTest
                 var busy = Stopwatch.StartNew();
                 if (asked == "destroy") Object.Destroy(first);
                 if (asked == "destroy all") all.ForEach(Object.Destroy);
+                if (asked == "off" || asked == "on") first.SetActive(asked == "on");
                 if (asked == "recompile") Say("recompiled", player.Recompile());
                 if (asked == "pause" || asked == "resume")
                 {
@@ -127,6 +128,7 @@ namespace NetMQExample.PlayTest
                 if (!frozen) player.Frame();
                 if (asked == "freeze") Console.WriteLine("frozen");
                 if (asked == "destroy") Console.WriteLine("destroyed");
+                if (asked == "off" || asked == "on") Console.WriteLine($"switched {asked}");
                 if (asked == "destroy all") Say("destroyed", busy.Elapsed);
                 Thread.Sleep(5);
             }

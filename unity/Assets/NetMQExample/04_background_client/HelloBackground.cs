@@ -60,6 +60,8 @@ namespace NetMQExample
 
         private void OnReply(string reply)
         {
+            // Dispose hands out what has come, and a component that is disabled hears no more.
+            if (Client.State == ClientState.Disposed) return;
             Debug.Log($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
             replied.Raise(reply);
         }

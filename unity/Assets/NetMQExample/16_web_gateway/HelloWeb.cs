@@ -42,16 +42,22 @@ namespace NetMQExample
 
         private void Update()
         {
+            string[] frames = null;
             try
             {
                 requester ??= WebRequester.To(endpoint, "hello", socketio, token, TimeSpan.FromSeconds(patience));
                 if (asked == replies && asked++ < count) requester.Ask("Hello");
-                if (replies < count && requester.TryReceive(out var frames))
-                    Hear(string.Join(" ", frames));
-                if (replies < count) return;
-                Debug.Log($"done: {replies} replies");
+                if (replies < count) requester.TryReceive(out frames);
             }
-            catch (Exception e) when (e is TimeoutException || e is ArgumentException) { GaveUp(e); }
+            catch (Exception e) when (e is TimeoutException || e is ArgumentException)
+            {
+                Debug.LogError($"gave up: {e.Message}");
+                enabled = false;
+                return;
+            }
+            if (frames != null) Hear(string.Join(" ", frames));
+            if (replies < count) return;
+            Debug.Log($"done: {replies} replies");
             enabled = false;
         }
 
@@ -62,8 +68,6 @@ namespace NetMQExample
             replied.Invoke(reply);
             Replied?.Invoke(reply);
         }
-
-        private static void GaveUp(Exception e) => Debug.LogError($"gave up: {e.Message}");
 
         private void OnDisable() => requester?.Dispose();
 

@@ -24,10 +24,11 @@ namespace NetMQExample.Editor
         /// <inheritdoc/>
         public int callbackOrder => 0;
 
-        /// <summary>Adds to a build for a system of Apple's the sentence that its user is asked with.</summary>
+        /// <summary>Adds to a build for a system of Apple's the sentence that its user is asked with. Early, because whoever
+        /// signs a build does so after.</summary>
         /// <param name="target">The platform.</param>
         /// <param name="pathToBuiltProject">The folder of the Xcode project, or a Mac's program.</param>
-        [PostProcessBuild]
+        [PostProcessBuild(-100)]
         public static void AddNetworkSentence(BuildTarget target, string pathToBuiltProject)
         {
             var mac = target == BuildTarget.StandaloneOSX;
@@ -52,6 +53,8 @@ namespace NetMQExample.Editor
             {
                 using var codesign = Process.Start(start);
                 codesign.WaitForExit();
+                if (codesign.ExitCode != 0)
+                    Debug.LogError($"{Path.GetFileName(program)} is not signed: codesign {start.Arguments} failed");
             }
             catch (Win32Exception)
             {

@@ -12,6 +12,8 @@ namespace NetMQExample.Editor
         // What Stop has not waited for, such as a slow look-up of a host name, has ended by then, or nearly always.
         private static readonly TimeSpan Patience = TimeSpan.FromSeconds(2);
         private static Stopwatch sinceStop;
+        // Those of the editor itself, such as a window of the user's.
+        private static int before;
 
         [InitializeOnLoadMethod]
         private static void Load() => EditorApplication.playModeStateChanged += Change;
@@ -19,6 +21,7 @@ namespace NetMQExample.Editor
         private static void Change(PlayModeStateChange state)
         {
             EditorApplication.update -= Look;
+            if (state == PlayModeStateChange.ExitingEditMode) before = NetMQLifetime.Users;
             if (state != PlayModeStateChange.EnteredEditMode) return;
             sinceStop = Stopwatch.StartNew();
             EditorApplication.update += Look;
@@ -26,12 +29,12 @@ namespace NetMQExample.Editor
 
         private static void Look()
         {
-            var left = NetMQLifetime.Users;
+            var left = NetMQLifetime.Users - before;
             if (left > 0 && sinceStop.Elapsed < Patience) return;
             EditorApplication.update -= Look;
-            if (left == 0) return;
-            Debug.LogWarning($"NetMQ clients that were not disposed: {left}; call Dispose in OnDisable or OnDestroy of "
-                + "the script that made them, or the next Play waits 10 s for them");
+            if (left <= 0) return;
+            Debug.LogWarning($"NetMQ connections that are still open: {left}; call Dispose in OnDisable of the script that "
+                + "made them");
         }
     }
 }

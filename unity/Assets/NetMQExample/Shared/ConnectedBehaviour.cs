@@ -49,7 +49,8 @@ namespace NetMQExample
         /// <summary>Begins.</summary>
         protected virtual void OnEnable()
         {
-            LastError = "";
+            // Enabled while the game is paused, it has begun already.
+            (LastError, interrupted) = ("", false);
             if (runInBackground && !Application.runInBackground)
             {
                 // Without it Unity stops calling Update when another window has the focus.
@@ -74,9 +75,16 @@ namespace NetMQExample
         protected virtual void OnApplicationPause(bool paused)
         {
             if (!Application.isMobilePlatform || !isActiveAndEnabled) return;
-            if (!paused && interrupted) Begin();
-            interrupted = paused && !Done;
-            if (paused) End();
+            if (paused)
+            {
+                interrupted |= !Done;
+                End();
+            }
+            else if (interrupted)
+            {
+                interrupted = false;
+                Begin();
+            }
         }
     }
 }

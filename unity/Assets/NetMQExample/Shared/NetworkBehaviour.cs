@@ -118,8 +118,9 @@ namespace NetMQExample
         /// <returns>False if there is nothing.</returns>
         protected bool DoNext(int patience)
         {
-            // A listener may have disabled the component in this very frame: it has heard enough.
-            if (run.Stop.IsCancellationRequested || !run.ForUpdate.TryTake(out var action, patience)) return false;
+            // A listener may have disabled the component in this very frame: it has heard enough. And one that could not
+            // begin has no run.
+            if (run == null || run.Stop.IsCancellationRequested || !run.ForUpdate.TryTake(out var action, patience)) return false;
             action();
             return true;
         }
