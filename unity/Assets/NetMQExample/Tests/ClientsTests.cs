@@ -6,6 +6,7 @@ using System.Linq;
 using System.Reflection;
 using System.Text;
 using System.Text.RegularExpressions;
+using System.Threading;
 using NetMQ;
 using NetMQExample.SideChannels;
 using NUnit.Framework;
@@ -72,24 +73,38 @@ namespace NetMQExample.Tests
             yield return Scene.End(client);
         }
 
+        private static readonly Type[] Askers = { typeof(HelloClient), typeof(HelloBackground) };
+
         [UnityTest]
-        public IEnumerator TellsOfEachReplyAfterItsLine()
+        public IEnumerator TellsOfEachReplyAfterItsLine([ValueSource(nameof(Askers))] Type type)
         {
             var heard = new List<string>();
             void Hear(string line, string stack, LogType type) => heard.Add(line);
             Application.logMessageReceived += Hear;
-            using var server = InProcessServer.Answering(request => Frames("World"));
-            var client = (HelloClient)Scene.Play(typeof(HelloClient), null, server.Endpoint, ("count", 3));
-            client.Replied += heard.Add;
+            var plain = type == typeof(HelloClient);
+            // All is asked before the first answer is there, and the others come while that is heard.
+            var (answer, slow) = (WithId("World"), TimeSpan.FromSeconds(0.05));
+            using var server = InProcessServer.Answering(request =>
+            {
+                Thread.Sleep(slow);
+                return plain ? Frames("World") : answer(request);
+            });
+            var client = Scene.Play(type, null, server.Endpoint, ("count", 3));
+            var replied = type.GetEvent("Replied");
+            replied.AddEventHandler(client, (Action<string>)heard.Add);
+            Action<string> listen = _ => Thread.Sleep(5 * slow);
+            replied.AddEventHandler(client, listen);
             // Who has heard enough hears no more, also of what waits for the same frame.
-            client.Replied += _ => client.enabled = heard.Count(one => one == "World") < 2;
+            Action<string> enough = _ => client.enabled = heard.Count(one => one == "World") < 2;
+            replied.AddEventHandler(client, enough);
             yield return Scene.Until(() => !client.enabled, "the second reply");
             for (var frames = 0; frames < 5; frames++) yield return null;
             Application.logMessageReceived -= Hear;
             UnityEngine.Object.Destroy(client.gameObject);
+            var sent = plain ? "Hello" : "hello";
             Assert.That(heard.SkipWhile(one => !one.StartsWith("1:")), Is.EqualTo(new[]
             {
-                "1: sent Hello, received World", "World", "2: sent Hello, received World", "World",
+                $"1: sent {sent}, received World", "World", $"2: sent {sent}, received World", "World",
             }));
         }
 
