@@ -59,10 +59,10 @@ def packages_of(root: Path) -> dict[str, str]:
         return {}
     try:
         dependencies = json.loads(path.read_text(encoding="utf-8-sig")).get("dependencies", {})
+        if not isinstance(dependencies, dict):
+            raise ValueError("its dependencies are no object")
     except (ValueError, AttributeError) as error:
         raise KitError(f"{path} is no valid manifest: {error}") from None
-    if not isinstance(dependencies, dict):
-        raise KitError(f"{path} is no valid manifest: its dependencies are no object")
     return dependencies
 
 

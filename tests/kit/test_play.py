@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+from kitlib.docs import guide
 from tests.conftest import PYTHON
 from tests.programs import ROOT
 
@@ -81,6 +82,40 @@ def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path
     assert "received error: expected Hello, got 'Bye'" in lines[-2]
     whose = "by the scripts named here; name each other file of the kit that needs it, too"
     assert lines[0] == f"kit    | HelloRequester.cs: named like the kit's, and used in its place {whose}"
+
+
+ASKER = """using UnityEngine;
+
+public sealed class Asker : MonoBehaviour
+{
+    private GameObject second;
+    private int frames;
+
+    private void Start()
+    {
+        // The first scene, loaded again.
+        (second = new GameObject("second")).AddComponent<Game>();
+        Game.Client.Request("hello", reply => Debug.Log($"heard {reply}"), Debug.LogError);
+    }
+
+    private void Update()
+    {
+        if (++frames == 3) Debug.Log($"one game: {second == null}");
+    }
+}
+"""
+
+
+def test_a_client_for_several_scenes(play, serve, tmp_path):
+    """The script of the page, with one that asks."""
+    page = ROOT / "docs" / "guide" / "unity_project.md"
+    (block,) = [block for block in guide.blocks(page) if "test_a_client_for_several_scenes" in block.source]
+    (tmp_path / "Game.cs").write_text(block.body, encoding="utf-8")
+    (tmp_path / "Asker.cs").write_text(ASKER, encoding="utf-8")
+    words = ["Game.cs", "Asker.cs", "--endpoint", serve("04_background_client")[1], "--seconds", "2"]
+    code, lines = play(*words, folder=tmp_path)
+    assert code == 0
+    assert sorted(lines) == ["heard world", "one game: True"]
 
 
 # What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.

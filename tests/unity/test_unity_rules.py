@@ -108,7 +108,7 @@ def assembly_faults(files: Files) -> Iterator[str]:
 
 ROOTS = ("MonoBehaviour", "ScriptableObject", "EditorWindow", "UnityEditor.Editor")
 CLASS = re.compile(r"^ {4}([\w ]*)class (\w+)(<\w+>)?(?: : ([\w.]+))?[^{;]*\n {4}\{\n(.*?)^ {4}\}", re.M | re.S)
-MARKED = re.compile(r"\[SerializeField\b[^;=]*\]\s+((?:\w+ )*)([\w.<>\[\], ]+?) (\w+)(?: = |;)")
+MARKED = re.compile(r"\[SerializeField\b[^;=]*\]\s+((?:\w+ )*)([\w.<>\[\](),? ]+?) (\w+)(?: = |;)")
 PUBLIC = re.compile(r"^ {8}public (?!static|const|readonly|event)[\w.<>\[\]]+ (\w+)(?: = |;)", re.M)
 FIRST_VALUE = re.compile(r"^ {8}[^=\n/]*?(?:public|protected|private) (?!static|const)[^=(\n]* = ([^;]*);", re.M)
 METHOD = re.compile(r"^ {8}((?:\w+ )+)(\w+)\((\w*)", re.M)
@@ -333,6 +333,8 @@ def test_a_broken_assembly_is_refused(change: Json, fault: str) -> None:
     ("member", "fault"),
     [
         ("[SerializeField] private Dictionary<string, int> map;", "Unity does not serialize private Dictionary<"),
+        ("[SerializeField] private (int, int) pair;", "Unity does not serialize private (int, int) pair"),
+        ("[SerializeField] private int? maybe;", "Unity does not serialize private int? maybe"),
         ("[SerializeField] private int[,] grid;", "Unity does not serialize private int[,] grid"),
         ("[SerializeField] private ICar car;", "Unity does not serialize private ICar car"),
         ("[SerializeField] private static int count;", "Unity does not serialize private static int count"),

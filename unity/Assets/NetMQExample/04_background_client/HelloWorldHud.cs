@@ -1,6 +1,6 @@
 // A head-up display for lesson 04: what a BackgroundClient knows, in the corner of the game's view; when it is done, a
 // line in the log says how many frames there were and how long the longest took.
-// A headset shows nothing that is drawn there: with a TextMesh (3D Object, Legacy, 3D Text) on the same GameObject it
+// A headset shows nothing that is drawn there: with a TextMesh (Component, Mesh) on the same GameObject it
 // stands in the scene.
 //
 // Use: add it to the GameObject with HelloBackground. For a component of your own, write its name in place of that one,

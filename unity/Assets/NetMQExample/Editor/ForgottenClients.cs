@@ -33,8 +33,8 @@ namespace NetMQExample.Editor
             if (left > 0 && sinceStop.Elapsed < Patience) return;
             EditorApplication.update -= Look;
             if (left <= 0) return;
-            Debug.LogWarning($"NetMQ connections that are still open: {left}; call Dispose in OnDisable of the script that "
-                + "made them");
+            Debug.LogWarning($"NetMQ connections that are still open: {left}; call Dispose in OnDisable of the script "
+                + "that made them");
         }
     }
 }

@@ -1,7 +1,7 @@
 // What a client is doing, as a text in the scene: a headset shows nothing that is drawn on the screen.
 //
-// Use: 3D Object, Legacy, 3D Text, this component, and in its field the client. It follows the camera; with Distance 0
-// it stays where you put it.
+// Use: Component, Mesh, Text Mesh (Character Size 0.01, Font Size 80), this component, and in its field the client. It
+// follows the camera; with Distance 0 it stays where you put it.
 using UnityEngine;
 
 namespace NetMQExample

@@ -46,8 +46,8 @@ namespace NetMQExample
 
         private void Awake() => Make(Vector3.one, null, transform);
 
-        // In the editor a new shape has its pipeline's own material. In a build it has that of the built-in pipeline, which
-        // no other can draw.
+        // In the editor a new shape has its pipeline's own material. In a build it has that of the built-in pipeline,
+        // which no other can draw.
         private static Material Blank(Renderer renderer)
         {
             if (Application.isEditor || GraphicsSettings.currentRenderPipeline == null)

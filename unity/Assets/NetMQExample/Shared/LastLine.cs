@@ -1,7 +1,7 @@
 // What the lessons log, in the scene itself: where a headset or a phone has no console, and so that a scene shows
 // something.
 //
-// Use: it is on the 3D text of each lesson's scene. For one of your own: 3D Object, Legacy, 3D Text, and this
+// Use: it is on the 3D text of each lesson's scene. For one of your own: Component, Mesh, Text Mesh, and this
 // component.
 using System.Text.RegularExpressions;
 using UnityEngine;

@@ -118,9 +118,10 @@ namespace NetMQExample
         /// <returns>False if there is nothing.</returns>
         protected bool DoNext(int patience)
         {
-            // A listener may have disabled the component in this very frame: it has heard enough. And one that could not
-            // begin has no run.
-            if (run == null || run.Stop.IsCancellationRequested || !run.ForUpdate.TryTake(out var action, patience)) return false;
+            // One that could not begin has no run. And a listener may have disabled the component in this very frame:
+            // it has heard enough.
+            if (run == null || run.Stop.IsCancellationRequested) return false;
+            if (!run.ForUpdate.TryTake(out var action, patience)) return false;
             action();
             return true;
         }
