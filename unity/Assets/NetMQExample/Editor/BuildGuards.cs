@@ -24,8 +24,8 @@ namespace NetMQExample.Editor
         /// <inheritdoc/>
         public int callbackOrder => 0;
 
-        /// <summary>Adds to a build for a system of Apple's the sentence that its user is asked with. Early: whoever signs
-        /// a build of their own does so after.</summary>
+        /// <summary>Adds to a build for a system of Apple's the sentence that its user is asked with. Early: whoever
+        /// signs a build of their own does so after.</summary>
         /// <param name="target">The platform.</param>
         /// <param name="pathToBuiltProject">The folder of the Xcode project, or a Mac's program.</param>
         [PostProcessBuild(-100)]
