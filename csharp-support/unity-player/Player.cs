@@ -56,7 +56,11 @@ namespace UnityPlayer
         /// <summary>The shaders of a game that URP draws; null: the built-in pipeline draws it.</summary>
         public static string[] UrpShaders
         {
-            set => (GraphicsSettings.currentRenderPipeline, Shader.All) = value == null ? (null, Shader.All) : (new Urp(), value);
+            set
+            {
+                GraphicsSettings.currentRenderPipeline = value == null ? null : new Urp();
+                Shader.All = value ?? Shader.All;
+            }
         }
 
         /// <summary>The shader that draws a thing.</summary>

@@ -293,7 +293,7 @@ def download(package: str, version: str, inside: str) -> bytes:
 
 
 def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
-    """All of them or none; of the DLLs that were written before those alone are left, unless `dlls` says so."""
+    """All of them or none. With `dlls`, a DLL that an earlier run wrote and this one does not is deleted."""
     record = read_record(root)
     # Unity writes .meta files itself, and other files may refer to what they say: one that is not ours stays.
     wanted = {
@@ -338,6 +338,7 @@ def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
 def remove_outdated(root: Path, record: dict[str, str], files: dict[str, bytes], dlls: bool) -> bool:
     """Delete what this command has written and the project must not have any more: two scripts with one class do not
     compile, nor do two DLLs of one name."""
+    licences = notices()
 
     def stays(name: str) -> bool:
         # The record comes with the project, and so from anybody.
@@ -345,7 +346,7 @@ def remove_outdated(root: Path, record: dict[str, str], files: dict[str, bytes],
             return True
         if name.startswith(PLUGINS):
             return not dlls
-        return name in notices() or (PACKAGE / name.removeprefix(f"{TARGET}/")).exists()
+        return name in licences or (PACKAGE / name.removeprefix(f"{TARGET}/")).exists()
 
     old = [name for name in record if not stays(name)]
     # A script before its .meta, which stays where the script does; what is in a folder before the folder's.

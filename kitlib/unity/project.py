@@ -134,11 +134,13 @@ def imported(folder: Path, name: str) -> list[Path]:
 
 def check_moved(root: Path, scripts: dict[str, bytes]) -> None:
     """A KitError if a script that was moved inside the project, its .meta with it, would be there twice."""
+    # Looked for once: a game has many files.
+    others = elsewhere(root, "*.cs.meta")
     for name, meta in scripts.items():
         if not name.endswith(".cs.meta"):
             continue
         ours = re.search(rb"^guid: \S+", meta, re.MULTILINE)
-        for other in elsewhere(root, Path(name).name):
+        for other in (path for path in others if path.name == Path(name).name):
             if ours and ours[0] in other.read_bytes():
                 moved, target = (str(path).removesuffix(".meta") for path in (other.relative_to(root).as_posix(), name))
                 raise KitError(
