@@ -14,33 +14,33 @@ namespace NetMQExample.Terminal
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5551");
             var count = arguments.Whole("count", 10);
             var text = arguments.Text("text", "Hello");
-            var patience = arguments.Seconds("patience", 2.5);
+            var timeout = arguments.Seconds("timeout", 2.5);
             var sendTwice = arguments.Flag("send-twice");
             arguments.RefuseTheRest();
 
             using var requester = new HelloRequester(endpoint);
             Console.WriteLine($"asking {endpoint}");
-            if (sendTwice) ShowRefusal(requester, text, patience);
+            if (sendTwice) ShowRefusal(requester, text, timeout);
             for (var i = 1; i <= count; i++)
             {
-                var reply = requester.Request(text, patience);
+                var reply = requester.Request(text, timeout);
                 Console.WriteLine($"{i}: sent {text}, received {NetMQLifetime.Printable(reply)}");
             }
             Console.WriteLine($"done: {count} replies");
         }
 
-        private static void ShowRefusal(HelloRequester requester, string text, TimeSpan patience)
+        private static void ShowRefusal(HelloRequester requester, string text, TimeSpan timeout)
         {
-            requester.Send(text, patience);
+            requester.Send(text, timeout);
             try
             {
-                requester.Send(text, patience);
+                requester.Send(text, timeout);
             }
             catch (FiniteStateMachineException e)
             {
                 Console.WriteLine($"refused: {e.GetType().Name}: {e.Message}");
             }
-            var reply = NetMQLifetime.Printable(requester.Receive(patience));
+            var reply = NetMQLifetime.Printable(requester.Receive(timeout));
             Console.WriteLine($"received {reply}: now REQ may send again");
         }
     }

@@ -13,11 +13,11 @@ namespace NetMQExample.Terminal
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5552");
             var count = arguments.Whole("count", 10);
             var text = arguments.Text("text", "add 1");
-            var patience = arguments.Seconds("patience", 0.5);
+            var timeout = arguments.Seconds("timeout", 0.5);
             var tries = arguments.Whole("tries", 5);
             arguments.RefuseTheRest();
 
-            using var pirate = new LazyPirateRequester(endpoint, patience, tries, Console.WriteLine);
+            using var pirate = new LazyPirateRequester(endpoint, timeout, tries, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
             {

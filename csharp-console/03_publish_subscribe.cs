@@ -17,7 +17,7 @@ namespace NetMQExample.Terminal
             var topic = arguments.Text("topic", "pose/");
             var count = arguments.Whole("count", 300);
             var every = arguments.Whole("every", 60);
-            var patience = arguments.Seconds("patience", 5);
+            var timeout = arguments.Seconds("timeout", 5);
             var work = arguments.Seconds("work", 0);
             var hwm = arguments.Whole("hwm", 1000);
             var newest = arguments.Flag("newest");
@@ -27,7 +27,7 @@ namespace NetMQExample.Terminal
             Console.WriteLine($"listening to '{topic}' from {endpoint}");
             for (var i = 0; i < count; i++)
             {
-                var message = newest ? listener.Newest(patience) : listener.Receive(patience);
+                var message = newest ? listener.Newest(timeout) : listener.Receive(timeout);
                 if (every > 0 && i % every == 0) Console.WriteLine($"received {NetMQLifetime.Printable(message)}");
                 Thread.Sleep(work);
             }

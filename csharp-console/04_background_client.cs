@@ -14,14 +14,14 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5554");
             var (count, text) = (arguments.Whole("count", 10), arguments.Text("text", "hello"));
-            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 20));
+            var (timeout, tries) = (arguments.Seconds("timeout", 1), arguments.Whole("tries", 20));
             var naive = arguments.Flag("naive");
             arguments.RefuseTheRest();
 
             Console.WriteLine($"asking {endpoint}");
             // The client would say it too, but only as the error of a request. A terminal has the time to look first.
             NetMQConnection.Check(endpoint);
-            using var client = new BackgroundClient(endpoint, patience, tries);
+            using var client = new BackgroundClient(endpoint, timeout, tries);
 
             // What a game does: frame after frame. Each one runs what came back, and asks once.
             var (asked, replies, frames, longest, shown, why) = (0, 0, 0, 0L, "", (string?)null);

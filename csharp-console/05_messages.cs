@@ -11,7 +11,7 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5555");
             var count = arguments.Whole("count", 10);
-            var patience = arguments.Seconds("patience", 2.5);
+            var timeout = arguments.Seconds("timeout", 2.5);
             arguments.RefuseTheRest();
 
             using var requester = new MessageRequester(endpoint);
@@ -19,11 +19,11 @@ namespace NetMQExample.Terminal
             try
             {
                 for (var i = 1; i <= count; i++)
-                    Console.WriteLine(TestPicture.Line(i, requester.Request(TestPicture.Request(i), patience)));
+                    Console.WriteLine(TestPicture.Line(i, requester.Request(TestPicture.Request(i), timeout)));
             }
             catch (MessageException e)
             {
-                // What ends a twin with "gave up" and exit code 1.
+                // What ends a client with "gave up" and exit code 1.
                 throw new TimeoutException(e.Message, e);
             }
             Console.WriteLine($"done: {count} replies");

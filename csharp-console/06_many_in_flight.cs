@@ -15,14 +15,14 @@ namespace NetMQExample.Terminal
             var count = arguments.Whole("count", 6);
             var text = arguments.Text("text", "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three");
             var window = arguments.Whole("window", 4);
-            var patience = arguments.Seconds("patience", 2.5);
+            var timeout = arguments.Seconds("timeout", 2.5);
             var tries = arguments.Whole("tries", 3);
             arguments.RefuseTheRest();
             if (window < 1 || tries < 1)
                 throw new UsageException("--window and --tries take a whole number, 1 or more");
 
             Console.WriteLine($"asking {endpoint}, {window} in flight");
-            using var requester = new ManyRequester(endpoint, window, patience, tries, Console.WriteLine);
+            using var requester = new ManyRequester(endpoint, window, timeout, tries, Console.WriteLine);
             var (texts, failures) = (text.Split('|'), 0);
             var requests = Enumerable.Range(0, count).Select(i => texts[i % texts.Length]);
             foreach (var answer in requester.RequestMany(requests))

@@ -19,7 +19,7 @@ namespace NetMQExample.Terminal
             var until = arguments.Whole("until", 0);
             var seconds = arguments.Seconds("seconds", 60);
             var every = arguments.Whole("every", 60);
-            var patience = arguments.Seconds("patience", 5);
+            var timeout = arguments.Seconds("timeout", 5);
             var work = arguments.Seconds("work", 0);
             arguments.RefuseTheRest();
 
@@ -28,7 +28,7 @@ namespace NetMQExample.Terminal
             var pose = subscriber.Pose;
             while (subscriber.Received < count && time.Elapsed < seconds)
             {
-                var news = subscriber.Receive(patience);
+                var news = subscriber.Receive(timeout);
                 pose = subscriber.Pose;
                 var p = pose.Position;
                 if (news && every > 0 && subscriber.Received % every == 0)

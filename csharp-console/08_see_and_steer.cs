@@ -17,7 +17,7 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5558");
             var (count, every) = (arguments.Whole("count", 500), arguments.Whole("every", 50));
-            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 20));
+            var (timeout, tries) = (arguments.Seconds("timeout", 1), arguments.Whole("tries", 20));
             var (cameras, start) = (arguments.Text("cameras", "center"), arguments.Whole("start", 0));
             var (lockstep, keys) = (arguments.Flag("lockstep"), arguments.Flag("drive"));
             arguments.RefuseTheRest();
@@ -26,7 +26,7 @@ namespace NetMQExample.Terminal
             var (car, camera) = (new Car(road, start), new DrawnCamera(road));
             var drive = new Drive(car, Console.WriteLine) { Every = every, Lockstep = lockstep };
             var keyboard = keys ? new Keyboard() : null;
-            using var driver = new DriverClient(endpoint, patience, tries, Console.WriteLine);
+            using var driver = new DriverClient(endpoint, timeout, tries, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             var (skipped, clock) = (0, Stopwatch.StartNew());
             for (Task<DriveAction?>? asked = null; drive.Actions < count;)

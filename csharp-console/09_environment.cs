@@ -14,7 +14,7 @@ namespace NetMQExample.Terminal
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5559");
             var world = arguments.Text("world", "CartPole");
             var count = arguments.Whole("count", 0);
-            var patience = arguments.Seconds("patience", 30);
+            var timeout = arguments.Seconds("timeout", 30);
             var picture = arguments.Flag("picture");
             arguments.RefuseTheRest();
 
@@ -24,7 +24,7 @@ namespace NetMQExample.Terminal
                 "Car" => new RoadCar(picture),
                 _ => throw new UsageException($"--world takes CartPole or Car, not '{world}'"),
             });
-            using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");

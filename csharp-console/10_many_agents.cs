@@ -16,7 +16,7 @@ namespace NetMQExample.Terminal
             var world = arguments.Text("world", "Pursuit");
             var areas = arguments.Whole("areas", 16);
             var count = arguments.Whole("count", 0);
-            var patience = arguments.Seconds("patience", 30);
+            var timeout = arguments.Seconds("timeout", 30);
             arguments.RefuseTheRest();
 
             if (areas < 1 || areas > 1024) throw new UsageException($"--areas takes 1 to 1024, not {areas}");
@@ -26,7 +26,7 @@ namespace NetMQExample.Terminal
                 "Pursuit" => new AgentSimulator(new Pursuit()),
                 _ => throw new UsageException($"--world takes CartPole or Pursuit, not '{world}'"),
             };
-            using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");

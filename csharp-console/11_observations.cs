@@ -20,11 +20,11 @@ namespace NetMQExample.Terminal
             }
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5561");
             var count = arguments.Whole("count", 0);
-            var patience = arguments.Seconds("patience", 30);
+            var timeout = arguments.Seconds("timeout", 30);
             arguments.RefuseTheRest();
 
             var simulator = new SceneSimulator("Coins", 0.1, new[] { new DrawnCoinCar("agent") });
-            using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");

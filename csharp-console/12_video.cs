@@ -14,7 +14,7 @@ namespace NetMQExample.Terminal
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5562");
-            var (count, patience) = (arguments.Whole("count", 300), arguments.Seconds("patience", 30));
+            var (count, timeout) = (arguments.Whole("count", 300), arguments.Seconds("timeout", 30));
             arguments.RefuseTheRest();
 
             NetMQConnection.Check(endpoint);
@@ -25,7 +25,7 @@ namespace NetMQExample.Terminal
             ViewSender? sender = null;
             var network = Task.Run(() =>
             {
-                using (sender = new ViewSender(endpoint, patience, Console.WriteLine))
+                using (sender = new ViewSender(endpoint, timeout, Console.WriteLine))
                     sender.Run(new[] { front, map }, over.Token);
             });
             while (sender?.Connected != true && !network.IsCompleted) Thread.Sleep(10);

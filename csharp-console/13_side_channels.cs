@@ -15,14 +15,14 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5563");
             var count = arguments.Whole("count", 5);
-            var patience = arguments.Seconds("patience", 5);
+            var timeout = arguments.Seconds("timeout", 5);
             var trouble = arguments.Text("trouble", "none");
             arguments.RefuseTheRest();
 
-            using var rounds = new SideChannelRounds(count, trouble, patience * 2, Console.WriteLine);
+            using var rounds = new SideChannelRounds(count, trouble, timeout * 2, Console.WriteLine);
             Academy.Instance.Begin((kind, values) =>
                 Console.WriteLine(EngineConfigurationChannel.Describe(kind, values)));
-            using var carrier = new SideChannelCarrier(endpoint, patience);
+            using var carrier = new SideChannelCarrier(endpoint, timeout);
             Console.WriteLine($"asking {endpoint}");
             var data = Array.Empty<byte>();
             while (!rounds.Done) data = rounds.Exchange(carrier.Exchange(data, NetMQConnection.Slice));

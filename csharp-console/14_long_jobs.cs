@@ -16,11 +16,11 @@ namespace NetMQExample.Terminal
             var text = arguments.Text("text", "");
             var (id, forget) = (arguments.Text("resume", ""), arguments.Flag("forget"));
             var (cancelAt, leaveAt) = (arguments.Whole("cancel-at", 0), arguments.Whole("leave-at", 0));
-            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 10));
+            var (timeout, tries) = (arguments.Seconds("timeout", 1), arguments.Whole("tries", 10));
             arguments.RefuseTheRest();
 
             var (bar, last) = (new ProgressBar(), (JobNews?)null);
-            using var client = new JobClient(endpoint, id == "" ? JobClient.NewId() : id, patience, tries, bar.Say);
+            using var client = new JobClient(endpoint, id == "" ? JobClient.NewId() : id, timeout, tries, bar.Say);
             Console.WriteLine($"asking {endpoint} for job {client.Job}");
             try
             {

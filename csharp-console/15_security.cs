@@ -14,7 +14,7 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5565");
             var count = arguments.Whole("count", 10);
-            var patience = arguments.Seconds("patience", 1);
+            var timeout = arguments.Seconds("timeout", 1);
             var tries = arguments.Whole("tries", 3);
             var (folder, serverKey) = (arguments.Text("keys", "keys"), arguments.Text("server-key", ""));
             var (stranger, plain) = (arguments.Flag("stranger"), arguments.Flag("plain"));
@@ -22,7 +22,7 @@ namespace NetMQExample.Terminal
 
             var keys = plain ? null : new ClientKeys(folder, serverKey);
             if (stranger) keys = keys?.Stranger();
-            using var requester = new SecureRequester(endpoint, keys, patience, tries, Console.WriteLine);
+            using var requester = new SecureRequester(endpoint, keys, timeout, tries, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
             {

@@ -14,10 +14,10 @@ namespace NetMQExample.Terminal
             var endpoint = arguments.Text("endpoint", "http://127.0.0.1:5566");
             var (count, text) = (arguments.Whole("count", 10), arguments.Text("text", "Hello"));
             var (socketIO, token) = (arguments.Flag("socketio"), arguments.Text("token", ""));
-            var patience = arguments.Seconds("patience", 2.5);
+            var timeout = arguments.Seconds("timeout", 2.5);
             arguments.RefuseTheRest();
 
-            using var requester = WebRequester.To(endpoint, "hello", socketIO, token, patience);
+            using var requester = WebRequester.To(endpoint, "hello", socketIO, token, timeout);
             Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
             {

@@ -15,7 +15,7 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5567");
             var (find, folder) = (arguments.Whole("find", 0), arguments.Text("keys", ""));
-            var (count, patience) = (arguments.Whole("count", 0), arguments.Seconds("patience", 30));
+            var (count, timeout) = (arguments.Whole("count", 0), arguments.Seconds("timeout", 30));
             var (crashAfter, delay) = (arguments.Whole("crash-after", 0), arguments.Seconds("delay", 0));
             var build = arguments.Text("build", "1");
             arguments.RefuseTheRest();
@@ -23,14 +23,14 @@ namespace NetMQExample.Terminal
             var keys = folder == "" ? null : new ClientKeys(folder);
             if (keys != null) NetMQConnection.Prepare = keys.Apply;
             if (find > 65535) throw new UsageException($"--find takes a port, not {find}");
-            if (find > 0) endpoint = HubFinder.Find(find, keys?.ServerKey ?? "", patience);
+            if (find > 0) endpoint = HubFinder.Find(find, keys?.ServerKey ?? "", timeout);
             var simulator = new FleetSimulator(new CartPole(), build) { CrashAfter = crashAfter, Delay = delay };
             simulator.Crash = line =>
             {
                 Console.WriteLine(line);
                 Environment.Exit(1);
             };
-            using var client = new EnvironmentClient(endpoint, patience, Console.WriteLine);
+            using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
             client.Run(simulator, count, answer => answer());
             Console.WriteLine($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");

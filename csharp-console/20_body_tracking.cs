@@ -18,7 +18,7 @@ namespace NetMQExample.Terminal
             var hand = arguments.Text("hand", "");
             var count = arguments.Whole("count", 150);
             var every = arguments.Whole("every", 25);
-            var patience = arguments.Seconds("patience", 5);
+            var timeout = arguments.Seconds("timeout", 5);
             var work = arguments.Seconds("work", 0);
             arguments.RefuseTheRest();
 
@@ -26,7 +26,7 @@ namespace NetMQExample.Terminal
             Console.WriteLine($"listening to '{listener.Topic}' from {endpoint}");
             for (var i = 0; i < count || count == 0; i++)
             {
-                var pose = listener.Receive(patience);
+                var pose = listener.Receive(timeout);
                 if (listener.Restarted) Console.WriteLine($"{listener.Name}: the server was started again");
                 if (every > 0 && i % every == 0) Console.WriteLine(listener.Line(pose));
                 Thread.Sleep(work);

@@ -14,12 +14,12 @@ namespace NetMQExample.Terminal
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5571");
             var prompt = arguments.Text("prompt", "Who built this bridge?");
             var (count, leaveAfter) = (arguments.Whole("count", 200), arguments.Whole("leave-after", 0));
-            var (patience, tries) = (arguments.Seconds("patience", 1), arguments.Whole("tries", 10));
+            var (timeout, tries) = (arguments.Seconds("timeout", 1), arguments.Whole("tries", 10));
             arguments.RefuseTheRest();
 
             var (speech, last) = (new Speech(), (JobNews?)null);
             void Say(string line) => Console.WriteLine(speech.Text == "" ? line : $"\n{line}");
-            using var client = new JobClient(endpoint, JobClient.NewId(), patience, tries, Say);
+            using var client = new JobClient(endpoint, JobClient.NewId(), timeout, tries, Say);
             var goal = Speech.Ask(client, prompt, count);
             Console.WriteLine($"asking {endpoint}: {NetMQLifetime.Printable(prompt)}");
             try

@@ -1,4 +1,4 @@
-// The options of a terminal client: declared by asking for them, so that a twin lists each one once.
+// The options of a terminal client: declared by asking for them, so that a client lists each one once.
 using System;
 using System.Collections.Generic;
 using System.Globalization;

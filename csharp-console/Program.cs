@@ -2,7 +2,7 @@
 // With --with-keys DIR the client of any lesson has lesson 15's keys, for a server behind its gate.py.
 // With --unity it plays the lesson's MonoBehaviours instead; see unity-player/Play.cs.
 //
-// A twin is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
+// A terminal client is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
 // its file. Exit codes: 0 done, 1 gave up, 2 wrong usage.
 using System;
 using System.Linq;
@@ -28,8 +28,8 @@ namespace NetMQExample.Terminal
                     words = words.Where((word, i) => i != keys && i != keys + 1).ToArray();
                 }
                 if (words.Contains("--unity")) return Play.Run(words[0], new Arguments(words.Skip(1)));
-                var twin = Twin(words.FirstOrDefault());
-                Invoke(twin, new Arguments(words.Skip(1)));
+                var lesson = Lesson(words.FirstOrDefault());
+                Invoke(lesson, new Arguments(words.Skip(1)));
                 return 0;
             }
             catch (UsageException e)
@@ -54,14 +54,14 @@ namespace NetMQExample.Terminal
             }
         }
 
-        private static MethodInfo Twin(string? number)
+        private static MethodInfo Lesson(string? number)
         {
-            var twins = Assembly.GetExecutingAssembly().GetTypes()
+            var lessons = Assembly.GetExecutingAssembly().GetTypes()
                 .Where(type => type.Name.StartsWith("Lesson", StringComparison.Ordinal) && type.Name.Length == 8)
                 .ToDictionary(type => type.Name[6..]);
-            if (number != null && twins.TryGetValue(number.Split('_')[0].PadLeft(2, '0'), out var twin))
-                return twin.GetMethod("Run")!;
-            throw new UsageException($"which lesson? Give its number first, one of: {string.Join(" ", twins.Keys.OrderBy(key => key))}");
+            if (number != null && lessons.TryGetValue(number.Split('_')[0].PadLeft(2, '0'), out var lesson))
+                return lesson.GetMethod("Run")!;
+            throw new UsageException($"which lesson? Give its number first, one of: {string.Join(" ", lessons.Keys.OrderBy(key => key))}");
         }
 
         private static void Invoke(MethodInfo run, Arguments arguments)

@@ -85,7 +85,7 @@ class Lesson:
         return ROOT / "unity" / "Assets" / "NetMQExample" / self.key
 
     @property
-    def twin(self) -> Path:
+    def console(self) -> Path:
         return ROOT / "csharp-console" / f"{self.key}.cs"
 
     @property

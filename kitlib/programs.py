@@ -25,7 +25,7 @@ GROUP: dict[str, Any] = {"start_new_session": True}
 if sys.platform == "win32":
     GROUP = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
 # Generous, since it only decides how long a broken program is waited for.
-PATIENCE = 120.0
+TIMEOUT = 120.0
 # A program is asked to end, and waited for this long. One that has heard the terminal's Ctrl-C is not asked that soon.
 GOODBYE, MOMENT = 5.0, 1.0
 
@@ -78,7 +78,7 @@ class Program:
             self.ended = True
             self._news.notify_all()
 
-    def wait_for(self, pattern: str, limit: float = PATIENCE, start: int = 0) -> re.Match[str]:
+    def wait_for(self, pattern: str, limit: float = TIMEOUT, start: int = 0) -> re.Match[str]:
         """The first match of a regular expression in a line from number `start` on, or KitError."""
         deadline = time.monotonic() + limit
         with self._news:

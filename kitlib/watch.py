@@ -14,7 +14,7 @@ from kitlib.terminal import say
 # What the tap needs beyond the core.
 EXTRA = "16_web_gateway"
 # So many seconds a browser has to open the page.
-PATIENCE = 20.0
+TIMEOUT = 20.0
 
 
 def tap_command(lesson: Lesson, python: Path | str) -> list[str]:
@@ -29,8 +29,8 @@ def open_page(tap: Program) -> None:
     # Without a display Python may find a browser that takes over this terminal.
     display = sys.platform in ("win32", "darwin") or {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"} & set(os.environ)
     if not (display and webbrowser.open(page)):
-        say(f"open {page} in a browser; the client starts then, or after {PATIENCE:.0f} s")
+        say(f"open {page} in a browser; the client starts then, or after {TIMEOUT:.0f} s")
     try:
-        tap.wait_for("^a page looks on$", PATIENCE)
+        tap.wait_for("^a page looks on$", TIMEOUT)
     except KitError:
         say("no page is open; the client starts, and a page that is opened later shows what passed last")

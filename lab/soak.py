@@ -24,7 +24,7 @@ from kitlib.setup import dotnet, python_setup
 
 # For ever, as far as an hour goes, on a machine that may do something else. Lesson 10's client plays until its server
 # has enough.
-ENDLESS = ("--count", "1000000000", "--patience", "60")
+ENDLESS = ("--count", "1000000000", "--timeout", "60")
 CLIENTS = {"3": ENDLESS, "4": ENDLESS, "6": ENDLESS, "8": ENDLESS, "10": (), "16": ENDLESS}
 FOREVER = """
 import sys

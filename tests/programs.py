@@ -22,9 +22,9 @@ from kitlib.lessons import KitError
 
 ROOT = Path(__file__).resolve().parent.parent
 # How long a broken program is waited for.
-LIMIT = programs.PATIENCE
+LIMIT = programs.TIMEOUT
 # For a client, or a gateway, that is to have its answer: a busy machine may take longer than the seconds that it waits.
-PATIENT = ("--patience", "60")
+PATIENT = ("--timeout", "60")
 
 
 def free_port() -> int:

@@ -116,7 +116,7 @@ def nuget(folder: Path) -> None:
         command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]
         # What this machine has already need not come over the net again.
         command += [f"-p:RestoreAdditionalProjectSources={store}", f"-p:ArtifactsPath={Path(fetched) / 'made'}"]
-        result = step("fetching NetMQ from NuGet", command, dotnet.PATIENCE, dotnet.ENVIRONMENT)
+        result = step("fetching NetMQ from NuGet", command, dotnet.TIMEOUT, dotnet.ENVIRONMENT)
         if not result.ok:
             raise KitError(f"{dotnet.refusal(result)}: {folder} has no C# client")
         for package in Path(fetched).glob("*/*/*.nupkg"):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from kitlib import lessons
 from kitlib.lessons import KitError, Lesson, UsageError, find
-from kitlib.programs import MOMENT, PATIENCE, Program, quietly, wait
+from kitlib.programs import MOMENT, TIMEOUT, Program, quietly, wait
 from kitlib.setup import dotnet, python_setup
 from kitlib.signals import later, uninterrupted
 from kitlib.terminal import say, show
@@ -21,7 +21,7 @@ EXAMPLES = [
     "run lazy-pirate --client unity   its Unity scripts, played without Unity",
     'run 4 --server="--slow-on 3"     the server is late with reply 3',
     'run 1 --options="--count 3"      the client asks three times',
-    'run 2 --watch --options="--count 200000 --patience 2"   a page shows the messages, and drops one by a button',
+    'run 2 --watch --options="--count 200000 --timeout 2"   a page shows the messages, and drops one by a button',
 ]
 CURE = 'what the client takes goes into --options="…", what the server takes into --server="…"'
 
@@ -187,7 +187,7 @@ def ready(server: Program, name: str = "server") -> dict[str, str]:
             # It may have been killed, which has no line of its own.
             wait(server.process, name)
             raise KitError(f"the {name} ended before it was ready; the line above says why") from None
-        raise KitError(f"the {name} printed no ready line within {PATIENCE:.0f} s") from None
+        raise KitError(f"the {name} printed no ready line within {TIMEOUT:.0f} s") from None
 
 
 def split(text: str, option: str) -> list[str]:

@@ -12,7 +12,7 @@ ABOUT = (
 )
 EXAMPLES = [
     "unity ../MyGame                    the whole package",
-    "unity ../MyGame --lesson 4         only what lesson 04 takes home",
+    "unity ../MyGame --lesson 4         only what lesson 04 needs",
     "unity ../MyGame --scripts-only     NetMQ comes from elsewhere",
     "unity ../MyGame --dlls ../NetMQ    its DLLs are in this folder; NuGet is not asked",
     "unity --package Kit.unitypackage   all in one file, for Assets > Import Package",

@@ -135,7 +135,7 @@ def frames_run() -> dict[str, list[float]]:
         server = started(lesson / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--slow-on", "3")
         try:
             endpoint = server.endpoints()["endpoint"]
-            game = started("-c", WATCHED, lesson / "client.py", "--endpoint", endpoint, "--patience", "5", *words)
+            game = started("-c", WATCHED, lesson / "client.py", "--endpoint", endpoint, "--timeout", "5", *words)
             game.wait_for("^done")
             game.end()
             ends[name] = [float(line.split()[1]) for line in game.lines if line.startswith("frame ")]
@@ -199,7 +199,7 @@ class Picture(NamedTuple):
 
 def rows_run() -> Picture:
     """The eighth picture of lesson 05."""
-    request, reply = tapped("05", "--count 8 --patience 60")[-2:]
+    request, reply = tapped("05", "--count 8 --timeout 60")[-2:]
     # Without REQ's empty frame.
     header, pixels = request.frames[-2:]
     height, width, depth = json.loads(header)["arrays"][0]["shape"]

@@ -18,9 +18,9 @@ from kitlib.watch import tap_command
 
 # What the client and the tap are told.
 RECORDINGS = {
-    "02": ("--count 4 --patience 1.5", "--slow 0.25 --drop 4"),
+    "02": ("--count 4 --timeout 1.5", "--slow 0.25 --drop 4"),
     # Picture for picture, so that the same drive is recorded each time; round a bend.
-    "08": ("--lockstep --count 90 --start 700 --patience 20", "--slow 0.02"),
+    "08": ("--lockstep --count 90 --start 700 --timeout 20", "--slow 0.02"),
 }
 
 

@@ -48,7 +48,7 @@ ABSENT = ("NU1101", "NU1102", "NU1103")
 UNREACHABLE = ("NU1301", "NU1801")
 NO_SOURCE = "dotnet nuget add source https://api.nuget.org/v3/index.json -n nuget.org"
 # The first restore on a Windows machine has to wait for the virus scanner.
-PATIENCE = 180 if lessons.WINDOWS else 60
+TIMEOUT = 180 if lessons.WINDOWS else 60
 # Where the installers put dotnet: a terminal that was open before does not have it on its PATH yet.
 PLACES = {
     "win32": Path(os.environ.get("PROGRAMFILES", "C:/Program Files"), "dotnet"),
@@ -96,7 +96,7 @@ class Engine:
         return f"net{(sdk() or '').split('.')[0]}.0" if self.offline else "netstandard2.1"
 
 
-def restore(engine: Engine, limit: float = PATIENCE) -> Result:
+def restore(engine: Engine, limit: float = TIMEOUT) -> Result:
     # By force, because what an interrupted restore has left looks whole to the next one.
     forget_damaged(engine)
     return quietly(["dotnet", "restore", CONSOLE, "--force", *engine.properties], limit, ENVIRONMENT)
@@ -144,7 +144,7 @@ def ask_nuget(asked: str | None) -> Engine:
             if (result := restore(brought)).ok:
                 return brought
             say(f"the folder {PACKAGES.name} does not do: {result.first(' error ')}")
-        say(f"asking NuGet for NetMQ ({PATIENCE} s at the most) …")
+        say(f"asking NuGet for NetMQ ({TIMEOUT} s at the most) …")
         result = restore(Engine("netmq", ""))
         if result.ok:
             return Engine("netmq", "NuGet, or its store on this machine, has it")
@@ -154,7 +154,7 @@ def ask_nuget(asked: str | None) -> Engine:
         if lessons.WINDOWS:
             # Pyzmq for Windows holds no libzmq that others could use. Not kept in mind: NuGet may answer next time.
             raise NoEngine(f"{why}, so there is no C# client here today")
-    if not restore(Engine("libzmq", ""), PATIENCE / 2).ok:
+    if not restore(Engine("libzmq", ""), TIMEOUT / 2).ok:
         result = restore(Engine("libzmq", "", offline=True))
         if not result.ok:
             raise KitError(f"dotnet restore failed: {result.first(' error ')}")

@@ -148,7 +148,7 @@ def install(
 
 
 def scripts(lesson: str | None) -> dict[str, bytes]:
-    """The files to copy, with their .meta: all of the package, or what one lesson takes home."""
+    """The files to copy, with their .meta: all of the package, or what one lesson needs."""
     chosen = assets() if lesson is None else take_home(find(lesson).unity)
     found: dict[str, bytes] = {}
     for path in chosen:

@@ -23,7 +23,7 @@ MANIFEST = "packagemanagermanifest/asset"
 
 
 def write_package(path: Path, lesson: str | None, force: bool, scripts_only: bool, dlls: Path | None) -> None:
-    """All of the package, or what one lesson takes home; a KitError says why not."""
+    """All of the package, or what one lesson needs; a KitError says why not."""
     if path.suffix != ".unitypackage":
         raise KitError(f"{path.name!r:.80} must end in .unitypackage: by that Unity knows what it is")
     if path.exists() and not force:

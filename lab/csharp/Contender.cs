@@ -18,7 +18,7 @@ namespace NetMQExample.Lab
         // Where curve_server.py makes them; the lab's programs run in the kit's folder.
         private const string Keys = ".build/lab_keys";
 
-        protected static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
+        protected static readonly TimeSpan Timeout = TimeSpan.FromSeconds(20);
 
         protected Contender(int size)
         {

@@ -21,9 +21,9 @@ namespace NetMQExample.Lab
             text = "Hello".PadRight(size);
         }
 
-        public override void Send() => requester.Send(text, Patience);
+        public override void Send() => requester.Send(text, Timeout);
 
-        public override void Receive() => Check(requester.Receive(Patience) == "World");
+        public override void Receive() => Check(requester.Receive(Timeout) == "World");
 
         public override void Dispose() => requester.Dispose();
     }
@@ -42,7 +42,7 @@ namespace NetMQExample.Lab
             (text, spin) = ("Hello".PadRight(size), TimeSpan.FromMilliseconds(microseconds / 1000.0));
         }
 
-        public override void Send() => connection.Send(Patience, default, text);
+        public override void Send() => connection.Send(Timeout, default, text);
 
         public override void Receive()
         {
@@ -53,7 +53,7 @@ namespace NetMQExample.Lab
                 // NetMQ's own thread may wait for this core.
                 Thread.Yield();
             }
-            Check((reply ?? connection.Receive(Patience, default))[0] == "World");
+            Check((reply ?? connection.Receive(Timeout, default))[0] == "World");
         }
 
         public override void Dispose() => connection.Dispose();
@@ -103,7 +103,7 @@ namespace NetMQExample.Lab
             // The pool is for all sockets of the process.
             if (pooled) PooledBuffers.Use();
             else BufferPool.SetGCBufferPool();
-            reply = requester.Request(request, Patience);
+            reply = requester.Request(request, Timeout);
         }
 
         public override void Receive() => Check(reply.Arrays[0].Data.Length == Payload.Length);
@@ -119,7 +119,7 @@ namespace NetMQExample.Lab
 
         public Steer(string endpoint, int size) : base(size)
         {
-            driver = new DriverClient(endpoint, Patience, 1, why => throw new TimeoutException(why));
+            driver = new DriverClient(endpoint, Timeout, 1, why => throw new TimeoutException(why));
             shot = new Shot("center", size / 720, 240, 3);
         }
 
@@ -140,7 +140,7 @@ namespace NetMQExample.Lab
 
         public Many(string endpoint, int size, int window) : base(size)
         {
-            requester = new ManyRequester(endpoint, window, Patience);
+            requester = new ManyRequester(endpoint, window, Timeout);
             text = "echo ".PadRight(size, 'x');
             batch = 20 * window + 100;
         }
@@ -188,13 +188,13 @@ namespace NetMQExample.Lab
                 msg.InitPool(Payload.Length);
                 Payload.CopyTo(msg.Slice());
             }
-            if (!socket.TrySend(ref msg, Patience, false)) throw new TimeoutException("the server takes no more");
+            if (!socket.TrySend(ref msg, Timeout, false)) throw new TimeoutException("the server takes no more");
             msg.Close();
         }
 
         public override void Receive()
         {
-            if (!socket.TryReceive(ref incoming, Patience)) throw new TimeoutException("no reply");
+            if (!socket.TryReceive(ref incoming, Timeout)) throw new TimeoutException("no reply");
             Check(incoming.Size == answer);
         }
 
@@ -223,14 +223,14 @@ namespace NetMQExample.Lab
         {
             using var dealer = new DealerSocket();
             // What is not delivered by then is dropped, and the subscribers would wait in vain.
-            dealer.Options.Linger = Patience;
+            dealer.Options.Linger = Timeout;
             dealer.Connect(control);
             dealer.SendFrame(Payload);
         }
 
         public override void Receive()
         {
-            if (!socket.TryReceiveFrameBytes(Patience, out var message)) throw new TimeoutException("no message");
+            if (!socket.TryReceiveFrameBytes(Timeout, out var message)) throw new TimeoutException("no message");
             Check(message.Length == Payload.Length);
         }
 

@@ -23,7 +23,7 @@ namespace NetMQExample.Lab
         public static Socket Connected(string endpoint)
         {
             var address = new Uri(endpoint);
-            var socket = new Socket(AddressFamily.InterNetwork, SocketType.Stream, ProtocolType.Tcp) { NoDelay = true, ReceiveTimeout = (int)Patience.TotalMilliseconds };
+            var socket = new Socket(AddressFamily.InterNetwork, SocketType.Stream, ProtocolType.Tcp) { NoDelay = true, ReceiveTimeout = (int)Timeout.TotalMilliseconds };
             socket.Connect(IPAddress.Parse(address.Host), address.Port);
             return socket;
         }

@@ -11,7 +11,7 @@ namespace NetMQExample.Lab
     /// <summary>POST, with the payload as its body.</summary>
     internal sealed class Http : Contender
     {
-        private readonly HttpClient client = new HttpClient { Timeout = Patience };
+        private readonly HttpClient client = new HttpClient { Timeout = Timeout };
         private readonly string address;
         private Task<byte[]> answer;
 
@@ -40,7 +40,7 @@ namespace NetMQExample.Lab
         public WebSockets(string endpoint, int size) : base(size)
         {
             incoming = new byte[size];
-            socket.ConnectAsync(new Uri(endpoint.Replace("tcp:", "ws:")), never).Wait(Patience);
+            socket.ConnectAsync(new Uri(endpoint.Replace("tcp:", "ws:")), never).Wait(Timeout);
         }
 
         public override void Send() => socket.SendAsync(new ArraySegment<byte>(Payload), WebSocketMessageType.Binary, true, never).GetAwaiter().GetResult();
@@ -75,7 +75,7 @@ namespace NetMQExample.Lab
         {
             (this.socketIO, text) = (socketIO, "Hello".PadRight(size));
             var path = socketIO ? "/socket.io/?EIO=4&transport=websocket" : "/ws/hello";
-            socket.ConnectAsync(new Uri(endpoint.Replace("http:", "ws:") + path), never).Wait(Patience);
+            socket.ConnectAsync(new Uri(endpoint.Replace("http:", "ws:") + path), never).Wait(Timeout);
             if (!socketIO) return;
             Next();
             Say("40");

@@ -5,7 +5,7 @@
 
 Bytes: UTF-8 text, one frame each way. `Hello` is answered with `World`, anything else with a text that begins with
 `error:`. Any ZeroMQ program that says Hello is answered, in whatever language it is written.
-Trouble on command: `--delay 5` answers later than the client waits. Take home: this file.
+Trouble on command: `--delay 5` answers later than the client waits.
 """
 
 import argparse

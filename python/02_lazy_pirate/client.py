@@ -3,7 +3,7 @@
     python python/02_lazy_pirate/client.py                     ten times `add 1`, each with the balance it is answered
     python python/02_lazy_pirate/client.py --text balance      only asks
 
-How it retries, and the bytes: lazy_pirate.py. Take home: this file and lazy_pirate.py.
+How it retries, and the bytes: lazy_pirate.py.
 """
 
 import argparse
@@ -52,15 +52,15 @@ def main() -> None:
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=10, help="how many requests")
     parser.add_argument("--text", default="add 1", help="what to ask: 'add 1' or 'balance'")
-    parser.add_argument("--patience", type=float, default=0.5, help="seconds to wait, for the first try")
+    parser.add_argument("--timeout", type=float, default=0.5, help="seconds to wait, for the first try")
     parser.add_argument("--tries", type=int, default=5, help="how often to send a request before giving up")
     options = parser.parse_args()
-    if options.count < 0 or options.tries < 1 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number from 0, --tries 1 or more, --patience seconds, more than 0")
+    if options.count < 0 or options.tries < 1 or not 0 < options.timeout < 86400:
+        parser.error("--count takes a whole number from 0, --tries 1 or more, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context:
         say = functools.partial(print, flush=True)
-        pirate = LazyPirate(context, options.endpoint, options.patience, options.tries, say)
+        pirate = LazyPirate(context, options.endpoint, options.timeout, options.tries, say)
         with contextlib.closing(pirate):
             try:
                 ask(pirate, options)

@@ -4,7 +4,7 @@
     reply, source = journal.reply(request_id, text, answer)
 
 It is a SQLite file: delete it to begin at 0, while no server runs. When it cannot be used, as on a full disk, it prints
-that once, and no work is done until it can be used again. Take home: this file.
+that once, and no work is done until it can be used again.
 """
 
 import os

@@ -1,10 +1,10 @@
-"""Lesson 02, the lazy pirate itself: retries until it gets a reply. The twin of LazyPirateRequester.cs.
+"""Lesson 02, the lazy pirate itself: retries until it gets a reply. In C#: LazyPirateRequester.cs.
 
     with zmq.Context() as context, contextlib.closing(LazyPirate(context, "tcp://127.0.0.1:5552")) as pirate:
         print(pirate.request("add 1"))
 
 Bytes: UTF-8 text, two frames each way: [id][text]; every retry of a request carries the same id, by which the server
-knows that it has done it already. Take home: this file.
+knows that it has done it already.
 """
 
 import time
@@ -18,17 +18,17 @@ PAUSE = 0.25
 
 
 class LazyPirate:
-    """Asks at most `tries` times: waits `patience` seconds for the reply, then twice as long, up to 8 times."""
+    """Asks at most `tries` times: waits `timeout` seconds for the reply, then twice as long, up to 8 times."""
 
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
-        patience: float = 0.5,
+        timeout: float = 0.5,
         tries: int = 5,
         report: Callable[[str], object] = print,
     ) -> None:
-        self.context, self.endpoint, self.patience, self.tries = context, endpoint, patience, tries
+        self.context, self.endpoint, self.timeout, self.tries = context, endpoint, timeout, tries
         self.report = report
         # An id must never come twice, whoever else asks and however often this program starts: hence the uuid.
         self.name, self.number = uuid.uuid4().hex, 0
@@ -40,11 +40,11 @@ class LazyPirate:
         request = [f"{self.number}-{self.name}".encode(), text.encode(errors="replace")]
         for attempt in range(1, self.tries + 1):
             # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-            patience = self.patience * min(2 ** (attempt - 1), 8)
-            frames = self.exchange(request, patience)
+            timeout = self.timeout * min(2 ** (attempt - 1), 8)
+            frames = self.exchange(request, timeout)
             if len(frames) == 2 and frames[0] == request[0]:
                 return frames[1].decode(errors="replace")
-            trouble = f"no reply within {patience:g} s"
+            trouble = f"no reply within {timeout:g} s"
             if frames:
                 seen = b" ".join(frames)[:200].decode(errors="replace")
                 # A terminal gets no control characters.
@@ -60,9 +60,9 @@ class LazyPirate:
             f"is the right server running, or the line slow? '{text}' may have been done or not"
         )
 
-    def exchange(self, request: list[bytes], patience: float) -> list[bytes]:
+    def exchange(self, request: list[bytes], timeout: float) -> list[bytes]:
         """One try: the frames that came back, if any."""
-        end, frames = time.monotonic() + patience, list[bytes]()
+        end, frames = time.monotonic() + timeout, list[bytes]()
         try:
             # Without waiting: after a peer that broke the protocol there may be no connection to send on.
             self.socket.send_multipart(request, zmq.NOBLOCK)

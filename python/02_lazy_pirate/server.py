@@ -12,7 +12,6 @@ the server was killed in between.
 Trouble on command, where N counts the requests since the start:
     --crash-on N     does request N and is gone before the reply; start the server again yourself
     --drop N         does request N and does not reply
-Take home: this file and journal.py.
 """
 
 import argparse

@@ -6,7 +6,7 @@
     python python/03_publish_subscribe/client.py --topic news --every 1        a topic is a prefix: also newsflash/
     python python/03_publish_subscribe/client.py --topic news/ --every 1       the delimiter at its end cures that
 
-To take home: topic_listener.py.
+To copy: topic_listener.py.
 """
 
 import argparse
@@ -28,7 +28,7 @@ def listen(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     listener = TopicListener(socket, options.endpoint, options.topic)
     take = listener.newest if options.newest else listener.receive
     for i in range(options.count):
-        message = take(options.patience)
+        message = take(options.timeout)
         if options.every and i % options.every == 0:
             print(f"received {printable(message)}", flush=True)
         time.sleep(options.work)
@@ -63,15 +63,15 @@ def main() -> None:
     parser.add_argument("--topic", default="pose/", help="how the messages begin")
     parser.add_argument("--count", type=int, default=300, help="end after so many messages")
     parser.add_argument("--every", type=int, default=60, help="print one in so many; 0: none")
-    parser.add_argument("--patience", type=float, default=5, help="seconds to wait for each message")
+    parser.add_argument("--timeout", type=float, default=5, help="seconds to wait for each message")
     parser.add_argument("--work", type=float, default=0, help="seconds that each message takes: a slow listener")
     parser.add_argument("--hwm", type=int, default=1000, help="high watermark: messages that may wait here")
     parser.add_argument("--newest", action="store_true", help="only the newest message, by draining")
     parser.add_argument("--conflate", action="store_true", help="only the newest message, by libzmq's CONFLATE")
     options = parser.parse_args()
-    numbers = (options.count, options.every, options.patience, options.work, options.hwm)
+    numbers = (options.count, options.every, options.timeout, options.work, options.hwm)
     if not all(0 <= number < 2**31 for number in numbers):
-        parser.error("--count, --every, --patience, --work and --hwm take numbers from 0 on")
+        parser.error("--count, --every, --timeout, --work and --hwm take numbers from 0 on")
     print(f"listening to '{options.topic}' from {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(zmq.SUB) as socket:
         try:

@@ -5,7 +5,7 @@
 
 Bytes: UTF-8 text, one frame, which begins with its topic. `pose/ NUMBER x y z qx qy qz qw`: where a cube is, in Unity's
 metres and axes, with a decimal point; NUMBER counts from 1. `news/ TEXT` and `newsflash/ TEXT` now and then.
-Trouble on command: `--interval 0` publishes faster than a client with `--work 0.001` listens. Take home: this file.
+Trouble on command: `--interval 0` publishes faster than a client with `--work 0.001` listens.
 """
 
 import argparse

@@ -1,6 +1,6 @@
-"""Lesson 03, the listener to take home in Python: the twin of TopicListener.cs. client.py is its command line.
+"""Lesson 03, the listener to copy in Python: the C# version is TopicListener.cs. client.py is its command line.
 
-Bytes: UTF-8 text, one frame, which begins with its topic. Take home: this file.
+Bytes: UTF-8 text, one frame, which begins with its topic.
 """
 
 import contextlib
@@ -24,7 +24,7 @@ class TopicListener:
         socket.subscribe(topic.encode(errors="replace"))
         socket.connect(endpoint)
 
-    def receive(self, patience: float) -> str:
+    def receive(self, timeout: float) -> str:
         """Wait for the next message; TimeoutError if none comes."""
         start = time.monotonic()
         renew = 2.0
@@ -34,18 +34,18 @@ class TopicListener:
                 self.heard = True
                 return frames[0].decode(errors="replace")
             waited = time.monotonic() - start
-            if waited >= patience:
+            if waited >= timeout:
                 why = f"is the server running, with topic '{self.topic}'?"
-                raise TimeoutError(f"nothing from {self.endpoint} within {patience:g} s; {why}")
+                raise TimeoutError(f"nothing from {self.endpoint} within {timeout:g} s; {why}")
             if not self.heard and waited >= renew:
                 # Where another program had the port before, libzmq connects no more. On a far line it takes its time.
                 self.socket.disconnect(self.endpoint)
                 self.socket.connect(self.endpoint)
                 renew *= 3
 
-    def newest(self, patience: float) -> str:
+    def newest(self, timeout: float) -> str:
         """Wait for a message, then take all that wait behind it: only the last one counts."""
-        message = self.receive(patience)
+        message = self.receive(timeout)
         with contextlib.suppress(zmq.Again):
             # The limit is for a publisher that sends faster than this loop takes.
             for _ in range(10_000):

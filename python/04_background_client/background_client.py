@@ -1,11 +1,11 @@
-"""Lesson 04, the background client in Python: the twin of BackgroundClient.cs.
+"""Lesson 04, the background client in Python: the C# version is BackgroundClient.cs.
 
     client = BackgroundClient("tcp://127.0.0.1:5554")     once
     client.request("hello", print, print)                 whenever you like: callbacks for reply and error
     client.poll()                                         once a frame: the callbacks run here
     client.close()                                        at the end
 
-Bytes: those of lesson 02, [id][text] each way, and it retries as the lazy pirate there does. Take home: this file.
+Bytes: those of lesson 02, [id][text] each way, and it retries as the lazy pirate there does.
 """
 
 import contextlib
@@ -24,9 +24,9 @@ LARGEST = 65_536
 class BackgroundClient:
     """Asks a server without ever making the calling thread wait. Each client has its own thread."""
 
-    def __init__(self, endpoint: str, patience: float = 1.0, tries: int = 3, capacity: int = 64) -> None:
-        """Patience is for the first try; each one after it waits twice as long, up to 8 times."""
-        self.endpoint, self.patience, self.tries, self.capacity = endpoint, patience, tries, capacity
+    def __init__(self, endpoint: str, timeout: float = 1.0, tries: int = 3, capacity: int = 64) -> None:
+        """Timeout is for the first try; each one after it waits twice as long, up to 8 times."""
+        self.endpoint, self.timeout, self.tries, self.capacity = endpoint, timeout, tries, capacity
         # State and last error, in one variable: a reader never gets those of two moments. Only a reply proves that the
         # server is there: Connecting, Connected, Retrying, Lost, Disposed.
         self.status, self.under_way = ("Connecting", ""), 0
@@ -96,8 +96,8 @@ class BackgroundClient:
                 self.socket.linger, self.socket.maxmsgsize = 0, LARGEST
                 self.socket.connect(self.endpoint)
             # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-            patience = self.patience * min(2 ** (attempt - 1), 8)
-            end, frames = time.monotonic() + patience, list[bytes]()
+            timeout = self.timeout * min(2 ** (attempt - 1), 8)
+            end, frames = time.monotonic() + timeout, list[bytes]()
             with contextlib.suppress(zmq.Again):
                 # Without waiting: after a peer that broke the protocol there may be no connection to send on.
                 self.socket.send_multipart(request, zmq.NOBLOCK)
@@ -107,7 +107,7 @@ class BackgroundClient:
             if len(frames) == 2 and frames[0] == request[0]:
                 self.status = "Connected", self.status[1]
                 return frames[1].decode(errors="replace")
-            trouble = "dropped a reply to another request" if frames else f"no reply within {patience:g} s"
+            trouble = "dropped a reply to another request" if frames else f"no reply within {timeout:g} s"
             # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
             self._close_socket()
             if time.monotonic() < end:

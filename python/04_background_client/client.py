@@ -4,7 +4,7 @@
     python python/04_background_client/client.py --naive      lets each frame wait, to see the frames stop
 
 Start the server with `--slow-on 3`, or stop it while the client runs: the frames go on, as the last lines say.
-How it works, and the bytes: background_client.py. Take home: this file and background_client.py.
+How it works, and the bytes: background_client.py.
 """
 
 import argparse
@@ -70,14 +70,14 @@ def main() -> None:
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=10, help="how many requests")
     parser.add_argument("--text", default="hello", help="what to ask: 'hello' or 'echo TEXT'")
-    parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for each reply")
+    parser.add_argument("--timeout", type=float, default=1.0, help="seconds to wait for each reply")
     parser.add_argument("--tries", type=int, default=20, help="how often to send a request before giving up")
     parser.add_argument("--naive", action="store_true", help="let each frame wait for its reply")
     options = parser.parse_args()
-    if options.count < 0 or options.tries < 1 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number from 0, --tries 1 or more, --patience seconds, more than 0")
+    if options.count < 0 or options.tries < 1 or not 0 < options.timeout < 86400:
+        parser.error("--count takes a whole number from 0, --tries 1 or more, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
-    with contextlib.closing(BackgroundClient(options.endpoint, options.patience, options.tries)) as client:
+    with contextlib.closing(BackgroundClient(options.endpoint, options.timeout, options.tries)) as client:
         play(client, options)
 
 

@@ -6,7 +6,7 @@
 Bytes: UTF-8 text, two frames each way: [id][text], at most 65,536 bytes each. The client makes the id, a new one for
 each request and the same one for its retries. `hello` is answered with `world`, `echo TEXT` with TEXT, anything else
 with a text that begins with `error:`. A retry is answered from memory: what was done once is not done again.
-Trouble on command: `--slow-on N` answers the Nth message 2 seconds late. Take home: this file. Its memory ends with the
+Trouble on command: `--slow-on N` answers the Nth message 2 seconds late. Its memory ends with the
 process; lesson 02 keeps it on disk.
 """
 

@@ -1,10 +1,9 @@
-"""Lesson 05, the client in Python: the twin of MessageRequester.cs, and it prints the same lines.
+"""Lesson 05, the client in Python: the C# version is MessageRequester.cs, and it prints the same lines.
 
     python python/05_messages/client.py                   ten pictures, each an array of 230,400 bytes
     python python/05_messages/client.py --wrong-shape     a header that does not fit its bytes is refused
 
-Bytes: a JSON header and one frame for each array, as messages.py beside this file says. Take home: this file and
-messages.py.
+Bytes: a JSON header and one frame for each array, as messages.py beside this file says.
 """
 
 import argparse
@@ -27,10 +26,10 @@ def picture(number: int) -> Message:
     return Message("frame", number, {"bottom_up": True}, [Array("uint8", (240, 320, 3), pixels)])
 
 
-def request(socket: zmq.Socket[bytes], frames: list[bytes], patience: float) -> Message:
-    """Send a message and wait for its reply, at most `patience` seconds: zmq.Again after that."""
+def request(socket: zmq.Socket[bytes], frames: list[bytes], timeout: float) -> Message:
+    """Send a message and wait for its reply, at most `timeout` seconds: zmq.Again after that."""
     socket.send_multipart(frames, copy=False)
-    end = time.monotonic() + patience
+    end = time.monotonic() + timeout
     # In slices: on Windows Ctrl-C does not interrupt a longer wait.
     while not socket.poll(200) and time.monotonic() < end:
         pass
@@ -67,11 +66,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Sends pictures and asks where they are brightest.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=10, help="how many pictures to send")
-    parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait for each reply")
+    parser.add_argument("--timeout", type=float, default=2.5, help="seconds to wait for each reply")
     parser.add_argument("--wrong-shape", action="store_true", help="claim a shape that does not fit the bytes")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count takes a whole number from 0, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(zmq.REQ) as socket:
         # A request that nobody fetched is dropped at the end; waiting for its delivery could take for ever.
@@ -84,11 +83,11 @@ def main() -> None:
                 header, pixels, *more = picture(i).frames()
                 if options.wrong_shape:
                     header = header.replace(b"[240,320,3]", b"[240,320,4]")
-                reply = request(socket, [header, pixels, *more], options.patience)
+                reply = request(socket, [header, pixels, *more], options.timeout)
                 found = ", ".join(f"{name} {value}" for name, value in reply.values.items())
                 print(f"{i}: sent frame {i}, {len(pixels)} bytes; brightest at {printable(found)}", flush=True)
         except zmq.Again:
-            sys.exit(f"gave up: no reply from {options.endpoint} within {options.patience:g} s; is the server running?")
+            sys.exit(f"gave up: no reply from {options.endpoint} within {options.timeout:g} s; is the server running?")
         except MessageError as error:
             sys.exit(f"gave up: {error}")
     print(f"done: {options.count} replies")

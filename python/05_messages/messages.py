@@ -6,7 +6,7 @@
 
 `values` are texts, numbers, true and false by name. A reply has the request's id, and its kind is `ok`, or `error` with
 the values `code`, for programs, and `text`, for people. Fields that this version does not know are ignored.
-The C# side is Message.cs. Take home: this file. It needs only Python; `Array.numpy` needs numpy.
+The C# side is Message.cs. It needs only Python; `Array.numpy` needs numpy.
 """
 
 import json

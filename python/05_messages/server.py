@@ -8,7 +8,7 @@ Bytes: a JSON header and one frame for each array, as messages.py beside this fi
     frame    uint8 [height, width, 3]     `x` and `y` of the brightest pixel, counted from the top left, and the `mean`
                                           of all, to a tenth; with the value `bottom_up` the lowest row comes first
 A request that cannot be answered gets a reply of kind `error`, and the server serves on.
-Trouble on command: `client.py --wrong-shape`. Take home: this file and messages.py.
+Trouble on command: `client.py --wrong-shape`.
 """
 
 import argparse

@@ -4,7 +4,6 @@
     python python/06_many_in_flight/client.py --window 1        one after the other, as in lesson 01
 
 Bytes: UTF-8 text, two frames each way: [id][text]; the id is a number in digits, and a retry carries the same.
-Take home: many_requester.py.
 """
 
 import argparse
@@ -60,15 +59,15 @@ def main() -> None:
     text = "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three"
     parser.add_argument("--text", default=text, help="requests to repeat, with | between")
     parser.add_argument("--window", type=int, default=4, help="how many requests may be under way")
-    parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait, for the first try")
+    parser.add_argument("--timeout", type=float, default=2.5, help="seconds to wait, for the first try")
     parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count takes a whole number from 0, --timeout seconds, more than 0")
     if options.window < 1 or options.tries < 1:
         parser.error("--window and --tries take a whole number, 1 or more")
     print(f"asking {options.endpoint}, {options.window} in flight", flush=True)
-    limits = options.window, options.patience, options.tries
+    limits = options.window, options.timeout, options.tries
     with (
         zmq.Context() as context,
         closing(ManyRequester(context, options.endpoint, *limits, lambda line: print(line, flush=True))) as requester,

@@ -1,9 +1,9 @@
-"""Lesson 06, the requester in Python: the twin of ManyRequester.cs.
+"""Lesson 06, the requester in Python: the C# version is ManyRequester.cs.
 
-    requester = ManyRequester(context, "tcp://127.0.0.1:5556", window=64, patience=2, tries=3, report=print)
+    requester = ManyRequester(context, "tcp://127.0.0.1:5556", window=64, timeout=2, tries=3, report=print)
     for number, reply, failure in requester.request_many(["echo one", "sleep 1", "echo two"]): ...
 
-Take home: this file. The server is server.py, and its header says what the bytes are.
+The server is server.py, and its header says what the bytes are.
 """
 
 import contextlib
@@ -23,7 +23,7 @@ LARGEST = 65_536
 class Pending:
     number: int
     text: bytes
-    patience: float
+    timeout: float
     tries: int = 1
     sent: float = 0
 
@@ -32,13 +32,13 @@ class Pending:
 class ManyRequester:
     """Keeps up to `window` requests under way over one DEALER socket at a time. Use it on one thread.
 
-    Patience is for the first try; each one after it waits twice as long, up to 8 times.
+    Timeout is for the first try; each one after it waits twice as long, up to 8 times.
     """
 
     context: zmq.Context[zmq.Socket[bytes]]
     endpoint: str
     window: int
-    patience: float
+    timeout: float
     tries: int
     report: Callable[[str], None]
 
@@ -75,7 +75,7 @@ class ManyRequester:
                     yield following[0], "", f"not sent: {len(following[1])} bytes, and the limit is {LARGEST}"
                     continue
                 self.last_id += 1
-                self.send(b"%d" % self.last_id, Pending(*following, self.patience))
+                self.send(b"%d" % self.last_id, Pending(*following, self.timeout))
             if not self.pending:
                 return
             yield from self.arrived()
@@ -89,30 +89,30 @@ class ManyRequester:
             frames = self.socket.recv_multipart()
             self.heard, entry = time.monotonic(), self.pending.get(frames[0])
             # One for a request that is not pending is late or a second one: dropped. So is a refusal, until the last
-            # try: such a request is asked again when its patience is over.
+            # try: such a request is asked again when its timeout is over.
             if len(frames) == 2 and entry and (entry.tries == self.tries or not frames[1].startswith(b"error: busy")):
                 del self.pending[frames[0]]
                 yield entry.number, frames[1].decode(errors="replace"), ""
 
     def overdue(self) -> Iterator[tuple[int, str, str]]:
         """Whatever waits for too long is sent again with its old id, or given up."""
-        late = {key: entry for key, entry in self.pending.items() if entry.sent + entry.patience <= time.monotonic()}
+        late = {key: entry for key, entry in self.pending.items() if entry.sent + entry.timeout <= time.monotonic()}
         if any(self.heard <= entry.sent for entry in late.values()):
             # Not a word since then, neither to it nor to others: a new socket helps, whatever is wrong with this one.
             self.close()
             self.open()
-            # What was under way on it is lost. To send it again before its patience is over is not another try.
+            # What was under way on it is lost. To send it again before its timeout is over is not another try.
             for request_id in self.pending.keys() - late:
                 self.send(request_id, self.pending[request_id])
         for request_id, entry in late.items():
-            limit = f"{entry.patience:g} s"
+            limit = f"{entry.timeout:g} s"
             if entry.tries == self.tries:
                 del self.pending[request_id]
                 why = f"no reply in {self.tries} tries of up to {limit}; is the server running, or slow?"
                 yield entry.number, "", why
             else:
                 # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-                entry.tries, entry.patience = entry.tries + 1, min(2 * entry.patience, 8 * self.patience)
+                entry.tries, entry.timeout = entry.tries + 1, min(2 * entry.timeout, 8 * self.timeout)
                 self.report(f"{entry.number}: no reply within {limit}; try {entry.tries} of {self.tries}")
                 self.send(request_id, entry)
 

@@ -8,7 +8,7 @@ bytes, returned as they came. ROUTER puts a third frame in front, which says who
 `echo TEXT` is answered with TEXT, `sleep 0.5` after half a second, anything else with a text that begins with `error:`.
 A retry of a request at work is not done twice; a retry of an answered one is (lesson 02 has the cure).
 `error: busy, try again later` refuses what is more than 64 of one client or 256 of all, and `echo` never.
-Trouble on command: `sleep 60`, `--workers 1`. Take home: this file.
+Trouble on command: `sleep 60`, `--workers 1`.
 """
 
 import argparse

@@ -4,7 +4,7 @@
     python python/07_catch_up/client.py --work 0.001       a slow one: give the server --interval 0
     python python/07_catch_up/client.py --until 1000       end at the pose of this number
 
-Bytes: as in server.py. To take home: pose_subscriber.py.
+Bytes: as in server.py. To copy: pose_subscriber.py.
 """
 
 import argparse
@@ -23,7 +23,7 @@ def follow(subscriber: PoseSubscriber, options: argparse.Namespace) -> None:
     end = time.monotonic() + options.seconds
     run, number = "", 0
     while subscriber.received < options.count and time.monotonic() < end:
-        news = subscriber.receive(options.patience)
+        news = subscriber.receive(options.timeout)
         run, number, position, _ = subscriber.pose
         if news and options.every and subscriber.received % options.every == 0:
             print(f"{number}: at", *(f"{value:.4f}" for value in position), flush=True)
@@ -61,11 +61,11 @@ def main() -> None:
     parser.add_argument("--until", type=int, default=0, help="or at the pose of this number; 0: at none")
     parser.add_argument("--seconds", type=float, default=60, help="or after this time")
     parser.add_argument("--every", type=int, default=60, help="print one pose in so many; 0: none")
-    parser.add_argument("--patience", type=float, default=5, help="seconds to wait for a snapshot")
+    parser.add_argument("--timeout", type=float, default=5, help="seconds to wait for a snapshot")
     parser.add_argument("--work", type=float, default=0, help="seconds that each pose takes: a slow subscriber")
     options = parser.parse_args()
     if not all(0 <= value < 2**31 for value in vars(options).values() if isinstance(value, int | float)):
-        parser.error("--count, --until, --seconds, --every, --patience and --work take numbers from 0 on")
+        parser.error("--count, --until, --seconds, --every, --timeout and --work take numbers from 0 on")
     host, port = options.endpoint.rsplit(":", 1)
     snapshots = options.snapshots or f"{host}:{int(port) + 100}"
     if int(port) + 100 > 65535 and not options.snapshots:

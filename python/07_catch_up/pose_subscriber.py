@@ -1,7 +1,7 @@
-"""Lesson 07, the subscriber to take home in Python: the twin of PoseSubscriber.cs. client.py is its command line.
+"""Lesson 07, the subscriber to copy in Python: the C# version is PoseSubscriber.cs. client.py is its command line.
 
 One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
-Bytes: as in server.py. Take home: this file.
+Bytes: as in server.py.
 """
 
 import contextlib
@@ -31,9 +31,9 @@ def parse(message: str) -> Pose | None:
     return None
 
 
-def take(socket: zmq.Socket[bytes], patience: float) -> str | None:
+def take(socket: zmq.Socket[bytes], timeout: float) -> str | None:
     """The next message, or None. One of several frames is none of this lesson's, and as good as an empty one."""
-    end = time.monotonic() + patience
+    end = time.monotonic() + timeout
     # In slices: on Windows Ctrl-C does not interrupt a longer wait.
     while not socket.poll(200) and time.monotonic() < end:
         pass
@@ -56,7 +56,7 @@ class PoseSubscriber:
         stream.subscribe("pose/")
         stream.connect(endpoint)
 
-    def receive(self, patience: float) -> bool:
+    def receive(self, timeout: float) -> bool:
         """Wait for the next pose. False if there is none yet; TimeoutError if the publisher is gone."""
         end = time.monotonic() + 1
         while time.monotonic() < end:
@@ -64,7 +64,7 @@ class PoseSubscriber:
             message = take(self.stream, 1)
             pose = parse(message or "")
             if not pose or pose.run != self.pose.run or pose.number > self.pose.number + 1:
-                return self.catch_up(patience, message is None)
+                return self.catch_up(timeout, message is None)
             # A lower number was sent before the snapshot was made, and is contained in it.
             if pose.number == self.pose.number + 1:
                 self.pose, self.checksum = pose, (31 * self.checksum + sum(map(ord, message or ""))) % 2**32
@@ -73,9 +73,9 @@ class PoseSubscriber:
         # A publisher that repeats itself must not hold the caller for ever.
         return False
 
-    def catch_up(self, patience: float, silent: bool) -> bool:
+    def catch_up(self, timeout: float, silent: bool) -> bool:
         """Take over the publisher's state from a snapshot, and say which poses that skips."""
-        old, (self.checksum, self.pose) = self.pose, self.ask(patience)
+        old, (self.checksum, self.pose) = self.pose, self.ask(timeout)
         run, number = self.pose.run, self.pose.number
         if not old.run:
             self.report(f"joined run {run} at {number}, checksum {self.checksum}")
@@ -97,9 +97,9 @@ class PoseSubscriber:
         self.stream.disconnect(self.endpoint)
         self.stream.connect(self.endpoint)
 
-    def ask(self, patience: float) -> tuple[int, Pose]:
+    def ask(self, timeout: float) -> tuple[int, Pose]:
         """A snapshot from the publisher: checksum and pose."""
-        end, limit = time.monotonic() + patience, 1
+        end, limit = time.monotonic() + timeout, 1
         while (left := end - time.monotonic()) > 0:
             # Each try has a new socket, as in lesson 02, and more time: a new connection takes four round trips.
             with self.stream.context.socket(zmq.REQ) as socket:
@@ -113,4 +113,4 @@ class PoseSubscriber:
                     return int(checksum), pose
                 raise TimeoutError(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}")
             limit *= 4
-        raise TimeoutError(f"no snapshot from {self.snapshots} within {patience:g} s; is the server running?")
+        raise TimeoutError(f"no snapshot from {self.snapshots} within {timeout:g} s; is the server running?")

@@ -1,6 +1,6 @@
 """Lesson 07, what the server knows: the state, the next message, and the snapshot that stands for all before it.
 
-Bytes: as in server.py. Take home: this file and server.py.
+Bytes: as in server.py.
 """
 
 import math

@@ -8,7 +8,7 @@ Bytes: UTF-8 text, one frame. The stream (PUB): `pose/ RUN NUMBER x y z qx qy qz
 each start, NUMBER counts its poses from 1. Snapshots (REP): `pose/` is answered with `CHECKSUM` and the last pose
 message, anything else with a text that begins with `error:`.
 Trouble on command: start a client late; `--interval 0` and a client with `--work 0.001`; stop this server while a
-client follows, and start it again. Take home: this file and publisher.py, which has the state.
+client follows, and start it again.
 """
 
 import argparse

@@ -2,7 +2,6 @@
 
 Bytes: a reply of kind `action`, with the values `frame`, `throttle`, `brake` and `steer`. The C# side is
 DriverClient.cs.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import sys

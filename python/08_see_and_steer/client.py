@@ -5,8 +5,7 @@
     python python/08_see_and_steer/client.py --drive         arrow keys take over, Enter gives back
     python python/08_see_and_steer/client.py --jpeg          JPEG files; needs Pillow
 
-Bytes: as in server.py. Take home: this file, action.py, drive.py, driver_client.py, keyboard.py, pictures.py and
-world.py, whose camera only stands for your own, with messages.py of lesson 05.
+Bytes: as in server.py.
 """
 
 import argparse
@@ -71,7 +70,7 @@ def main() -> None:
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=500, help="end after so many actions")
     parser.add_argument("--every", type=int, default=50, help="print one action in so many; 0: none")
-    parser.add_argument("--patience", type=float, default=1, help="seconds to wait for each action")
+    parser.add_argument("--timeout", type=float, default=1, help="seconds to wait for each action")
     parser.add_argument("--tries", type=int, default=20, help="pictures in a row that may stay without an action")
     parser.add_argument("--cameras", choices=CAMERAS, default="center", metavar="NAMES", help=" or ".join(CAMERAS))
     parser.add_argument("--start", type=int, default=0, help="the point of the road to begin at")
@@ -79,14 +78,14 @@ def main() -> None:
     parser.add_argument("--drive", action="store_true", help="arrow keys take over, Enter gives back")
     parser.add_argument("--jpeg", action="store_true", help="send JPEG files instead of raw bytes")
     options = parser.parse_args()
-    if min(options.count, options.every, options.start, options.tries - 1) < 0 or not 0 < options.patience < 86400:
-        parser.error("--count, --every and --start take whole numbers from 0, --tries from 1, --patience seconds")
+    if min(options.count, options.every, options.start, options.tries - 1) < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count, --every and --start take whole numbers from 0, --tries from 1, --timeout seconds")
     if options.drive and not sys.stdin.isatty():
         parser.error("--drive needs a keyboard: start it in a terminal")
     print(f"asking {options.endpoint}", flush=True)
     drive = Drive(Road(), options.start, print, options.every, options.lockstep)
     with zmq.Context() as context, Keyboard(options.drive) as keyboard:
-        client = DriverClient(context, options.endpoint, options.patience, options.tries, print)
+        client = DriverClient(context, options.endpoint, options.timeout, options.tries, print)
         try:
             skipped = see_and_steer(drive, client, keyboard, options)
         except GaveUp as error:

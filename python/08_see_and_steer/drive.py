@@ -3,9 +3,6 @@
     client.send(drive.message(…))       pictures, with their number and what the car does
     drive.apply(client.receive(…))      driver_client.py; now the action's age is known
     drive.step()                        0.02 s later
-
-Take home: this file, action.py, pictures.py and world.py, whose car and road stand for your own, with
-messages.py of lesson 05.
 """
 
 import sys
@@ -24,7 +21,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from messages import Array, Message
 
 # Steps without an action, after which the car brakes: half a second.
-PATIENCE = 25
+TIMEOUT_STEPS = 25
 
 
 class Drive:
@@ -71,7 +68,7 @@ class Drive:
     def apply(self, newest: Action | None) -> None:
         """Follow an action from the next step on; None if there was none for the last picture."""
         if newest is None:
-            self._waited = PATIENCE if self.lockstep else self._waited
+            self._waited = TIMEOUT_STEPS if self.lockstep else self._waited
             return
         self._waited = 0
         if not self.manual:
@@ -85,7 +82,7 @@ class Drive:
     def step(self) -> None:
         """Drive for STEP seconds."""
         before, self._waited = self._braking, self._waited + 1
-        self._braking = self._waited > PATIENCE and not self.manual
+        self._braking = self._waited > TIMEOUT_STEPS and not self.manual
         now = self.in_force()
         self.car.step(now.throttle, now.brake, now.steer)
         self.frame += 1

@@ -4,7 +4,7 @@ It needs no training: grass is greener than it is red or blue, and a road is not
 holds in sun and shadow, through JPEG, and for pictures of any size. How it steers is known as pure pursuit (Coulter,
 1992): along the circle that leads from the car to the point.
 
-Take home: this file. It needs numpy. Your own camera's height, tilt and angle belong into the constants.
+It needs numpy. Your own camera's height, tilt and angle belong into the constants.
 """
 
 from typing import Any

@@ -5,7 +5,6 @@
 
 A picture without an action is not sent again: by then there is a newer one. Each failure costs the socket, because REQ
 can only receive after it has sent, and a new one finds a server that is back again.
-Take home: this file and action.py, with messages.py of lesson 05.
 """
 
 import math
@@ -33,11 +32,11 @@ class DriverClient:
         self,
         context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
-        patience: float,
+        timeout: float,
         tries: int,
         log: Callable[[str], object],
     ) -> None:
-        self.context, self.endpoint, self.patience, self.tries, self.log = context, endpoint, patience, tries, log
+        self.context, self.endpoint, self.timeout, self.tries, self.log = context, endpoint, timeout, tries, log
         self.asked: Message | None = None
         self.socket: zmq.Socket[bytes] | None = None
         self.began, self.lost = 0.0, 0
@@ -55,19 +54,19 @@ class DriverClient:
             self.socket.send_multipart(frame.frames())
         except zmq.Again:
             # Nothing will come, and `receive` says so.
-            self.began -= self.patience
+            self.began -= self.timeout
 
     def receive(self, until: float, patient: bool = False) -> Action | None:
         """The action, if it comes before that time; or, `patient`, in the time that it may take at all.
 
         None while something is asked: not yet. None and nothing is asked any more: there is none.
         """
-        last = self.began + self.patience
+        last = self.began + self.timeout
         try:
             while not self.arrived(last if patient else min(until, last)):
                 if time.monotonic() >= last:
                     raise TimeoutError(
-                        f"no reply from {self.endpoint} within {self.patience:g} s; is the server running?"
+                        f"no reply from {self.endpoint} within {self.timeout:g} s; is the server running?"
                     )
                 if not patient:
                     return None

@@ -3,7 +3,7 @@
     python python/08_see_and_steer/film.py runs/run_0001 drive.gif                ten seconds, ten pictures in each
     python python/08_see_and_steer/film.py runs/run_0001 drive.gif --first 500    from line 500 on
 
-Take home: this file, driver.py, recorded.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+It needs numpy and Pillow.
 """
 
 import argparse

@@ -1,7 +1,6 @@
-"""Lesson 08, the arrow keys of a terminal as a steering wheel: the twin of Keyboard.cs.
+"""Lesson 08, the arrow keys of a terminal as a steering wheel: the C# version is Keyboard.cs.
 
 A terminal tells when a key is pressed, and not when it is let go: what was set stays set.
-Take home: this file.
 """
 
 import os

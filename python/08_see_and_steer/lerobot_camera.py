@@ -5,7 +5,7 @@
 In LeRobot: ZMQCameraConfig(server_address="127.0.0.1", port=5555, camera_name="center"). What its ZMQCamera reads is
 one JSON text, {"timestamps": {name: seconds}, "images": {name: JPEG file in base64}}, from a PUB socket; see
 src/lerobot/cameras/zmq in github.com/huggingface/lerobot.
-Take home: this file, driver.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+It needs numpy and Pillow.
 """
 
 import argparse

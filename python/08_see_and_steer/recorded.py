@@ -1,6 +1,4 @@
 """Lesson 08, what was recorded: reads a folder of recording.py back. What cannot be read is said, and left out.
-
-Take home: this file and pictures.py, with messages.py of lesson 05.
 """
 
 import math

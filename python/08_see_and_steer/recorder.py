@@ -1,7 +1,7 @@
 """Lesson 08, the recorder: keeps each drive in a new folder, so that one can learn from it. It deletes nothing.
 
 What is in such a folder stands in recording.py. Two cars at once get a folder each.
-Take home: this file, recording.py and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+It needs numpy and Pillow.
 """
 
 import sys

@@ -6,7 +6,7 @@
 
 A picture is written before the rows about it: when the program is killed, at most the last one is lost. The columns
 `answered_throttle` and so on are what was answered to this very picture.
-Take home: this file and pictures.py, with messages.py of lesson 05. It needs numpy and Pillow.
+It needs numpy and Pillow.
 """
 
 import contextlib

@@ -6,7 +6,6 @@
 
 What was recorded from JPEG files is the same to the byte, and the same driver then gives the same actions to the bit.
 What was recorded from raw pictures has become JPEG on the way, which changes an action's last digits.
-Take home: this file, action.py, driver_client.py, pictures.py and recorded.py, with messages.py of lesson 05.
 """
 
 import argparse
@@ -66,17 +65,17 @@ def main() -> None:
     parser.add_argument("recording", type=Path, help="a folder of recorder.py, such as runs/run_0001")
     parser.add_argument("--endpoint", default=ENDPOINT, help="the server")
     parser.add_argument("--fps", type=float, default=0, help="pictures a second; 0: as fast as the server answers")
-    parser.add_argument("--patience", type=float, default=1, help="seconds to wait for each action")
+    parser.add_argument("--timeout", type=float, default=1, help="seconds to wait for each action")
     parser.add_argument("--compare", action="store_true", help="compare the actions with the recorded ones")
     options = parser.parse_args()
-    if not 0 <= options.fps < 100_000 or not 0 < options.patience < 86400:
-        parser.error("--fps takes a number from 0, --patience seconds, more than 0")
+    if not 0 <= options.fps < 100_000 or not 0 < options.timeout < 86400:
+        parser.error("--fps takes a number from 0, --timeout seconds, more than 0")
     port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", options.endpoint, re.ASCII)
     if not port or not 0 < int(port[1]) < 65536:
         parser.error(f"bad endpoint '{options.endpoint}': write it like {ENDPOINT}, port 1 to 65535")
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context:
-        client = DriverClient(context, options.endpoint, options.patience, 3, print)
+        client = DriverClient(context, options.endpoint, options.timeout, 3, print)
         try:
             print(replay(client, options))
         except GaveUp as error:

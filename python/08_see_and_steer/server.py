@@ -10,8 +10,7 @@ drive), `manual` (true while a person drives), `sim_time` and `wall_time` (secon
 `steer` (-1, left, to 1, right) as they were in force when the picture was taken, `speed` (m/s), `cameras`, `encoding`
 and `bottom_up`; pictures.py says what its arrays are. The reply is of kind `action`: `frame`, `throttle`, `brake`,
 `steer`.
-Trouble on command: `--delay 0.2` is a slow driver. Take home: this file, pictures.py, driver.py, recorder.py,
-recording.py, train.py and recorded.py, with messages.py of lesson 05.
+Trouble on command: `--delay 0.2` is a slow driver.
 """
 
 import argparse

@@ -6,7 +6,7 @@
 A picture becomes a few hundred numbers, the mean colours of its parts, and steering the sum of these with a weight for
 each: ridge regression (Hoerl and Kennard, 1970), which numpy solves in one line. Each picture is used twice, the second
 time as in a mirror, with the steering turned round: so left bends teach right ones.
-Take home: this file, driver.py, pictures.py and recorded.py, with messages.py of lesson 05. It needs numpy and Pillow.
+It needs numpy and Pillow.
 """
 
 import argparse

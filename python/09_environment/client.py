@@ -1,12 +1,10 @@
-"""Lesson 09, the client in Python: the twin of CartPoleEnvironment, and it prints the same lines.
+"""Lesson 09, the client in Python: the C# version is CartPoleEnvironment, and it prints the same lines.
 
     python python/09_environment/client.py                a pole on a cart, until the environment closes it
     python python/09_environment/client.py --world Car    lesson 08's car on its road
     python python/09_environment/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: messages of lesson 05, see environment_client.py and spaces.py. Take home: this file, environment_client.py,
-simulator.py, simulation.py and spaces.py, with messages.py of lesson 05; cart_pole.py, and road_car.py with world.py of
-lesson 08, stand for your simulation.
+Bytes: messages of lesson 05, see environment_client.py and spaces.py.
 """
 
 import argparse
@@ -58,13 +56,13 @@ def main() -> None:
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the environment")
     parser.add_argument("--world", choices=sorted(WORLDS), default="CartPole", help="what to simulate")
     parser.add_argument("--count", type=int, default=0, help="how many episodes; 0: until it is closed")
-    parser.add_argument("--patience", type=float, default=30, help="seconds to wait for an environment")
+    parser.add_argument("--timeout", type=float, default=30, help="seconds to wait for an environment")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes whole numbers from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count takes whole numbers from 0, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     simulator = Simulator(WORLDS[options.world]())
-    client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
+    client = EnvironmentClient(options.endpoint, options.timeout, lambda line: print(printable(line), flush=True))
     try:
         client.run(simulator, options.count)
     except TimeoutError as error:

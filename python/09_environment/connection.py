@@ -3,7 +3,6 @@
 Each request has an id that counts. One that stays without an answer is sent again with the same id, and the simulator
 answers a repeated id with what it has kept: so a retry never steps twice. A simulator that is gone is noticed within
 a second, because a ROUTER socket can say that it has no way to a peer.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import sys
@@ -31,8 +30,8 @@ class Lost(ConnectionError):
 class Connection:
     """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
 
-    def __init__(self, socket: zmq.Socket[bytes], patience: float) -> None:
-        self.socket, self.patience, self.endpoint = socket, patience, socket.getsockopt_string(zmq.LAST_ENDPOINT)
+    def __init__(self, socket: zmq.Socket[bytes], timeout: float) -> None:
+        self.socket, self.timeout, self.endpoint = socket, timeout, socket.getsockopt_string(zmq.LAST_ENDPOINT)
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True
         self.peer, self.id, self.closed = b"", 0, False
@@ -64,7 +63,7 @@ class Connection:
         if self.closed:
             raise ValueError("this environment is closed")
         self.id += 1
-        end, why = time.monotonic() + self.patience, f"no answer to {kind} within {self.patience:g} s"
+        end, why = time.monotonic() + self.timeout, f"no answer to {kind} within {self.timeout:g} s"
         while time.monotonic() < end:
             if not self.peer or not self.send(self.peer, kind, self.id, values, arrays):
                 why = getattr(self.socket, "gone", "the simulator is gone")

@@ -2,7 +2,6 @@
 
 Draw some policies by chance, keep the best, and draw the next ones around those. A policy pushes to the right when its
 four weights times the observation, and its bias, are above 0.
-Take home: this file; it needs numpy and gymnasium.
 """
 
 import time

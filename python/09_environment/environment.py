@@ -7,7 +7,7 @@
 The spaces come from the simulator's hello. A simulator that is lost ends the episode: `truncated` is true, and
 `info["lost"]` says why; the next reset waits for another one, or launches it. What `options` has goes to the
 simulator as it is, and `options["state"]`, an array, is where its world begins. One thread has it, and no other.
-Take home: this file, connection.py, simulators.py, launched.py and spaces.py, with messages.py of lesson 05. They need
+They need
 gymnasium.
 """
 
@@ -28,7 +28,7 @@ from spaces import drawn, from_array, gives_pictures, offered, picture, sendable
 
 
 class ZmqEnv(gymnasium.Env[Any, Any]):
-    """The world of one simulator. `where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+    """The world of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
     spaces: list[Any] | None = None

@@ -1,9 +1,8 @@
-"""Lesson 09, the client of an environment: connects, says hello, and answers requests. The twin of
+"""Lesson 09, the client of an environment: connects, says hello, and answers requests. In C#:
 EnvironmentClient.cs.
 
 It says `hello` with the simulation's name, spaces and dt; then it answers `reset`, `step` and `render`, until `close`.
 Each try to connect has a new socket.
-Take home: this file, simulator.py, simulation.py and spaces.py, with messages.py of lesson 05.
 """
 
 import sys
@@ -29,22 +28,22 @@ class EnvironmentClient:
     def __init__(
         self,
         endpoint: str,
-        patience: float,
+        timeout: float,
         report: Callable[[str], None] = print,
         prepare: Callable[[zmq.Socket[bytes]], object] | None = None,
     ) -> None:
         """`prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`."""
-        self.endpoint, self.patience, self.report, self.prepare = endpoint, patience, report, prepare
+        self.endpoint, self.timeout, self.report, self.prepare = endpoint, timeout, report, prepare
         # When it last was in an environment, and why it is in none since then.
         self.heard, self.why = 0.0, NOTHING
 
     def run(self, simulator: SimulatorBase, count: int = 0) -> None:
         """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
 
-        TimeoutError says that there was no environment for `patience` seconds.
+        TimeoutError says that there was no environment for `timeout` seconds.
         """
         self.heard, self.why = time.monotonic(), NOTHING
-        while time.monotonic() < self.heard + self.patience:
+        while time.monotonic() < self.heard + self.timeout:
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so
                 # between two looks, without a hello, and Python and simulator would wait for each other.
@@ -67,13 +66,13 @@ class EnvironmentClient:
                     if isinstance(error, MessageError) or self.why == NOTHING:
                         self.why = str(error)
                     # Whoever refuses at once is not asked again at once.
-                    time.sleep(min(TRY / 5, self.patience))
-        waited = f"no environment at {self.endpoint} within {self.patience:g} s"
+                    time.sleep(min(TRY / 5, self.timeout))
+        waited = f"no environment at {self.endpoint} within {self.timeout:g} s"
         keys = ", and has this simulator's key on its list" if self.prepare else ""
         raise TimeoutError(f"{waited}; is the server running{keys}? ({self.why})")
 
     def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:
-        limit = min(TRY, self.patience)
+        limit = min(TRY, self.timeout)
         socket.sndtimeo = int(1000 * limit)
         end = time.monotonic() + limit
         # In slices: on Windows Ctrl-C does not interrupt a longer wait.

@@ -1,6 +1,6 @@
 """Lesson 09, a launched simulator: found by its path, and ended with all that it has started.
 
-Take home: this file. It needs only Python.
+It needs only Python.
 """
 
 import contextlib

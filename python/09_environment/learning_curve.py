@@ -1,6 +1,4 @@
 """Lesson 09, the learning curve: how long the pole stays up, generation by generation.
-
-Take home: this file; it needs matplotlib.
 """
 
 

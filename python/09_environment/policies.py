@@ -1,6 +1,4 @@
 """Lesson 09, the policies: written by hand. At home train yours.
-
-Take home: this file; it needs numpy and gymnasium.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Lesson 09, the second world: lesson 08's car on its road, to be driven step by step. The twin of RoadCar.cs.
+"""Lesson 09, the second world: lesson 08's car on its road, to be driven step by step. In C#: RoadCar.cs.
 
 What it sees is where it is relative to the road. Both sides give the same numbers to the last bit, as world.py does.
 At home your own simulation takes its place.

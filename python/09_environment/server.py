@@ -6,8 +6,6 @@
 
 Plays ten episodes with each simulator that comes, and prints a line for each.
 Bytes: messages of lesson 05. Trouble: stop the simulator in an episode; start a second one meanwhile.
-Take home: this file, policies.py, environment.py, connection.py, simulators.py, launched.py and spaces.py, with
-messages.py of lesson 05.
 """
 
 import argparse

@@ -1,6 +1,4 @@
-"""Lesson 09, a simulation: what a world needs, so that an environment can be made of it. The twin of Simulation.cs.
-
-Take home: this file, with simulator.py, spaces.py and messages.py, which is in lesson 05.
+"""Lesson 09, a simulation: what a world needs, so that an environment can be made of it. In C#: Simulation.cs.
 """
 
 from abc import ABC, abstractmethod

@@ -1,7 +1,5 @@
-"""Lesson 09, the simulator: does in a simulation what an environment asks for, each request once. The twin of
+"""Lesson 09, the simulator: does in a simulation what an environment asks for, each request once. In C#:
 Simulator.cs.
-
-Take home: this file, simulation.py and spaces.py, with messages.py of lesson 05.
 """
 
 import math

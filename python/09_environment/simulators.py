@@ -1,6 +1,4 @@
 """Lesson 09, the simulators: where they come from, by hand or launched, and that none is left behind.
-
-Take home: this file, launched.py and connection.py, with messages.py of lesson 05.
 """
 
 import os
@@ -43,7 +41,7 @@ class Simulators:
     """`launch` is a path as `game` takes it, or a list: a program and its first words; `--endpoint` follows. Without it
     one waits for Play.
 
-    `wait` is how many seconds for a simulator, `patience` how many for each answer. A socket that is given is not
+    `wait` is how many seconds for a simulator, `timeout` how many for each answer. A socket that is given is not
     closed.
     """
 
@@ -52,18 +50,18 @@ class Simulators:
         endpoint: str = "",
         launch: str | os.PathLike[str] | Sequence[str] | None = (),
         wait: float = 60,
-        patience: float = 10,
+        timeout: float = 10,
         socket: zmq.Socket[bytes] | None = None,
         default: str = ENDPOINT,
     ) -> None:
-        for name, seconds in ("wait", wait), ("patience", patience):
+        for name, seconds in ("wait", wait), ("timeout", timeout):
             if not isinstance(seconds, int | float) or not 0 < seconds <= 86400:
                 raise ValueError(f"{name} takes seconds, more than 0 and at most a day, not {seconds!r:.40}")
         words = [launch] if isinstance(launch, str | os.PathLike) else list(launch or ())
         self.launch = [game(os.fspath(words[0])), *words[1:]] if launch else []
         self.limit, self.own, self.pid = wait, socket is None, os.getpid()
         # Each one that launches has a port of its own: several environments at once are no trouble.
-        self.connection = Connection(socket or bound(endpoint or (FREE if launch else default)), patience)
+        self.connection = Connection(socket or bound(endpoint or (FREE if launch else default)), timeout)
         self.process: subprocess.Popen[bytes] | None = None
 
     def find(self, accept: Callable[[Message], None]) -> None:
@@ -101,7 +99,7 @@ class Simulators:
         if self.connection.closed or os.getpid() != self.pid:
             # A process that was forked has a copy of this, and the simulator is not its own.
             return
-        self.connection.patience = min(2, self.connection.patience)
+        self.connection.timeout = min(2, self.connection.timeout)
         try:
             # It answers: a connection that ends right after a message may take the message with it.
             self.connection.ask("close", {}, [])

@@ -3,7 +3,6 @@
 A hello names the kinds, `box` or `discrete`, as the values `observation` and `action`. Its arrays are the rest: of a
 box the lowest and the highest numbers, whose dtype and shape are those of the box; of a discrete one how many there
 are, an int64. An observation or an action is then one array. What is not in its space is refused.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import sys

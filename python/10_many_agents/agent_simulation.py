@@ -1,6 +1,4 @@
-"""Lesson 10, a world of several agents, and nothing else: no network and no clock. The twin of AgentSimulation.cs.
-
-Take home: this file and infos.py, with spaces.py of lesson 09 and messages.py of 05.
+"""Lesson 10, a world of several agents, and nothing else: no network and no clock. In C#: AgentSimulation.cs.
 """
 
 from abc import ABC, abstractmethod

@@ -1,12 +1,10 @@
-"""Lesson 10, agents: several of them in one world, and one message has an array for each that lives. The twin of
+"""Lesson 10, agents: several of them in one world, and one message has an array for each that lives. In C#:
 AgentSimulator.cs.
 
 A hello says in `agents` who there is and of what kind their spaces are. A `step` has an action for each agent that
 lives, in the order of the hello. The answer's `infos` name these agents; its arrays are rewards float64 [n], terminated
 and truncated uint8 [n], and what each of them sees. Whoever is over then has no part in the next step.
 An `info` brings infos for agents, and takes back in `told` what the game had to say, as each answer does.
-Take home: this file, agent_simulation.py, real_time.py and infos.py, with simulator.py, simulation.py and spaces.py of
-lesson 09, and messages.py of 05.
 """
 
 import sys

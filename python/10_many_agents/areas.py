@@ -1,10 +1,9 @@
-"""Lesson 10, areas: many copies of one simulation, and one message steps them all. The twin of AreaSimulator.cs.
+"""Lesson 10, areas: many copies of one simulation, and one message steps them all. In C#: AreaSimulator.cs.
 
 A request to `reset` has the arrays `mask`, uint8 [N], and `seeds`, int64 [N]: which areas begin anew, and by which
 chance; a third array is the state in which they all begin. A request to `step` has the actions, [N, …]; with a mask and
 seeds after them some areas are reset in place of stepped. So it is the environment alone that decides who begins anew.
 The answer has the observations [N, …], rewards float64 [N], terminated and truncated uint8 [N], whatever was asked.
-Take home: this file and infos.py, with simulator.py, simulation.py and spaces.py of lesson 09, and messages.py of 05.
 """
 
 import sys

@@ -1,12 +1,10 @@
-"""Lesson 10, the client in Python: the twin of Lesson10, and it prints the same lines.
+"""Lesson 10, the client in Python: the C# version is Lesson10, and it prints the same lines.
 
     python python/10_many_agents/client.py                                hunters and rabbits, until it is closed
     python python/10_many_agents/client.py --world CartPole --areas 16    sixteen poles on sixteen carts
     python python/10_many_agents/client.py --count 3                      leave after so many games
 
-Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Take home: this file, agents.py, areas.py,
-agent_simulation.py, real_time.py and infos.py, with environment_client.py, simulator.py, simulation.py and spaces.py of
-lesson 09, and messages.py of 05; pursuit.py, and cart_pole.py of 09, stand for your simulation.
+Bytes: messages of lesson 05, see agents.py, areas.py and infos.py.
 """
 
 import argparse
@@ -60,14 +58,14 @@ def main() -> None:
     parser.add_argument("--world", choices=["CartPole", "Pursuit"], default="Pursuit", help="what to simulate")
     parser.add_argument("--areas", type=int, default=16, help="how many areas of CartPole")
     parser.add_argument("--count", type=int, default=0, help="how many episodes; 0: until it is closed")
-    parser.add_argument("--patience", type=float, default=30, help="seconds to wait for an environment")
+    parser.add_argument("--timeout", type=float, default=30, help="seconds to wait for an environment")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400 or not 0 < options.areas <= 1024:
-        parser.error("--count takes whole numbers from 0, --areas 1 to 1024, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400 or not 0 < options.areas <= 1024:
+        parser.error("--count takes whole numbers from 0, --areas 1 to 1024, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     areas = [CartPole() for _ in range(options.areas)]
     simulator = AgentSimulator(Pursuit()) if options.world == "Pursuit" else AreaSimulator(areas)
-    client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
+    client = EnvironmentClient(options.endpoint, options.timeout, lambda line: print(printable(line), flush=True))
     try:
         client.run(simulator, options.count)
     except TimeoutError as error:

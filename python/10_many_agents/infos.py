@@ -1,9 +1,8 @@
-"""Lesson 10, the infos: what is said of many, or to them, in one value of a message. The twin of Infos.cs.
+"""Lesson 10, the infos: what is said of many, or to them, in one value of a message. In C#: Infos.cs.
 
     [["hunter_0",{"energy":0.5}],["",{"weather":"rain"}]]        JSON; "" is the environment
 
 An info is flat: texts, numbers, true and false by name, as the values of a message are.
-Take home: this file, with spaces.py of lesson 09 and messages.py of 05.
 """
 
 import json

@@ -8,8 +8,7 @@ Who ends leaves `agents`. A simulator that is lost ends the episode of all: they
 `lost`; the next reset waits for another one. What the game has said meanwhile is `told` in each one's info: lists of
 infos by agent, those of the environment as `env`. `send_info` is the other way, at any time. With `real_time=True` the
 world goes on while Python thinks, and a step waits for the next tick.
-Take home: this file, remote_agents.py and infos.py, with connection.py, simulators.py, launched.py and spaces.py of
-lesson 09, and messages.py of 05. They need pettingzoo.
+They need pettingzoo.
 """
 
 import contextlib
@@ -33,7 +32,7 @@ from spaces import drawn, gives_pictures, picture, sendable, shown, to_array
 
 
 class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
-    """The game of one simulator. `where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+    """The game of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     def __init__(self, name: str = "Pursuit", render_mode: Any = None, real_time: bool = False, **where: Any) -> None:
         self.agents, self.render_mode, self.real_time, self.next = list[str](), drawn(render_mode), real_time, 0.0

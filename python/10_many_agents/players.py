@@ -1,6 +1,4 @@
 """Lesson 10, the players: written by hand, and as PettingZoo and Gymnasium play everywhere. At home train yours.
-
-Take home: this file; it needs numpy.
 """
 
 from collections.abc import Iterator

@@ -1,10 +1,9 @@
-"""Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. The twin of RealTime.cs.
+"""Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. In C#: RealTime.cs.
 
 AgentSimulator puts each game into this shell. It is stepped as ever, until a reset has the option `real_time`. From
 then on each step first makes up for the ticks that the clock has seen since the last one, with the actions from then;
 rewards are summed. It is Python that keeps the pace: `ZmqParallelEnv(real_time=True)` sends no more than one step for
 each tick.
-Take home: this file, agent_simulation.py and infos.py, with spaces.py of lesson 09 and messages.py of 05.
 """
 
 import time

@@ -1,7 +1,4 @@
 """Lesson 10, the agents as Python sees them: their spaces, and what a message says of each.
-
-Take home: this file and infos.py, with connection.py, simulators.py, launched.py and spaces.py of lesson 09, and
-messages.py of 05.
 """
 
 import sys
@@ -22,7 +19,7 @@ ENDPOINT = "tcp://127.0.0.1:5560"
 
 
 class RemoteAgents:
-    """`where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+    """`where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     def __init__(self, name: str, **where: Any) -> None:
         self.name, self.dt, self.spaces = name, 0.0, dict[str, tuple[Space[Any], Space[Any]]]()

@@ -1,8 +1,6 @@
 """Lesson 10, the areas as Python sees them: begin some anew, step all, and one message each time.
 
 Each area has a random generator for its seeds and a time limit of its own, as if it were an environment by itself.
-Take home: this file and infos.py, with connection.py, simulators.py, launched.py and spaces.py of lesson 09, and
-messages.py of 05.
 """
 
 import contextlib
@@ -27,7 +25,7 @@ ENDPOINT = "tcp://127.0.0.1:5560"
 
 
 class RemoteAreas:
-    """`where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+    """`where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     def __init__(self, count: int, name: str, limit: float, **where: Any) -> None:
         self.count, self.name, self.limit = count, name, limit

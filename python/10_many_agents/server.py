@@ -8,8 +8,6 @@ Plays ten games of hunters and rabbits with each simulator that comes, and print
 areas.
 Bytes: messages of lesson 05, see agents.py, areas.py and infos.py. Trouble: stop the simulator in a game, which takes
 seconds with --real-time; start it with another number of areas.
-Take home: this file, players.py, parallel.py, remote_agents.py, vector.py, remote_areas.py and infos.py, with
-environment.py, connection.py, simulators.py, launched.py and spaces.py of lesson 09, and messages.py of 05.
 """
 
 import argparse

@@ -6,8 +6,6 @@
 An area whose episode is over begins anew as `autoreset_mode` says: in the next step, which is Gymnasium's default, in
 the same one, or when reset gets a mask. A simulator that is lost ends all episodes: they are truncated, and
 `infos["lost"]` says why.
-Take home: this file, remote_areas.py and infos.py, with environment.py, connection.py, simulators.py, launched.py and
-spaces.py of lesson 09, and messages.py of 05.
 """
 
 import sys
@@ -28,7 +26,7 @@ from spaces import drawn, gives_pictures, shown
 
 
 class ZmqVectorEnv(VectorEnv[Any, Any, Any]):
-    """The areas of one simulator. `where` is what Simulators takes: endpoint, launch, wait, patience, socket."""
+    """The areas of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, Gymnasium's own way.
 

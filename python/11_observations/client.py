@@ -1,11 +1,9 @@
-"""Lesson 11, the client in Python: the twin of the terminal client, and it prints the same lines.
+"""Lesson 11, the client in Python: the C# version is the terminal client, and it prints the same lines.
 
     python python/11_observations/client.py                a car collects coins, until the environment closes it
     python python/11_observations/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: messages of lesson 05, see scene_simulator.py and tree.py. Take home: this file, scene_simulator.py,
-scene_agent.py, tree.py, locator.py, mapping.py and reader.py, with environment_client.py, simulator.py, simulation.py
-and spaces.py of lesson 09 and messages.py of lesson 05; coin_car.py stands for your agents.
+Bytes: messages of lesson 05, see scene_simulator.py and tree.py.
 """
 
 import argparse
@@ -55,13 +53,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Simulates a car that collects coins.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the environment")
     parser.add_argument("--count", type=int, default=0, help="how many episodes; 0: until it is closed")
-    parser.add_argument("--patience", type=float, default=30, help="seconds to wait for an environment")
+    parser.add_argument("--timeout", type=float, default=30, help="seconds to wait for an environment")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes whole numbers from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count takes whole numbers from 0, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     simulator = SceneSimulator("Coins", 0.1, [CoinCar("agent")])
-    client = EnvironmentClient(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
+    client = EnvironmentClient(options.endpoint, options.timeout, lambda line: print(printable(line), flush=True))
     try:
         client.run(simulator, options.count)
     except TimeoutError as error:

@@ -1,4 +1,4 @@
-"""Lesson 11, the world: a car that collects coins on a field of 10 by 10 m. The twin of CoinCar.cs.
+"""Lesson 11, the world: a car that collects coins on a field of 10 by 10 m. In C#: CoinCar.cs.
 
 Its fields say what is seen of them. At home your own agent takes its place.
 """

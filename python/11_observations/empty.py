@@ -4,7 +4,7 @@
     warn({"car": space}, locators)       names what stays so, when values go to the places of these locators alone
 
 All of Gymnasium's fundamental and composite spaces but OneOf: of another one it says where it is.
-Take home: this file with locator.py, mapping.py and reader.py. It needs gymnasium.
+It needs gymnasium.
 """
 
 import warnings

@@ -4,7 +4,6 @@
                                         'car'@['speed']: float32 [3] is not in Box(0.0, 1.0, (2,), float32)
 
 A sequence has at most 50,000 items, unless it is one stack of numbers.
-Take home: this file with merge.py, locator.py, mapping.py and reader.py, and messages.py of lesson 05.
 """
 
 import sys

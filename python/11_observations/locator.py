@@ -9,7 +9,7 @@
     python python/11_observations/locator.py "car@.speed["         says at which column what was expected; exit code 2
 
 What is printed is the canonical text: two locators are equal if these are. The guide has the whole language, in
-docs/guide/11_locators.md; the C# side is Locator.cs. Take home: this file, reader.py and mapping.py.
+docs/guide/11_locators.md; the C# side is Locator.cs.
 """
 
 import argparse

@@ -7,7 +7,7 @@
     APPEND     []                    one more of a sequence; nothing follows it
     tuple      (0,1:3,...,np.newaxis)    of an array, as numpy indexes; only others of its kind follow it
 
-Canonical texts are equal if, and only if, what they mean is. Take home: locator.py with this file and reader.py.
+Canonical texts are equal if, and only if, what they mean is.
 """
 
 import re

@@ -8,7 +8,7 @@
 
 What is there says of which kind a value must be, such as float32. It is cast to that, but never to another number. An
 observation that was given out is not changed: another one takes its place. Whether the whole fits its space, the space
-can say. Take home: this file with locator.py, reader.py and mapping.py. It needs numpy.
+can say. It needs numpy.
 """
 
 from functools import reduce

@@ -5,8 +5,6 @@
 
 Without `launch=["Build/Coins.exe"]`, or `file_name="Build/Coins"`, it waits for Play. The spaces are declared here,
 what is in them is declared in C#, at the fields that hold it.
-Take home: this file, unity_agents.py, empty.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
-connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
 import weakref
@@ -18,7 +16,7 @@ from unity_agents import Agents
 
 
 class UnityEnv(gymnasium.Env[Any, Any]):
-    """One agent. `where` is what lesson 09's Simulators takes: endpoint, launch, wait, patience, socket."""
+    """One agent. `where` is what lesson 09's Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012, Gymnasium's own way.
 

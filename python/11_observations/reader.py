@@ -6,7 +6,7 @@ r"""Lesson 11, reading: the text of a locator, sign by sign, and at which column
     []                                      to append
     (0, 1:3, ..., newaxis)                  an index of numpy's; np.newaxis is the same
 
-Blanks between two signs are free. Take home: locator.py with this file and mapping.py.
+Blanks between two signs are free.
 """
 
 import re

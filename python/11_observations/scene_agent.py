@@ -1,11 +1,9 @@
-"""Lesson 11, an agent of a scene: what it sees is said where it is declared. The twin of AgentState.cs, and of the
+"""Lesson 11, an agent of a scene: what it sees is said where it is declared. In C#: AgentState.cs, and of the
 attributes.
 
     class Car(Agent):
         speed: Annotated[float, Obs(".speed")] = 0.0            seen under the key speed
         place: Annotated[Any, Obs()] = np.zeros(2)              without a locator the field's name is the key
-
-Take home: this file with locator.py, mapping.py and reader.py, and simulation.py of lesson 09.
 """
 
 import sys

@@ -1,7 +1,4 @@
-"""Lesson 11, the simulator of agents: answers for all of them in one message. The twin of SceneSimulator.cs.
-
-Take home: this file, scene_agent.py, tree.py, locator.py, mapping.py and reader.py, and simulator.py, simulation.py and
-spaces.py of lesson 09, with messages.py of lesson 05.
+"""Lesson 11, the simulator of agents: answers for all of them in one message. In C#: SceneSimulator.cs.
 """
 
 import sys

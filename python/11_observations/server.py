@@ -6,9 +6,6 @@
 A car collects coins; what it sees, its class has marked field by field. Plays ten episodes with each simulator that
 comes, by hand, and prints a line for each. Bytes: messages of lesson 05, whose values are trees (tree.py).
 Trouble: --wrong-space declares a space that what is seen does not fit.
-Take home: this file, collector.py, observations.py, unity_agents.py, empty.py, fit.py, tree.py, merge.py, locator.py,
-mapping.py and reader.py, with connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of
-lesson 05.
 """
 
 import argparse

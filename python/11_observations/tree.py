@@ -6,7 +6,6 @@
     {"graph": {"nodes": …, "edges": …, "edge_links": …}}       Gymnasium's GraphInstance; without edges both are null
 
 An array whose dtype no message has travels as the next larger one, and loses nothing. The C# side is MessageTree.cs.
-Take home: this file and lesson 09's spaces.py, with messages.py of lesson 05.
 """
 
 import json

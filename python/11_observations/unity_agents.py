@@ -7,8 +7,7 @@
 An answer is complete: whoever is asked for several agents waits for all of them. What a message does not write stays as
 it was; what it writes must fit the spaces. Observations are copies. `info` is {"env": [...], "agent": [...]}, what the
 scene and the agent had to say since the last answer; if the simulator is lost, or the agent has left, `lost` says so.
-Take home: this file, empty.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with connection.py,
-simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05. The C# side is SceneSimulator.cs.
+The C# side is SceneSimulator.cs.
 """
 
 import functools
@@ -36,7 +35,7 @@ known = functools.lru_cache(10_000)(parse)
 
 
 class Agents:
-    """`where` is what lesson 09's Simulators takes: endpoint, launch, wait, patience, socket."""
+    """`where` is what lesson 09's Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     def __init__(self, env_name: str, observations: Spaces, actions: Spaces, **where: Any) -> None:
         self.env_name, self.observations, self.actions = env_name, observations, actions

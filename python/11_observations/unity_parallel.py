@@ -2,9 +2,6 @@
 
     env = unity_parallel.UnityParallelEnv("Coins", observation_spaces={"car": …, "bus": …}, action_spaces={…})
     env = pettingzoo.utils.parallel_to_aec(env)                          one after the other
-
-Take home: this file, unity_agents.py, empty.py, fit.py, merge.py, tree.py, locator.py, mapping.py and reader.py, with
-connection.py, simulators.py, launched.py and spaces.py of lesson 09 and messages.py of lesson 05.
 """
 
 import copy

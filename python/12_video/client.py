@@ -1,10 +1,9 @@
-"""Lesson 12, the client in Python: the twin of FilmedDrive, and it prints the same lines.
+"""Lesson 12, the client in Python: the C# version is FilmedDrive, and it prints the same lines.
 
     python python/12_video/client.py                 a car drives six seconds or more, and may be filmed
     python python/12_video/client.py --count 3000    for a minute
 
-Bytes: as in server.py. Take home: this file, view_sender.py and film_view.py, with messages.py of lesson 05;
-self_driving.py, with world.py of lesson 08, stands for your game.
+Bytes: as in server.py.
 """
 
 import argparse
@@ -76,12 +75,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Drives a car whose views can be filmed.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="where Python films")
     parser.add_argument("--count", type=int, default=300, help="end after so many steps, and the films; 0: never")
-    parser.add_argument("--patience", type=float, default=30, help="seconds to wait for Python")
+    parser.add_argument("--timeout", type=float, default=30, help="seconds to wait for Python")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes whole numbers from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count takes whole numbers from 0, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
-    sender = ViewSender(options.endpoint, options.patience, lambda line: print(printable(line), flush=True))
+    sender = ViewSender(options.endpoint, options.timeout, lambda line: print(printable(line), flush=True))
     try:
         print(play(sender, options.count))
     except TimeoutError as error:

@@ -2,7 +2,7 @@
 
 Pillow compresses each picture by itself; here it is taken out of its file, and put into a film's. The pieces are those
 of the formats' descriptions: GIF89a (CompuServe, 1990), PNG third edition (W3C), WebP container (RFC 9649).
-Take home: this file. It needs Pillow.
+It needs Pillow.
 """
 
 import io

@@ -1,11 +1,10 @@
-"""Lesson 12, a view of the game: what can be filmed, and the film that Python makes of it now. The twin of FilmView.cs.
+"""Lesson 12, a view of the game: what can be filmed, and the film that Python makes of it now. In C#: FilmView.cs.
 
     picture = view.due()            the game, in each of its frames: is a picture to be taken now?
     view.take(picture, pixels)      uint8 [height, width, 3], the lowest row first
 
 Two pictures are on the way to Python at most, and two more are with a camera or wait. What would be the fifth one is
 skipped and counted, so nothing piles up, and the game waits for nobody.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import re

@@ -6,7 +6,7 @@
 
 The file is whole after each picture: a kill leaves a film that plays, and so does a full disk. A file that is there
 already is never written over.
-Take home: this file, film_formats.py and mp4_film.py. They need numpy and Pillow.
+They need numpy and Pillow.
 """
 
 import errno

@@ -1,7 +1,4 @@
 """Lesson 12, filming: the thread that hears a game, keeps what its views show, and says that it was taken.
-
-Take home: this file, game.py, view_film.py, film_writer.py, film_formats.py and mp4_film.py, with messages.py of
-lesson 05.
 """
 
 import contextlib
@@ -21,8 +18,8 @@ from view_film import ViewFilm
 class Filming:
     """The socket belongs to the thread; others ask it to say something."""
 
-    def __init__(self, socket: zmq.Socket[bytes], patience: float, report: Callable[[str], object]) -> None:
-        self.patience, self.tell, self.ids = patience, report, itertools.count(1)
+    def __init__(self, socket: zmq.Socket[bytes], timeout: float, report: Callable[[str], object]) -> None:
+        self.timeout, self.tell, self.ids = timeout, report, itertools.count(1)
         self.game = Game(socket, self.lose)
         # What is to be said to the game, who waits for an answer, and the newest film of each view.
         self.requests, self.films = queue.SimpleQueue[Message](), dict[str, ViewFilm]()
@@ -48,11 +45,11 @@ class Filming:
         self.asked[request.id] = done, film
         self.requests.put(request)
         try:
-            done.result(self.patience)
+            done.result(self.timeout)
         except TimeoutError:
             # Without it a game that is only slow would be filmed for ever.
             self.requests.put(Message("end", next(self.ids), {"view": values["view"]}))
-            raise TimeoutError(f"no answer to {kind} within {self.patience:g} s; does the game hang?") from None
+            raise TimeoutError(f"no answer to {kind} within {self.timeout:g} s; does the game hang?") from None
         finally:
             self.asked.pop(request.id, None)
 

@@ -9,8 +9,7 @@
 
 A thread of its own receives and writes. The game sends at most two pictures that were not taken: when writing is slow,
 it skips the others, and says how many they were.
-Take home: this file, filming.py, game.py, view_film.py, film_writer.py, film_formats.py and mp4_film.py, with
-messages.py of lesson 05. They need numpy and Pillow.
+They need numpy and Pillow.
 """
 
 import contextlib
@@ -36,11 +35,11 @@ class Films(Filming):
         self,
         endpoint: str = ENDPOINT,
         socket: zmq.Socket[bytes] | None = None,
-        patience: float = 10,
+        timeout: float = 10,
         report: Callable[[str], object] = print,
     ) -> None:
         self.own, self.seen = socket is None, 0
-        super().__init__(socket or bound(endpoint), patience, report)
+        super().__init__(socket or bound(endpoint), timeout, report)
 
     def wait(self, seconds: float = 60) -> dict[str, tuple[int, int]]:
         """The next game's views, with their largest width and height. TimeoutError says that none came."""
@@ -90,14 +89,14 @@ class Films(Filming):
         for view in idle:
             self.begin_render(view, None)
         try:
-            return {view: self.films[view].picture(self.patience) for view in views}
+            return {view: self.films[view].picture(self.timeout) for view in views}
         finally:
             for view in idle:
                 self.end_render(view)
 
     def close(self) -> None:
         """End all films, and leave the game."""
-        self.patience = min(1, self.patience)
+        self.timeout = min(1, self.timeout)
         for view in [view for view, film in list(self.films.items()) if not film.over]:
             with contextlib.suppress(OSError, MessageError):
                 self.end_render(view)

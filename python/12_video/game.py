@@ -2,7 +2,6 @@
 
 A game says `hello` with its views. One that is gone is noticed within a second, because a ROUTER socket can say that it
 has no way to a peer.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import math

@@ -3,7 +3,7 @@
 Its rate is constant, so a picture is repeated for as long as it was seen: its time is right to one picture of the film.
 The file is written in fragments of a second, and ffmpeg ends it when this program is gone: a kill leaves a film that
 plays.
-Take home: this file. It needs numpy and ffmpeg.
+It needs numpy and ffmpeg.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""Lesson 12, the world: lesson 08's car drives along its road by itself, seen by two views. The twin of SelfDriving.cs.
+"""Lesson 12, the world: lesson 08's car drives along its road by itself, seen by two views. In C#: SelfDriving.cs.
 
 Both sides give the same pictures, to the last byte. At home your own game takes its place.
 """

@@ -11,8 +11,6 @@ has the id of that begin, `view`, `number`, `time`, in seconds since it began, a
 4], with `bottom_up` the lowest row first; the reply is `took`. An `end` of a `view` is answered by `ended`, with
 `frames`, `skipped` and `time`.
 Trouble on command: `--slow 0.3` takes so long over each picture.
-Take home: this file, films.py, filming.py, game.py, view_film.py, film_writer.py, film_formats.py and mp4_film.py, with
-messages.py of lesson 05.
 """
 
 import argparse

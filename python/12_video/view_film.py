@@ -1,6 +1,4 @@
 """Lesson 12, one film of one view: what came, what was skipped, and the file.
-
-Take home: this file, film_writer.py, film_formats.py and mp4_film.py, with messages.py of lesson 05.
 """
 
 import contextlib
@@ -89,10 +87,10 @@ class ViewFilm:
             if file:
                 file.close(self.began + self.seconds)
 
-    def picture(self, patience: float) -> Any:
+    def picture(self, timeout: float) -> Any:
         """The newest; the first one is waited for."""
-        if not self.first.wait(patience) or self.newest is None:
-            raise TimeoutError(f"no picture of {self.view} within {patience:g} s; is the game paused, or gone?")
+        if not self.first.wait(timeout) or self.newest is None:
+            raise TimeoutError(f"no picture of {self.view} within {timeout:g} s; is the game paused, or gone?")
         return self.newest.copy()
 
     def end(self, ended: Message) -> None:

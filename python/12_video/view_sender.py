@@ -1,8 +1,7 @@
-"""Lesson 12, the sender of views: offers them to Python, and sends what it asks for. The twin of ViewSender.cs.
+"""Lesson 12, the sender of views: offers them to Python, and sends what it asks for. In C#: ViewSender.cs.
 
 Each try to connect has a new socket. When Python is gone no more pictures are taken; the game goes on, and when Python
 is back it is offered the views again.
-Take home: this file and film_view.py, with messages.py of lesson 05.
 """
 
 import itertools
@@ -21,24 +20,24 @@ TRY = 1.0
 class ViewSender:
     """What happens is told to `report`, line by line."""
 
-    def __init__(self, endpoint: str, patience: float, report: Callable[[str], None] = print) -> None:
-        self.endpoint, self.patience, self.report, self.heard = endpoint, patience, report, 0.0
+    def __init__(self, endpoint: str, timeout: float, report: Callable[[str], None] = print) -> None:
+        self.endpoint, self.timeout, self.report, self.heard = endpoint, timeout, report, 0.0
         # Whether Python is there.
         self.connected = False
 
     def run(self, views: list[FilmView], stop: threading.Event) -> None:
-        """Until `stop`. TimeoutError says that Python was not there for `patience` seconds."""
+        """Until `stop`. TimeoutError says that Python was not there for `timeout` seconds."""
         if not 0 < len({view.name for view in views}) == len(views):
             raise ValueError(f"each view needs a name of its own: {', '.join(view.name for view in views) or 'none'}")
         self.heard, why = time.monotonic(), "no connection"
         while not stop.is_set():
-            if time.monotonic() > self.heard + self.patience:
-                waited = f"nobody films at {self.endpoint} within {self.patience:g} s"
+            if time.monotonic() > self.heard + self.timeout:
+                waited = f"nobody films at {self.endpoint} within {self.timeout:g} s"
                 raise TimeoutError(f"{waited}; is the server running? ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 # Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
                 socket.linger, socket.maxmsgsize, socket.immediate, socket.reconnect_ivl = 0, LIMIT, True, -1
-                socket.sndtimeo = int(1000 * min(TRY, self.patience))
+                socket.sndtimeo = int(1000 * min(TRY, self.timeout))
                 socket.connect(self.endpoint)
                 try:
                     self.talk(socket, views, stop)
@@ -47,7 +46,7 @@ class ViewSender:
                 except (MessageError, TimeoutError) as error:
                     why = str(error)
                     # Whoever refuses at once is not asked again at once.
-                    stop.wait(min(TRY / 5, self.patience))
+                    stop.wait(min(TRY / 5, self.timeout))
                 finally:
                     self.connected = False
                     for view in views:
@@ -57,7 +56,7 @@ class ViewSender:
         sizes = b"".join(side.to_bytes(4, "little") for view in views for side in (view.width, view.height))
         names = {"views": ",".join(view.name for view in views)}
         socket.send_multipart(Message("hello", 0, names, [Array("int32", (len(views), 2), sizes)]).frames())
-        welcome = self.receive(socket, min(TRY, self.patience))
+        welcome = self.receive(socket, min(TRY, self.timeout))
         if not welcome or welcome.kind != "welcome":
             raise MessageError("no-welcome", "no answer to hello")
         shown = ", ".join(f"{view.name} {view.width} x {view.height}" for view in views)

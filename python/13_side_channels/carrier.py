@@ -2,7 +2,6 @@
 
 An exchange is one frame, and either side sends one whenever it has something to say. An empty one says "I am here",
 and is answered. Each simulator has its own channels, which `welcome` makes.
-Take home: this file, peer.py, side_channel_manager.py, side_channel.py and side_channel_messages.py.
 """
 
 import contextlib

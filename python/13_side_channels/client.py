@@ -1,11 +1,11 @@
-"""Lesson 13, the client in Python: a simulation with side channels, the twin of SideChannelRounds.cs.
+"""Lesson 13, the client in Python: a simulation with side channels, the C# version is SideChannelRounds.cs.
 
     python python/13_side_channels/client.py                       draws parameters, and records statistics
     python python/13_side_channels/client.py --trouble unknown     sends to a channel that the server has not
     python python/13_side_channels/client.py --trouble cut         sends a message without its end
     python python/13_side_channels/client.py --trouble throw       has a handler that throws
 
-Bytes: as in server.py. To take home: client_carrier.py.
+Bytes: as in server.py. To copy: client_carrier.py.
 """
 
 import argparse
@@ -55,16 +55,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="A simulation with side channels.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=5, help="how many rounds")
-    parser.add_argument("--patience", type=float, default=5, help="seconds that the server may be silent")
+    parser.add_argument("--timeout", type=float, default=5, help="seconds that the server may be silent")
     parser.add_argument("--trouble", choices=TROUBLES, default="none", help="what goes wrong, and only once")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count takes a whole number from 0, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
-    limit = 2 * options.patience
+    limit = 2 * options.timeout
     rounds = Rounds(options.count, options.trouble, limit, lambda line: print(printable(line), flush=True))
     with zmq.Context() as context:
-        carrier = ClientCarrier(context, options.endpoint, options.patience, LARGEST_EXCHANGE)
+        carrier = ClientCarrier(context, options.endpoint, options.timeout, LARGEST_EXCHANGE)
         try:
             talk(carrier, rounds)
         except TimeoutError as error:

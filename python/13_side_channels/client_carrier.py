@@ -1,7 +1,5 @@
-"""Lesson 13, the client's carrier: exchanges with a server, at any time, over a DEALER socket. The twin of
+"""Lesson 13, the client's carrier: exchanges with a server, at any time, over a DEALER socket. In C#:
 SideChannelCarrier.cs.
-
-Take home: this file.
 """
 
 import contextlib
@@ -16,17 +14,17 @@ SILENCE = 1.0
 
 
 class ClientCarrier:
-    """With `report` a server that is silent for longer than `patience` is a line, and it goes on trying."""
+    """With `report` a server that is silent for longer than `timeout` is a line, and it goes on trying."""
 
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
-        patience: float,
+        timeout: float,
         largest: int,
         report: Callable[[str], object] | None = None,
     ) -> None:
-        self.context, self.endpoint, self.patience, self.largest = context, endpoint, patience, largest
+        self.context, self.endpoint, self.timeout, self.largest = context, endpoint, timeout, largest
         self.report, self.away = report, False
         self.unsent: deque[bytes] = deque()
         self.heard = time.monotonic()
@@ -67,8 +65,8 @@ class ClientCarrier:
         received = self.receive(wait)
         if received:
             self.heard, self.answered, self.away = time.monotonic(), True, False
-        elif time.monotonic() - self.heard > self.patience and not self.away:
-            why = f"no word from {self.endpoint} within {self.patience:g} s; is the server running?"
+        elif time.monotonic() - self.heard > self.timeout and not self.away:
+            why = f"no word from {self.endpoint} within {self.timeout:g} s; is the server running?"
             if not self.report:
                 raise TimeoutError(why)
             self.away = True

@@ -2,7 +2,6 @@
 
 One message for each setting: its number as int32, then int32 width and height, or float32 time scale, or one int32.
 The C# side is EngineConfigurationChannel.cs.
-Take home: this file, with side_channel.py and side_channel_messages.py.
 """
 
 import uuid

@@ -2,7 +2,6 @@
 
 Bytes: string key, int32 type; type 0 is followed by a float32, type 1 by int32 seed, int32 kind of sampler and what
 that takes. The C# side is EnvironmentParameters.cs, and Samplers.cs draws.
-Take home: this file, with side_channel.py and side_channel_messages.py.
 """
 
 import uuid

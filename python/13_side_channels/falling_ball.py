@@ -5,10 +5,7 @@
 
 Both sides are in this file, and nothing is between them but lesson 09's messages: the environment starts this program
 once more, as its simulator. In Unity that half is your scene.
-Take home: this file, step_carrier.py, unity_channels.py, samplers.py, engine_configuration_channel.py,
-environment_parameters_channel.py, stats_side_channel.py, side_channel_manager.py, side_channel.py and
-side_channel_messages.py, with environment.py, connection.py, simulators.py, launched.py, environment_client.py,
-simulator.py, simulation.py and spaces.py of lesson 09 and messages.py of lesson 05. They need gymnasium.
+They need gymnasium.
 """
 
 import sys

@@ -1,7 +1,6 @@
 """Lesson 13, properties: numbers by name that both sides have, and each tells the other what it sets.
 
 Bytes: string key, float32 value. The C# side is FloatPropertiesChannel.cs.
-Take home: this file, with side_channel.py and side_channel_messages.py.
 """
 
 import uuid

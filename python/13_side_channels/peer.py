@@ -1,6 +1,4 @@
 """Lesson 13, one simulator as the carrier knows it: its channels, and what is on the way from it and to it.
-
-Take home: this file, side_channel_manager.py, side_channel.py and side_channel_messages.py.
 """
 
 import struct

@@ -1,7 +1,6 @@
 """Lesson 13, raw bytes: messages, such as pictures, to which you give a meaning yourself. Both ways.
 
 The C# side is RawBytesChannel.cs.
-Take home: this file, with side_channel.py and side_channel_messages.py.
 """
 
 import uuid

@@ -2,7 +2,6 @@
 
 The exchange is the same, and such a channel talks to any other. Only a text had no length in front of it then: it was
 the whole message. A class from that time derives from this SideChannel.
-Take home: this file, with side_channel.py and side_channel_messages.py.
 """
 
 from abc import abstractmethod

@@ -1,4 +1,4 @@
-"""Lesson 13, a simulation that uses its channels: the twin of SideChannelRounds.cs, with the same lines and numbers.
+"""Lesson 13, a simulation that uses its channels: the C# version is SideChannelRounds.cs, with the same lines and numbers.
 
 In each round it draws its parameters, records statistics and sets a property; the server's property says that it has
 seen that.
@@ -22,7 +22,7 @@ TROUBLES = ("none", "unknown", "cut", "throw")
 
 
 class StringLogChannel(SideChannel):
-    """The twin of StringLogChannel.cs: Python's lines come here, and errors go to Python."""
+    """In C#: StringLogChannel.cs: Python's lines come here, and errors go to Python."""
 
     def __init__(self, log: Callable[[str], None], throws: bool) -> None:
         super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))

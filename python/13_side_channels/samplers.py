@@ -1,7 +1,6 @@
-"""Lesson 13, samplers: numbers drawn by chance, the same for the same seed in Python and C#. The twin of Samplers.cs.
+"""Lesson 13, samplers: numbers drawn by chance, the same for the same seed in Python and C#. In C#: Samplers.cs.
 
 Unity's own are drawn by System.Random, so the same seed gives others there, spread in the same way.
-Take home: this file, with side_channel.py and side_channel_messages.py.
 """
 
 import math

@@ -6,9 +6,6 @@
 Bytes: an exchange is one frame, as ML-Agents packs its side channels: side_channel_manager.py has the layout. A
 simulator says "I am here" with an empty one, and is told the settings and parameters of `welcome`.
 Trouble on command, by a client: `--trouble unknown`, `--trouble cut`, `--trouble throw`.
-Take home: this file, trainer.py, trouble.py, carrier.py, peer.py, side_channel_manager.py, side_channel.py,
-side_channel_messages.py, engine_configuration_channel.py, environment_parameters_channel.py, stats_side_channel.py and
-float_properties_channel.py.
 """
 
 import argparse

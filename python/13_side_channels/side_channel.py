@@ -2,7 +2,6 @@
 
 Derive from SideChannel for each conversation. The names are ML-Agents': a channel class that was written for it works
 here, and talks to the one that it was written for. The C# side is SideChannel.cs.
-Take home: this file and side_channel_messages.py.
 """
 
 import uuid

@@ -6,7 +6,7 @@ An exchange is any number of messages, one after the other; none at all is an ex
     4 bytes     how long the message is, int32, little-endian
     ...         the message, which only its channel understands
 
-The C# side is SideChannelManager.cs. Take home: this file, side_channel.py and side_channel_messages.py.
+The C# side is SideChannelManager.cs.
 """
 
 import struct

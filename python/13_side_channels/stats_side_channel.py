@@ -1,7 +1,6 @@
 """Lesson 13, statistics: numbers that Unity wants to see beside the trainer's own. From Unity to Python.
 
 Bytes: string key, float32 value, int32 how to aggregate. The C# side is StatsRecorder.cs.
-Take home: this file, with side_channel.py and side_channel_messages.py.
 """
 
 import uuid

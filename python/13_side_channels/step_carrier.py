@@ -10,9 +10,7 @@ So what is set before a step is there in that step, and what the simulator recor
 Bytes: lesson 09's, with the value side_channel, true, and the exchange as one more array, the last one, uint8. The C#
 side is SideChannelSimulator.cs.
 falling_ball.py has both sides in one file.
-Take home: this file, side_channel_manager.py, side_channel.py and side_channel_messages.py, with environment.py,
-connection.py, simulators.py, launched.py, environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09
-and messages.py of lesson 05. They need gymnasium.
+They need gymnasium.
 """
 
 import sys

@@ -1,7 +1,4 @@
 """Lesson 13, what the server does with what it hears: prints it, and says that it has seen a round.
-
-Take home: this file, trouble.py, stats_side_channel.py and float_properties_channel.py, with side_channel.py and
-side_channel_messages.py.
 """
 
 from float_properties_channel import FloatPropertiesChannel

@@ -2,8 +2,6 @@
 
     report = Trouble(print)
     report("unknown channel")                                       trouble: unknown channel (and 300 more)
-
-Take home: this file.
 """
 
 import time

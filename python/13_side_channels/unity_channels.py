@@ -1,8 +1,6 @@
 """Lesson 13, Unity's halves in Python: the channels of a simulation that is written in Python, as client.py.
 
 What ML-Agents has in C# alone: settings and parameters are received, statistics are sent.
-Take home: this file and samplers.py, with engine_configuration_channel.py, environment_parameters_channel.py,
-stats_side_channel.py, side_channel.py and side_channel_messages.py.
 """
 
 import math

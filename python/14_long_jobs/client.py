@@ -6,7 +6,6 @@
     python python/14_long_jobs/client.py --leave-at 30            then: --resume ID, here or in C#, or in both
 
 A deaf job is killed: --kind deaf --count 1000 --cancel-at 1. The bytes are said in server.py.
-Take home: this file, job_client.py, job_news.py and progress.py, with messages.py of lesson 05.
 """
 
 import argparse
@@ -70,19 +69,19 @@ def main() -> None:
     parser.add_argument("--cancel-at", type=int, default=0, metavar="N", help="cancel the job when N is done")
     parser.add_argument("--leave-at", type=int, default=0, metavar="N", help="leave the job alone when N is done")
     parser.add_argument("--forget", action="store_true", help="have the server forget the job after its end")
-    parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for a word of the job")
+    parser.add_argument("--timeout", type=float, default=1.0, help="seconds to wait for a word of the job")
     parser.add_argument("--tries", type=int, default=10, help="how often to connect anew before giving up")
     options = parser.parse_args()
     at_least = min(options.cancel_at, options.leave_at) >= 0 and min(options.count, options.tries) >= 1
     at_most = max(options.cancel_at, options.leave_at, options.count, options.tries) < 2**31
-    if not (at_least and at_most and 0 < options.patience < 86400):
+    if not (at_least and at_most and 0 < options.timeout < 86400):
         numbers = "--cancel-at, --leave-at take a whole number from 0, --count and --tries from 1"
-        parser.error(f"{numbers}, --patience seconds, more than 0")
+        parser.error(f"{numbers}, --timeout seconds, more than 0")
     if not re.fullmatch("([0-9A-Za-z][0-9A-Za-z-]{0,63})?", options.resume):
         parser.error("--resume takes the id of a job, such as the one that --leave-at prints")
     with zmq.Context() as context:
         say = functools.partial(print, flush=True)
-        limits = options.patience, options.tries, say
+        limits = options.timeout, options.tries, say
         with contextlib.closing(JobClient(context, options.endpoint, options.resume or new_id(), *limits)) as client:
             print(f"asking {options.endpoint} for job {client.job}", flush=True)
             request = client.ask("status") if options.resume else client.goal(options.kind, options.count, options.text)

@@ -2,8 +2,6 @@
 
     accepted  ->  feedback, feedback, …  ->  result          whose status is succeeded, canceled or aborted
                              canceling   ->  result
-
-Take home: this file, with messages.py of lesson 05.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Lesson 14, the job's client: starts a job or comes back to it, watches and cancels it. The twin of JobClient.cs.
+"""Lesson 14, the job's client: starts a job or comes back to it, watches and cancels it. In C#: JobClient.cs.
 
     with closing(JobClient(context, "tcp://127.0.0.1:5564", new_id())) as client:
         for news in client.watch(client.goal("picture", 100)):                    or: client.ask("status")
@@ -6,7 +6,6 @@
 
 Again and again it asks the same: a goal that is there is only watched. So it makes no difference what was lost,
 and who was started again. What comes is the newest state; the last message is the result.
-Take home: this file and job_news.py, with messages.py of lesson 05.
 """
 
 import time
@@ -36,11 +35,11 @@ class JobClient:
         context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
         job: str,
-        patience: float = 1,
+        timeout: float = 1,
         tries: int = 10,
         report: Callable[[str], object] = print,
     ) -> None:
-        self.context, self.endpoint, self.job, self.patience, self.tries = context, endpoint, job, patience, tries
+        self.context, self.endpoint, self.job, self.timeout, self.tries = context, endpoint, job, timeout, tries
         self.report, self.request, self.socket, self.dropped = report, self.ask("status"), self.connect(), False
 
     def goal(self, kind: str, count: int, text: str = "") -> Message:
@@ -55,8 +54,8 @@ class JobClient:
         self.request, silent, seq, since = request, 0, -1, time.monotonic()
         while True:
             self.send(self.request)
-            # Twice within its patience: work that has nothing to say for so long is no server that is away.
-            again = time.monotonic() + min(AGAIN, self.patience / 2)
+            # Twice within its timeout: work that has nothing to say for so long is no server that is away.
+            again = time.monotonic() + min(AGAIN, self.timeout / 2)
             while time.monotonic() < again:
                 for news in self.arrived():
                     since, silent = time.monotonic(), 0
@@ -67,14 +66,14 @@ class JobClient:
                         yield news
                     if news.kind in ENDS:
                         return
-            if time.monotonic() < since + self.patience:
+            if time.monotonic() < since + self.timeout:
                 continue
             silent += 1
             if silent == self.tries:
-                why = f"no word of it from {self.endpoint} in {silent} tries of {self.patience:g} s"
+                why = f"no word of it from {self.endpoint} in {silent} tries of {self.timeout:g} s"
                 raise TimeoutError(f"{why}; is the server running? Its id is {self.job}")
             # A new socket helps, whatever was wrong with this one.
-            self.report(f"no word within {self.patience:g} s; try {silent + 1} of {self.tries}")
+            self.report(f"no word within {self.timeout:g} s; try {silent + 1} of {self.tries}")
             self.close()
             self.socket, since = self.connect(), time.monotonic()
 

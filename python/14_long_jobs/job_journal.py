@@ -7,7 +7,6 @@
 An entry is the goal and the newest message about the job, as it is sent: with what is finished, if there is a
 checkpoint. It is kept for 24 hours after the end. It is a SQLite file: delete it to forget all jobs, while no server
 runs. When it cannot be used, as on a full disk, it prints that once.
-Take home: this file and journal_lock.py, with messages.py of lesson 05.
 """
 
 import os

@@ -2,7 +2,7 @@
 
     check(news)                         MessageError says what is missing, or is not what it should be
 
-Take home: this file, with messages.py of lesson 05. The C# side is JobNews.cs.
+The C# side is JobNews.cs.
 """
 
 import sys

@@ -3,8 +3,6 @@
 The client makes the id. The same goal again is the same job, and is answered with where it stands: so a lost answer, a
 new connection, a second client that watches and a restart of either side are all one case. What is told is in the
 journal before, and of a job with a result nothing else is ever told.
-Take home: this file, job.py, job_journal.py, journal_lock.py, workers.py, worker_process.py, worker.py and work.py,
-with messages.py of lesson 05.
 """
 
 import time

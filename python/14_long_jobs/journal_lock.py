@@ -1,6 +1,4 @@
 """Lesson 14, the journal's lock: of several servers that begin together with one journal one gets it.
-
-Take home: this file.
 """
 
 import random

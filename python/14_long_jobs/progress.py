@@ -3,8 +3,6 @@
     progress = Progress()
     progress.show("job 4f2a93bc: 40 of 100", 0.4)              a bar; where no terminal is, a line at each tenth
     progress.show("job 4f2a93bc: canceling")                   a line of its own
-
-Take home: this file, with messages.py of lesson 05.
 """
 
 import sys

@@ -12,8 +12,6 @@ What is finished so far comes along as an array. `seq` grows with each message a
 what is new for 5 seconds; it asks again in time. What was told is in the journal, also after kill -9.
 Trouble on command: --crash-on N ends the server when a job is at N: start it again yourself. Or end a worker, whose
 number is printed; let the queue be full with --queue 1; have a job that is deaf to cancel: client.py --kind deaf.
-Take home: this file, verbs.py, jobs.py, job.py, job_journal.py, journal_lock.py, workers.py, worker_process.py,
-worker.py and work.py, with messages.py of lesson 05.
 """
 
 import argparse

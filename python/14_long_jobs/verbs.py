@@ -8,8 +8,6 @@
     status     only asks
     forget     after the end: its result is deleted; its id stays known for 24 hours, so that a late goal begins nothing
 Each is answered with where the job stands, or with why not, `rejected`.
-Take home: this file, jobs.py, job.py, job_journal.py, journal_lock.py, workers.py, worker_process.py, worker.py and
-work.py, with messages.py of lesson 05.
 """
 
 import re

@@ -5,7 +5,6 @@
 It gets the goal's count, its checkpoint's bytes and the goal's text. Between two steps its worker shows how far it is,
 keeps its checkpoint, and hears a cancel. A checkpoint is an array of all that is finished; work that is begun with its
 bytes goes on from there. Put your own kinds into KINDS.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import sys

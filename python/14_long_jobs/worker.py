@@ -2,7 +2,6 @@
 
 It sends `feedback` between two steps, and then one `result`. A thread of its own listens to the server: it hears a
 cancel, for which the work looks between two steps, and the end of the server, which ends the process at once.
-Take home: this file and work.py, with messages.py of lesson 05.
 """
 
 import os

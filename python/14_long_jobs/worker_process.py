@@ -1,6 +1,4 @@
 """Lesson 14, a worker's process: how it is started, so that it can be told to stop, be killed, and end with the server.
-
-Take home: this file, worker.py and work.py, with messages.py of lesson 05.
 """
 
 import multiprocessing

@@ -8,7 +8,6 @@
 Python computes on one thread at a time, so threads would share one core, and no thread can be killed. What a process
 says is read by a thread, because a pipe cannot be polled together with a socket on every system; it then rings a bell
 that can.
-Take home: this file, worker_process.py, worker.py and work.py, with messages.py of lesson 05.
 """
 
 import sys

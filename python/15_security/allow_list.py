@@ -8,7 +8,6 @@
 CURVE encrypts, and proves that the client has the secret key that belongs to its public one. Which keys are welcome,
 libzmq asks by ZAP (RFC 27): a request to the address inproc://zeromq.zap.01. pyzmq has an authenticator that answers,
 zmq.auth.thread; on Windows it needs tornado, and it does not tell who was refused. So here is one of twenty lines.
-Take home: this file and keys.py.
 """
 
 import contextlib

@@ -5,8 +5,7 @@
     python python/15_security/client.py --plain             without keys
     python python/15_security/client.py --server-key=KEY    for a server of another key, which is not this one
 
-How it notices that it is refused, and the bytes: secure_requester.py. Take home: this file, secure_requester.py and
-keys.py.
+How it notices that it is refused, and the bytes: secure_requester.py.
 """
 
 import argparse
@@ -65,7 +64,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Says hello to a server that knows its clients by their keys.")
     parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="the server")
     parser.add_argument("--count", type=int, default=10, help="how many requests")
-    parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for each reply")
+    parser.add_argument("--timeout", type=float, default=1.0, help="seconds to wait for each reply")
     parser.add_argument("--tries", type=int, default=3, help="how often to send a request before giving up")
     parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="server.key and this client's pair")
     # To be given with an equals sign: a key may begin with a dash.
@@ -73,8 +72,8 @@ def main() -> None:
     parser.add_argument("--stranger", action="store_true", help="a new key, which nobody has enrolled")
     parser.add_argument("--plain", action="store_true", help="no keys at all")
     options = parser.parse_args()
-    if options.count < 0 or options.tries < 1 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number from 0, --tries 1 or more, --patience seconds, more than 0")
+    if options.count < 0 or options.tries < 1 or not 0 < options.timeout < 86400:
+        parser.error("--count takes a whole number from 0, --tries 1 or more, --timeout seconds, more than 0")
     try:
         keys = own_keys(options)
     except (ValueError, OSError) as error:
@@ -82,7 +81,7 @@ def main() -> None:
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context:
         say = functools.partial(print, flush=True)
-        requester = SecureRequester(context, options.endpoint, keys, options.patience, options.tries, say)
+        requester = SecureRequester(context, options.endpoint, keys, options.timeout, options.tries, say)
         with contextlib.closing(requester):
             try:
                 ask(requester, options.count)

@@ -7,7 +7,6 @@
 The server behind it is not changed and knows nothing of keys. Each client has a connection of its own there, and each
 message is looked at: whoever was revoked is not passed on any more, and gets no answer.
 Bytes: those of the server behind it. A PUB socket, as in lesson 03, takes its keys itself: AllowList.guard.
-Take home: this file, server.py, allow_list.py and keys.py.
 """
 
 import argparse

@@ -10,7 +10,7 @@
 
 What ends in .key is public: give it to anybody. What ends in .key_secret never leaves its machine; it is written for
 its owner's eyes alone (mode 0600), and never overwritten. A running server sees at once who was enrolled or revoked.
-The files are those of czmq (zcert): zmq.auth.load_certificate reads them. Take home: this file.
+The files are those of czmq (zcert): zmq.auth.load_certificate reads them.
 """
 
 import argparse

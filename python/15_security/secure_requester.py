@@ -1,4 +1,4 @@
-"""Lesson 15, the client's side: a requester with keys, that says so when it is refused. The twin of SecureRequester.cs.
+"""Lesson 15, the client's side: a requester with keys, that says so when it is refused. In C#: SecureRequester.cs.
 
     keys = ClientKeys(Path("keys"))                                     server.key, and this client's own pair
     requester = SecureRequester(context, endpoint, keys, 1.0, 3, print)
@@ -6,7 +6,7 @@
 
 A refused client is told nothing: it is connected, and cut off in the handshake. So that is what it says. libzmq never
 tries again on a socket that was refused, so each try has a new one: whoever is enrolled meanwhile comes in.
-Bytes: UTF-8 text, one frame each way. Take home: this file and keys.py.
+Bytes: UTF-8 text, one frame each way.
 """
 
 import contextlib
@@ -45,13 +45,13 @@ class SecureRequester:
         context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
         keys: ClientKeys | None,
-        patience: float,
+        timeout: float,
         tries: int,
         report: Callable[[str], object],
     ) -> None:
         """Without keys it speaks plain, which such a server refuses too."""
         self.context, self.endpoint, self.keys, self.report = context, endpoint, keys, report
-        self.patience, self.tries = patience, tries
+        self.timeout, self.tries = timeout, tries
         self.socket: zmq.Socket[bytes] | None = None
         self.number = 0
 
@@ -79,7 +79,7 @@ class SecureRequester:
     def _try(self, text: str) -> tuple[str | None, str]:
         """One try: the reply, or what came in its place."""
         socket = self.socket = self.socket or self._open()
-        end = time.monotonic() + self.patience
+        end = time.monotonic() + self.timeout
         with contextlib.suppress(zmq.Again):
             socket.send_string(text, zmq.NOBLOCK)
         while (left := end - time.monotonic()) > 0:
@@ -89,7 +89,7 @@ class SecureRequester:
                 # Most often it is refused again; and if the server was started anew, it is there a moment later.
                 time.sleep(PAUSE)
                 return None, THROWN_OUT
-        return None, f"no reply within {self.patience:g} s"
+        return None, f"no reply within {self.timeout:g} s"
 
     def _open(self) -> zmq.Socket[bytes]:
         socket = self.context.socket(zmq.REQ)

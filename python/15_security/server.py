@@ -10,7 +10,6 @@ Bytes: UTF-8 text, one frame each way.
 Trouble on command: client.py --stranger, --plain, --server-key=KEY; and this server's own mistake: with
     --no-authenticator                  nobody says who may come in, so nobody comes in
     --no-authenticator --any-domain     everybody does who knows server.key: why the domain must be enforced
-Take home: this file, allow_list.py and keys.py.
 """
 
 import argparse

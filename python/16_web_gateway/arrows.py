@@ -2,7 +2,6 @@
 
 Whoever sees a message adds it here, which costs little; what it looks like in a page is worked out when a page asks.
 The oldest go first. A page that cannot follow gets the newest, and the numbers tell it what it has missed.
-Take home: this file and zmtp.py.
 """
 
 import base64

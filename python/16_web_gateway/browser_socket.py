@@ -2,7 +2,6 @@
 
 Both kinds are asked for the next answer, so that at any time there is one on its way, and nowhere a queue that a slow
 browser could fill: it gets less, and always the newest.
-Take home: this file.
 """
 
 import asyncio
@@ -20,22 +19,22 @@ MOST_FRAMES = 1000
 class Requester:
     """Asks a server, one request at a time."""
 
-    def __init__(self, context: zmq.asyncio.Context, endpoint: str, patience: float) -> None:
-        self.context, self.endpoint, self.patience = context, endpoint, patience
+    def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
+        self.context, self.endpoint, self.timeout = context, endpoint, timeout
         self.socket: zmq.asyncio.Socket | None = None
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
         """The frames of the reply, or TimeoutError; ValueError if the request has too many."""
         if len(frames) > MOST_FRAMES:
             raise ValueError(f"more than {MOST_FRAMES} frames; several requests take more")
-        self.socket = self.socket or opened(self.context, zmq.REQ, self.endpoint, self.patience)
+        self.socket = self.socket or opened(self.context, zmq.REQ, self.endpoint, self.timeout)
         try:
             await self.socket.send_multipart(frames or [b""])
             return list(await self.socket.recv_multipart())
         except zmq.Again:
             # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
             self.close()
-            why = f"no reply from {self.endpoint} within {self.patience:g} s; is the server running?"
+            why = f"no reply from {self.endpoint} within {self.timeout:g} s; is the server running?"
             raise TimeoutError(why) from None
 
     def close(self) -> None:
@@ -47,8 +46,8 @@ class Requester:
 class Listener:
     """Listens to a topic of a publisher, and keeps only what it has said last."""
 
-    def __init__(self, context: zmq.asyncio.Context, endpoint: str, patience: float) -> None:
-        self.context, self.endpoint, self.patience = context, endpoint, patience
+    def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
+        self.context, self.endpoint, self.timeout = context, endpoint, timeout
         self.topic: bytes | None = None
         self.newest, self.came = list[bytes](), asyncio.Event()
 
@@ -61,7 +60,7 @@ class Listener:
             self.socket.subscribe(topic)
             self.task = asyncio.create_task(self.listen())
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(self.patience):
+            async with asyncio.timeout(self.timeout):
                 await self.came.wait()
                 self.came.clear()
                 return self.newest
@@ -89,13 +88,13 @@ class Listener:
 BrowserSocket = Requester | Listener
 
 
-def opened(context: zmq.asyncio.Context, kind: int, endpoint: str, patience: float) -> zmq.asyncio.Socket:
+def opened(context: zmq.asyncio.Context, kind: int, endpoint: str, timeout: float) -> zmq.asyncio.Socket:
     """A socket with its limits."""
     socket = context.socket(kind)
     # What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
     socket.linger, socket.maxmsgsize, socket.rcvhwm = 0, LARGEST, 100
     # 0 is for a publisher: between two of its messages any time may pass.
-    socket.rcvtimeo = socket.sndtimeo = int(patience * 1000) or -1
+    socket.rcvtimeo = socket.sndtimeo = int(timeout * 1000) or -1
     socket.connect(endpoint)
     return socket
 

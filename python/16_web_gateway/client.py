@@ -3,7 +3,7 @@
     python python/16_web_gateway/client.py                     by WebSocket
     python python/16_web_gateway/client.py --socketio          the same by Socket.IO
 
-The bytes are said in server.py. Take home: this file, web_requester.py and socketio_requester.py.
+The bytes are said in server.py.
 """
 
 import argparse
@@ -26,7 +26,7 @@ ENDPOINT = "http://127.0.0.1:5566"
 
 async def talk(options: argparse.Namespace) -> None:
     kind = SocketIORequester if options.socketio else WebSocketRequester
-    async with kind(options.endpoint, "hello", options.token, options.patience) as requester:
+    async with kind(options.endpoint, "hello", options.token, options.timeout) as requester:
         for i in range(1, options.count + 1):
             reply = await requester.request(options.text)
             print(f"{i}: sent {options.text}, received {printable(' '.join(reply))}", flush=True)
@@ -59,12 +59,12 @@ def main() -> None:
     parser.add_argument("--endpoint", type=address, default=ENDPOINT, help="the gateway")
     parser.add_argument("--count", type=int, default=10, help="how many times to ask")
     parser.add_argument("--text", default="Hello", help="what to say")
-    parser.add_argument("--patience", type=float, default=2.5, help="seconds to wait for each reply")
+    parser.add_argument("--timeout", type=float, default=2.5, help="seconds to wait for each reply")
     parser.add_argument("--socketio", action="store_true", help="by Socket.IO in place of plain WebSocket")
     parser.add_argument("--token", default="", help="the word that the gateway was given as --token")
     options = parser.parse_args()
-    if options.count < 0 or not 0 < options.patience < 86400:
-        parser.error("--count takes a whole number from 0, --patience seconds, more than 0")
+    if options.count < 0 or not 0 < options.timeout < 86400:
+        parser.error("--count takes a whole number from 0, --timeout seconds, more than 0")
     print(f"asking {options.endpoint}", flush=True)
     try:
         asyncio.run(talk(options))

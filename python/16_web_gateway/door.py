@@ -3,7 +3,6 @@
 A browser lets every page connect to every WebSocket, also the page of a stranger to a gateway of this machine. All
 that the browser does about it is to say whose page it is, as Origin: whoever does not look lets all of them in. Other
 programs than browsers say what they like. Whom the Origin cannot keep out a token does.
-Take home: this file.
 """
 
 import contextlib

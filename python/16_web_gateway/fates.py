@@ -1,6 +1,6 @@
 """Lesson 16, trouble for a message: dropped, a second late, passed on twice, or its connection cut.
 
-Planned for message N when the tap starts, or asked for in the page for the next one. Take home: this file.
+Planned for message N when the tap starts, or asked for in the page for the next one.
 """
 
 import threading

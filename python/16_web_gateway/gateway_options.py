@@ -1,6 +1,4 @@
 """Lesson 16, the gateway's options: what is wrong with an address, a folder of keys or a time is said at once.
-
-Take home: this file; for --keys also secure_requester.py and keys.py of lesson 15.
 """
 
 import argparse

@@ -2,7 +2,6 @@
 
 To connect costs a stranger nothing, and each connection is one of the open files that a system allows: whoever holds
 thousands of them keeps all others out. So a request has a time to be there, and to be whole.
-Take home: this file and door.py.
 """
 
 import asyncio

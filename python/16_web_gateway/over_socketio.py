@@ -4,7 +4,6 @@
     socket.emit("poses", "pose/", newest => …)         or, if there is none, {error: why}
 
 A text is a frame, and so are bytes. Who sends bytes is answered with bytes.
-Take home: this file, browser_socket.py, door.py and gateway_port.py.
 """
 
 import asyncio

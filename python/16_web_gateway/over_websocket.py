@@ -2,7 +2,6 @@
 
 Text is a JSON list of texts, one for each frame. Binary is each frame behind its length, 4 bytes, little-endian. An
 error is text in both cases: {"error": why}. Who does not wait for an answer is read later: TCP holds it back.
-Take home: this file, browser_socket.py and door.py.
 """
 
 import asyncio

@@ -2,7 +2,6 @@
 
 One thread for each direction of each connection: it receives, shows, sends, and waits where the receiver does not
 read, so that backpressure reaches the sender. A message that is late makes those behind it late, as on a real line.
-Take home: this file, fates.py, arrows.py and zmtp.py.
 """
 
 import contextlib

@@ -11,8 +11,6 @@ topic, ["pose/"], and answers with the newest message; [] is: nothing new yet, a
 Socket.IO, at its usual path: emit(NAME, ...frames, callback), and the callback gets the frames of the answer.
 Trouble on command: Ctrl-C, here or in a server behind, and a new start: the page says so, and goes on.
 Started behind it: --hello 01_request_reply --background 04_background_client --poses 03_publish_subscribe
-Take home: this file, browser_socket.py, door.py, gateway_options.py, gateway_port.py, over_websocket.py,
-over_socketio.py and page.html; for --keys also secure_requester.py and keys.py of lesson 15.
 """
 
 import argparse
@@ -56,7 +54,7 @@ async def serve(options: argparse.Namespace) -> None:
 
     def opened(name: str) -> BrowserSocket:
         kind = Requester if name in SERVERS else Listener
-        return kind(context, getattr(options, name), options.patience)
+        return kind(context, getattr(options, name), options.timeout)
 
     async def show(request: web.Request) -> web.StreamResponse:
         return web.FileResponse(Path(__file__).with_name("page.html"))
@@ -83,7 +81,7 @@ def main() -> None:
     )
     parser.add_argument("--token", default="", help="a word that whoever comes in must know")
     parser.add_argument("--keys", type=keys, metavar="DIR", help="lesson 15's, for servers that know their clients")
-    parser.add_argument("--patience", type=seconds, default=1, help="seconds to wait for what is behind")
+    parser.add_argument("--timeout", type=seconds, default=1, help="seconds to wait for what is behind")
     for name, endpoint in (SERVERS | PUBLISHERS).items():
         parser.add_argument(f"--{name}", type=behind, default=endpoint, metavar="ENDPOINT", help=f"default: {endpoint}")
     options = parser.parse_args()

@@ -1,6 +1,4 @@
 """Lesson 16, the same requester over Socket.IO.
-
-Take home: this file and web_requester.py.
 """
 
 import asyncio
@@ -32,7 +30,7 @@ class SocketIORequester(WebRequester):
             raise ConnectionError(said[0] if said else "it does not answer") from None
 
     async def ask(self, *texts: str) -> Any:
-        asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.patience))
+        asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.timeout))
         gone = asyncio.create_task(self.gone.wait())
         try:
             await asyncio.wait([asked, gone], return_when=asyncio.FIRST_COMPLETED)

@@ -13,7 +13,7 @@ connection loses.)
 Trouble on command, for message N, or in the page for the next one:
     --drop N     is not passed on            --double N   is passed on twice
     --delay N    a second later              --cut N      is not passed on, and its connection is closed
-Take home: this file, passing.py, fates.py, arrows.py, zmtp.py, tap_page.py, tap_recording.py and tap.html. It needs
+It needs
 aiohttp.
 """
 

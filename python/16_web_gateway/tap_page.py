@@ -3,7 +3,7 @@
 The browser gets the newest arrows and the numbers of all messages, so it costs the same however many there are; the
 whole of a message it fetches when somebody opens it. What it sends is the trouble that it asks for.
 Other web pages may ask a browser to connect here too. They cannot hide who they are: `Origin` and `Host` tell.
-Take home: this file, tap_recording.py, arrows.py, zmtp.py, fates.py and tap.html. It needs aiohttp.
+It needs aiohttp.
 """
 
 import asyncio

@@ -1,7 +1,6 @@
 """Lesson 16, a recording: the tap's page with the messages inside, one file that opens without a server.
 
 What a peer sent is in it as letters and digits only (gzip, base64), so nothing of it can become a part of the page.
-Take home: this file, arrows.py, zmtp.py and tap.html.
 """
 
 import argparse

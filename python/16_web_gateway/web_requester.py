@@ -1,10 +1,10 @@
-"""Lesson 16, the requester to take home in Python: the gateway is asked by WebSocket.
+"""Lesson 16, the requester to copy in Python: the gateway is asked by WebSocket.
 
     async with WebSocketRequester("http://127.0.0.1:5566", "hello") as requester:
         reply = await requester.request("Hello")
 
 Each try has a new connection; what was asked when one broke is asked again. Whether it was done already only an id can
-tell, as in lesson 02. Take home: this file.
+tell, as in lesson 02.
 """
 
 import asyncio
@@ -22,15 +22,15 @@ REFUSED = "{} does not let this client in: its token is missing or wrong"
 class WebRequester:
     """Asks one of the servers behind the gateway. What is said how, its two kinds know."""
 
-    def __init__(self, endpoint: str, name: str, token: str = "", patience: float = 2.5) -> None:
-        self.endpoint, self.name, self.token, self.patience = endpoint, name, token, patience
+    def __init__(self, endpoint: str, name: str, token: str = "", timeout: float = 2.5) -> None:
+        self.endpoint, self.name, self.token, self.timeout = endpoint, name, token, timeout
         self.connected, self.trouble = False, "; is the server running?"
         self.session: aiohttp.ClientSession | None = None
 
     async def request(self, *texts: str) -> list[str]:
         """The frames of the reply; TimeoutError if none came, whatever was tried."""
         try:
-            async with asyncio.timeout(self.patience):
+            async with asyncio.timeout(self.timeout):
                 while True:
                     try:
                         if not self.connected:
@@ -50,7 +50,7 @@ class WebRequester:
         except TimeoutError:
             # The one that was under way may still be answered.
             await self.close()
-            raise TimeoutError(f"no reply from {self.endpoint} within {self.patience:g} s{self.trouble}") from None
+            raise TimeoutError(f"no reply from {self.endpoint} within {self.timeout:g} s{self.trouble}") from None
 
     async def connect(self) -> None:
         raise NotImplementedError
@@ -77,7 +77,7 @@ class WebSocketRequester(WebRequester):
         try:
             self.socket = await self.session.ws_connect(where, params={"token": self.token}, max_msg_size=0)
         except aiohttp.WSServerHandshakeError as error:
-            # It is there, and no patience would help.
+            # It is there, and no timeout would help.
             if error.status == 403:
                 raise PermissionError(REFUSED.format(self.endpoint)) from None
             # Its own text has the address in it, and so the token.

@@ -4,7 +4,6 @@ A connection begins with a greeting of 64 bytes each way. Then come frames: a by
 4 command), the size in one byte or, of a long one, in eight, and the body. Commands are ZeroMQ's own: READY says what
 kind of socket this is, PING and PONG are heartbeats.
 This file only reads: each piece keeps the very bytes it came from, so that they can be passed on unchanged.
-Take home: this file.
 """
 
 from dataclasses import dataclass

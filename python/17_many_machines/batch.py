@@ -2,7 +2,6 @@
 
 To a trainer the hub is lesson 10's simulator with many areas, and to a simulator it is lesson 09's environment. What
 the messages hold, is said there: areas.py, simulator.py.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import math

@@ -4,7 +4,6 @@ twin of HubFinder.cs.
 Bytes: a UDP datagram, `NMQX1 PORT FINGERPRINT` in ASCII; the address is the sender's. The fingerprint is the beginning
 of the SHA-256 of the hub's public key, or `-` without keys. Anybody can send such a datagram: so a simulator that has
 the hub's key passes over all others, and one without keys trusts its network.
-Take home: this file.
 """
 
 import contextlib
@@ -41,9 +40,9 @@ class Beacon:
                     print(f"cannot announce at {self.where[0]}: {why}; {cure}", flush=True)
 
 
-def find(port: int, key: bytes, patience: float) -> str:
+def find(port: int, key: bytes, timeout: float) -> str:
     """The endpoint of the first hub that is heard and has this key; TimeoutError if there is none."""
-    end, own = time.monotonic() + patience, fingerprint(key)
+    end, own = time.monotonic() + timeout, fingerprint(key)
     why = "; is the hub started with --announce, on this network?"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
         # Several simulators of one machine listen on the same port.
@@ -62,4 +61,4 @@ def find(port: int, key: bytes, patience: float) -> str:
                 if told and told[2].decode() != own:
                     cure = "have both sides the same server.key?" if key else "give its keys"
                     why = f", only {'of another key' if key else 'one that has keys'}, {address}; {cure}"
-    raise TimeoutError(f"no hub was heard on UDP port {port} within {patience:g} s{why}")
+    raise TimeoutError(f"no hub was heard on UDP port {port} within {timeout:g} s{why}")

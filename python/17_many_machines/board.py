@@ -1,6 +1,4 @@
 """Lesson 17, the board: the hub's state, a table that renews itself on a terminal, and lines in a file or a pipe.
-
-Take home: this file, hub.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
 """
 
 import os

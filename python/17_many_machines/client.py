@@ -1,4 +1,4 @@
-"""Lesson 17, the client in Python: a simulator, the twin of FleetMember, and it prints the same lines.
+"""Lesson 17, the client in Python: a simulator, the C# version is FleetMember, and it prints the same lines.
 
     python python/17_many_machines/client.py                          a pole on a cart, until the hub sends it home
     python python/17_many_machines/client.py --find 5567              asks the hub that is heard on this UDP port
@@ -6,9 +6,7 @@
     python python/17_many_machines/client.py --crash-after 200        trouble: it ends in the middle of an episode
     python python/17_many_machines/client.py --delay 8                trouble: so many seconds for each step
 
-Bytes: those of lesson 09, see environment_client.py there. Take home: this file, fleet_simulator.py and beacon.py, with
-environment_client.py, simulator.py, simulation.py and spaces.py of lesson 09, messages.py of 05, and
-secure_requester.py and keys.py of 15; cart_pole.py of 09 stands for your simulation.
+Bytes: those of lesson 09, see environment_client.py there.
 """
 
 import argparse
@@ -62,20 +60,20 @@ def main() -> None:
     parser.add_argument("--keys", default="", metavar="DIR", help="server.key and this simulator's pair")
     parser.add_argument("--build", default="1", help="what the hub must expect")
     parser.add_argument("--count", type=int, default=0, help="how many episodes; 0: until it is sent home")
-    parser.add_argument("--patience", type=float, default=30, help="seconds to wait for the hub")
+    parser.add_argument("--timeout", type=float, default=30, help="seconds to wait for the hub")
     parser.add_argument("--crash-after", type=int, default=0, metavar="N", help="end without a word after N steps")
     parser.add_argument("--delay", type=float, default=0, help="seconds that each step takes")
     options = parser.parse_args()
     if min(options.count, options.crash_after) < 0 or not 0 <= options.find < 65536:
         parser.error("--count and --crash-after take whole numbers from 0, --find a port")
-    if not 0 < options.patience < 86400 or not 0 <= options.delay < 86400:
-        parser.error("--patience takes seconds, more than 0, --delay from 0")
+    if not 0 < options.timeout < 86400 or not 0 <= options.delay < 86400:
+        parser.error("--timeout takes seconds, more than 0, --delay from 0")
     try:
         place, keys = way_to_hub(options)
         print(f"asking {place}", flush=True)
         simulator = FleetSimulator(CartPole(), options.build, options.crash_after, options.delay)
         said = functools.partial(print, flush=True)
-        client = EnvironmentClient(place, options.patience, lambda line: said(printable(line)), keys)
+        client = EnvironmentClient(place, options.timeout, lambda line: said(printable(line)), keys)
         client.run(simulator, options.count)
     except ValueError as error:
         parser.error(str(error))

@@ -3,7 +3,6 @@
 A seed and the actions after it make an episode. The hub keeps both, and gives them to another simulator when the first
 one dies, or is late: the trainer never notices. That holds for simulators that compute alike, which is why the hub
 takes those of one version only.
-Take home: this file, with messages.py of lesson 05.
 """
 
 import sys

@@ -1,12 +1,12 @@
 """Lesson 17, the trainer's way to the hub: a socket for lesson 10's vector environment, which stays as it is.
 
     with FleetSocket("tcp://127.0.0.1:5567", "CartPole", 16) as socket:
-        envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, socket=socket, patience=60)      after: import vector
+        envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, socket=socket, timeout=60)      after: import vector
 
 That environment expects a bound ROUTER socket, to which a simulator comes. Here a DEALER socket goes to the hub, says
 `join` {name, areas}, and looks like one: what it receives is of a peer named `hub`.
 Where there are keys, `prepare` is what lesson 15's secure_requester.py has: ClientKeys(folder).apply.
-Take home: this file, with messages.py of lesson 05. And for that environment vector.py, remote_areas.py and infos.py
+And for that environment vector.py, remote_areas.py and infos.py
 of lesson 10, with environment.py, connection.py, simulators.py, launched.py and spaces.py of lesson 09.
 """
 

@@ -1,9 +1,7 @@
-"""Lesson 17, the simulator: lesson 09's, which also says of which build it is. The twin of FleetSimulator.cs.
+"""Lesson 17, the simulator: lesson 09's, which also says of which build it is. In C#: FleetSimulator.cs.
 
 An episode that was begun elsewhere is done again here, and must go the same way. So the hub takes simulators of one
 build only; write another one wherever yours computes differently.
-Take home: this file and beacon.py, with simulator.py, simulation.py, spaces.py of lesson 09, messages.py of 05, and
-secure_requester.py and keys.py of 15.
 """
 
 import argparse
@@ -50,5 +48,5 @@ class FleetSimulator(Simulator):
 def way_to_hub(options: argparse.Namespace) -> tuple[str, Callable[[zmq.Socket[bytes]], object] | None]:
     """Its endpoint, which may have to be found, and what gives a socket its keys, if there are any."""
     keys = ClientKeys(Path(options.keys)) if options.keys else None
-    place = find(options.find, keys.server if keys else b"", options.patience) if options.find else options.endpoint
+    place = find(options.find, keys.server if keys else b"", options.timeout) if options.find else options.endpoint
     return place, keys.apply if keys else None

@@ -7,7 +7,6 @@
 A simulator says `hello` {name, build, dt, observation, action}, as in lesson 09, and gets `welcome` {silence}; a
 trainer says `join` {name, areas}, and gets the hello of a simulator with so many areas, as in lesson 10, once so many
 are there.
-Take home: this file, upkeep.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
 """
 
 import sys
@@ -28,7 +27,7 @@ from trainers import Trainer
 
 
 class Hub:
-    """`options` are server.py's: build, late, patience, idle; `say` takes a line about what happens."""
+    """`options` are server.py's: build, late, timeout, idle; `say` takes a line about what happens."""
 
     def __init__(self, socket: zmq.Socket[bytes], options: Any, say: Callable[[str], object]) -> None:
         self.socket, self.options, self.say, self.ticked = socket, options, say, 0.0

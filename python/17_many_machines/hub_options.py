@@ -1,6 +1,4 @@
 """Lesson 17, what the hub is told: seconds, a place to announce itself at, and the keys of whom it lets in.
-
-Take home: this file, with allow_list.py and keys.py of lesson 15.
 """
 
 import argparse

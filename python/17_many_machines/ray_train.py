@@ -7,8 +7,7 @@
 
 Prints what lesson 09's train.py prints, number for number: a seed belongs to its episode and not to who plays it, so
 it makes no difference how many actors there are, and which of them die. Below that: by how many processes.
-Take home: this file, with cross_entropy.py, environment.py, connection.py, simulators.py, launched.py and spaces.py of
-lesson 09 and messages.py of lesson 05. They need gymnasium and ray.
+They need gymnasium and ray.
 """
 
 import argparse

@@ -14,8 +14,6 @@ What kit.py run starts as well, so that there are three simulators, one of which
     Also started: client.py
     Also started: client.py --crash-after 200
     Also started: train.py --areas 2 --episodes 100
-Take home: this file, hub.py, upkeep.py, trainers.py, episode.py, batch.py, board.py, beacon.py and hub_options.py,
-with messages.py of lesson 05, and allow_list.py and keys.py of lesson 15.
 """
 
 import argparse
@@ -56,7 +54,7 @@ def serve(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--build", default="1", help="the one that simulators must be of")
     parser.add_argument("--late", type=seconds, default=5, help="seconds until an answer is asked for elsewhere, too")
-    parser.add_argument("--patience", type=seconds, default=30, help="seconds that an episode waits for a simulator")
+    parser.add_argument("--timeout", type=seconds, default=30, help="seconds that an episode waits for a simulator")
     parser.add_argument("--idle", type=seconds, default=15, help="seconds until one without work is sent home")
     parser.add_argument("--announce", type=place, metavar="IP:PORT", help="where to tell of it by UDP")
     parser.add_argument("--keys", metavar="DIR", help="lesson 15's, for the hub and whom it lets in")

@@ -71,7 +71,7 @@ def main() -> None:
     signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     try:
         keys = ClientKeys(Path(options.keys)).apply if options.keys else None
-        where: dict[str, Any] = {"wait": options.wait, "patience": options.wait, "autoreset_mode": "Disabled"}
+        where: dict[str, Any] = {"wait": options.wait, "timeout": options.wait, "autoreset_mode": "Disabled"}
         with FleetSocket(options.endpoint, "CartPole", options.areas, keys) as socket:
             envs = gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket, **where)
             returns = play(envs, options.episodes)

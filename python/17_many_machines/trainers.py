@@ -1,6 +1,4 @@
 """Lesson 17, a trainer as the hub sees it: N areas, which are stepped together, each an episode of its own.
-
-Take home: this file, episode.py and batch.py, with messages.py of lesson 05.
 """
 
 import sys

@@ -2,7 +2,6 @@
 
 Whoever is silent is told the last message once more: a simulator does nothing twice, and answers with what it has kept
 (lesson 09). So one rule is retry, heartbeat and the way to learn of a death, because ROUTER says when a peer is gone.
-Take home: this file, hub.py, trainers.py, episode.py and batch.py, with messages.py of lesson 05.
 """
 
 import time
@@ -65,8 +64,8 @@ def serve(hub: Hub, trainer: Trainer, now: float) -> None:
             where = f"request {episode.lost_at + 1} of an episode"
             trainer.give_up(f"{LOST} simulators, one after the other, were lost at {where}: see what they say")
             return
-        if not episode.runs and now > episode.since + hub.options.patience:
-            text = f"no simulator for an episode within {hub.options.patience:g} s: {members} are here, start more"
+        if not episode.runs and now > episode.since + hub.options.timeout:
+            text = f"no simulator for an episode within {hub.options.timeout:g} s: {members} are here, start more"
             trainer.give_up(text)
             return
         late = len(episode.runs) == 1 and episode.runs[0].busy and now > episode.runs[0].asked + hub.options.late

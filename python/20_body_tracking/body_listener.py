@@ -1,6 +1,6 @@
-"""Application 20, the listener to take home in Python: the twin of BodyListener.cs. client.py is its command line.
+"""Application 20, the listener to copy in Python: the C# version is BodyListener.cs. client.py is its command line.
 
-Bytes: as in server.py. Take home: this file, with topic_listener.py of lesson 03.
+Bytes: as in server.py.
 """
 
 import math
@@ -64,13 +64,13 @@ class BodyListener:
         self.ahead = self.behind = math.inf
         self.restarted = False
 
-    def receive(self, patience: float) -> BodyPose:
+    def receive(self, timeout: float) -> BodyPose:
         """Wait for a pose; TimeoutError if none comes."""
-        end = time.monotonic() + patience
-        while not (pose := parse(self.listener.newest(patience))):
+        end = time.monotonic() + timeout
+        while not (pose := parse(self.listener.newest(timeout))):
             # However much of something else comes.
             if time.monotonic() >= end:
-                raise TimeoutError(f"no pose from {self.listener.endpoint} within {patience:g} s; is that this server?")
+                raise TimeoutError(f"no pose from {self.listener.endpoint} within {timeout:g} s; is that this server?")
         # Numbers begin anew with each start of the server, and seconds where it is another computer's.
         self.restarted = pose.number < self.number
         if self.restarted:

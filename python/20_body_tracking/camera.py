@@ -3,8 +3,6 @@
     pip install mediapipe opencv-python     and a model: MODELS says where it is
     python python/20_body_tracking/server.py --camera --model pose_landmarker_lite.task
     python python/20_body_tracking/server.py --camera --hands hand_landmarker.task          their hands as well
-
-Take home: this file and people.py.
 """
 
 import contextlib

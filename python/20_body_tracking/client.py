@@ -5,7 +5,7 @@
     python python/20_body_tracking/client.py --hand left      a hand, of a server with --camera and --hands
     python python/20_body_tracking/client.py --work 0.1       too slow: what it skips is not waited for
 
-Bytes: as in server.py. To take home: body_listener.py.
+Bytes: as in server.py. To copy: body_listener.py.
 """
 
 import argparse
@@ -36,7 +36,7 @@ def listen(socket: zmq.Socket[bytes], options: argparse.Namespace) -> None:
     listener = BodyListener(socket, options.endpoint, topic)
     i = 0
     while i < options.count or not options.count:
-        pose = listener.receive(options.patience)
+        pose = listener.receive(options.timeout)
         if listener.restarted:
             print(f"{who}: the server was started again", flush=True)
         if options.every and i % options.every == 0:
@@ -70,12 +70,12 @@ def main() -> None:
     parser.add_argument("--hand", choices=["left", "right"], help="a hand, and no person")
     parser.add_argument("--count", type=int, default=150, help="end after so many poses; 0: never")
     parser.add_argument("--every", type=int, default=25, help="print one in so many; 0: none")
-    parser.add_argument("--patience", type=float, default=5, help="seconds to wait for each pose")
+    parser.add_argument("--timeout", type=float, default=5, help="seconds to wait for each pose")
     parser.add_argument("--work", type=float, default=0, help="seconds that each pose takes: a slow client")
     options = parser.parse_args()
-    numbers = (options.person, options.count, options.every, options.patience, options.work)
+    numbers = (options.person, options.count, options.every, options.timeout, options.work)
     if not all(0 <= number < 2**31 for number in numbers):
-        parser.error("--person, --count, --every, --patience and --work take numbers from 0 on")
+        parser.error("--person, --count, --every, --timeout and --work take numbers from 0 on")
     with zmq.Context() as context, context.socket(zmq.SUB) as socket:
         try:
             listen(socket, options)

@@ -2,7 +2,7 @@
 
     seconds,person,x0,y0,z0,v0,x1,…,v32      33 landmarks, numbered and in metres as MediaPipe has them; v: visibility
 
-Take home: this file. `write` makes a recording of your own.
+`write` makes a recording of your own.
 """
 
 import csv

@@ -10,7 +10,7 @@ camera, with a decimal point. PERSON counts from 0, NUMBER from 1 at each start 
 computer's clock that nobody sets. Where no landmarks follow, nobody is there. `hand/left/` and `hand/right/` have 21,
 from the middle of the hand.
 Trouble on command: a client with `--work 0.1` is too slow; stop this server while a client listens, and start it
-again. Take home: this file, people.py, walk.csv and camera.py.
+again.
 """
 
 import argparse

@@ -3,7 +3,7 @@
     python python/20_body_tracking/walker.py     writes walk.csv beside this file: 3 seconds, 30 poses a second
 
 Person 0 walks on the spot, turned half to the side. Person 1 faces the camera, raises its arms and bends its knees.
-A recording of your own: write it with `write`. Take home: this file and people.py.
+A recording of your own: write it with `write`.
 """
 
 import math

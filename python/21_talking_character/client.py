@@ -5,7 +5,6 @@
     python python/21_talking_character/client.py --leave-after 5            walks away when 5 words were said
 
 The bytes are said in server.py.
-Take home: this file and speech.py, with job_client.py and job_news.py of lesson 14 and messages.py of lesson 05.
 """
 
 import argparse
@@ -62,15 +61,15 @@ def main() -> None:
     parser.add_argument("--prompt", default="Who built this bridge?", help="what you say, in at most 1000 characters")
     parser.add_argument("--count", type=int, default=200, help="how many words to listen to at most")
     parser.add_argument("--leave-after", type=int, default=0, metavar="N", help="walk away when N words were said")
-    parser.add_argument("--patience", type=float, default=1.0, help="seconds to wait for a word of the job")
+    parser.add_argument("--timeout", type=float, default=1.0, help="seconds to wait for a word of the job")
     parser.add_argument("--tries", type=int, default=10, help="how often to connect anew before giving up")
     options = parser.parse_args()
     at_least = min(options.count, options.tries, len(options.prompt)) > 0 <= options.leave_after
-    if not (at_least and 0 < options.patience < 86400 and len(options.prompt) <= 1000):
-        numbers = "--count and --tries take a whole number from 1, --leave-after from 0, --patience seconds above 0"
+    if not (at_least and 0 < options.timeout < 86400 and len(options.prompt) <= 1000):
+        numbers = "--count and --tries take a whole number from 1, --leave-after from 0, --timeout seconds above 0"
         parser.error(f"{numbers}, --prompt 1 to 1000 characters")
     speech = Speech()
-    job = options.endpoint, new_id(), options.patience, options.tries, speech.say
+    job = options.endpoint, new_id(), options.timeout, options.tries, speech.say
     with zmq.Context() as context, contextlib.closing(JobClient(context, *job)) as client:
         print(f"asking {options.endpoint}: {printable(options.prompt)}", flush=True)
         try:

@@ -4,7 +4,6 @@
     python python/21_talking_character/server.py --ollama http://127.0.0.1:11434 --model llama3.2
 
 Bytes: HTTP; POST /api/chat is answered with a line of JSON for each piece of the text, until one says "done".
-Take home: this file, with work.py of lesson 14 and messages.py of lesson 05.
 """
 
 import json

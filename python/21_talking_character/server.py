@@ -8,8 +8,6 @@
 Bytes: those of lesson 14. A prompt is a goal: its kind is talk, its count the most words, its text the prompt. The text
 of each feedback is all that was said so far, and that of a result that succeeded is the whole.
 Trouble on command: walk away with client.py --leave-after 5; end this server while it talks, and start it again.
-Take home: this file, small_talk.py and ollama_talk.py, with verbs.py, jobs.py, job.py, job_journal.py,
-journal_lock.py, workers.py, worker_process.py, worker.py and work.py of lesson 14 and messages.py of lesson 05.
 """
 
 import argparse

@@ -1,8 +1,6 @@
 """Application 21, words without a model: a keeper of a bridge, who says the same to the same prompt and seed.
 
     for step in small_talk(100, b"", "Who are you?", delay=0.05, seed=0): ...
-
-Take home: this file, with work.py of lesson 14 and messages.py of lesson 05.
 """
 
 import re

@@ -1,12 +1,10 @@
-"""Application 21, what a character has said so far: the twin of Speech.cs.
+"""Application 21, what a character has said so far: the C# version is Speech.cs.
 
     speech = Speech()
     for news in client.watch(client.goal("talk", 200, "Who are you?")):
         speech.hear(news)                                                 she: Good evening, trav
                                                                           she: Good evening, traveller.
     speech.say(speech.outcome(news))                                      done: 3 words
-
-Take home: this file, with messages.py of lesson 05.
 """
 
 import re

@@ -414,13 +414,13 @@ class Hands
         player.Stop();
     }
 
-    static void Put(Transform[] joints, string endpoint, string topic, string patience)
+    static void Put(Transform[] joints, string endpoint, string topic, string timeout)
     {
         for (var i = 0; i < joints.Length; i++) joints[i] = new GameObject("joint").transform;
         var thing = new GameObject(topic);
         thing.SetActive(false);
         var script = (MonoBehaviour)thing.AddComponent(typeof(HandReceiver));
-        foreach (var (name, value) in new[] { ("endpoint", endpoint), ("topic", topic), ("patience", patience) })
+        foreach (var (name, value) in new[] { ("endpoint", endpoint), ("topic", topic), ("timeout", timeout) })
             UnityPlayer.Inspector.Set(new[] { script }, name, value);
         var field = typeof(HandReceiver).GetField("joints", BindingFlags.NonPublic | BindingFlags.Instance);
         field.SetValue(script, joints);
@@ -515,7 +515,7 @@ for (var play = 1; play <= 3; play++)
         thing.SetActive(false);
         var script = (MonoBehaviour)thing.AddComponent(typeof(HelloClient));
         UnityPlayer.Inspector.Set(new[] { script }, "endpoint", args[0]);
-        UnityPlayer.Inspector.Set(new[] { script }, "patience", "86400");
+        UnityPlayer.Inspector.Set(new[] { script }, "timeout", "86400");
         thing.SetActive(true);
     });
     player.Run(TimeSpan.FromSeconds(60), () => waits);

@@ -82,7 +82,7 @@ def test_run_shows_both_sides_and_ends_with_the_clients_code(client, engine, sta
     assert program.wait(500) == 0, program.output
     assert "client | done: 10 replies" in program.lines
     assert program.lines.count("server | sent b'World'") == 10
-    failing = start(PYTHON, KIT, "run", "01", *words, "--server=--delay 30", "--options=--patience 0.2")
+    failing = start(PYTHON, KIT, "run", "01", *words, "--server=--delay 30", "--options=--timeout 0.2")
     assert failing.wait(500) == 1, failing.output
     assert any(line.startswith("client | gave up") for line in failing.lines)
 
@@ -100,7 +100,7 @@ def test_a_second_build_happens_only_after_a_change(engine, prepared, start):
     assert "asking NuGet" not in second.output
     script = prepared / "unity" / "Assets" / "NetMQExample" / "01_request_reply" / "HelloRequester.cs"
     script.write_text(
-        script.read_text(encoding="utf-8").replace("Send(patience, stop, text)", 'Send(patience, stop, "Bye")'),
+        script.read_text(encoding="utf-8").replace("Send(timeout, stop, text)", 'Send(timeout, stop, "Bye")'),
         encoding="utf-8",
     )
     third = start(*command)
@@ -165,7 +165,7 @@ class Stopped:
 @pytest.mark.parametrize("how", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_ctrl_c_in_a_run_leaves_nothing_running(how, tmp_path, serve):
     words = ["run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", "--server=--delay 300"]
-    with Stopped([PYTHON, KIT, *words, "--options=--patience 300"], tmp_path) as run:
+    with Stopped([PYTHON, KIT, *words, "--options=--timeout 300"], tmp_path) as run:
         run.wait_for(lambda: "client | asking" in run.printed)
         assert len(run.running()) == 3
         assert run.stop(getattr(signal, how)) == 130
@@ -636,7 +636,7 @@ def test_a_program_that_the_system_kills_is_named(words, ready, killed, code, na
     """Such as where the memory is full: it has no last line of its own."""
     mark, more = Mark(), ["--endpoint", "tcp://127.0.0.1:0"]
     if "run" in words:
-        more += ["--server=--delay 300", f"--options=--patience {'300' if code == 137 else '5'}"]
+        more += ["--server=--delay 300", f"--options=--timeout {'300' if code == 137 else '5'}"]
     kit = start(PYTHON, KIT, *words.split(), *more, **mark.environment)
     kit.wait_for(ready)
     (found,) = (number for number, command in mark.processes().items() if killed in command)

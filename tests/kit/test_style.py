@@ -190,7 +190,7 @@ def test_a_lesson_is_whole(lesson):
     """The same key in every tree."""
     assert (lesson.python / "client.py").exists()
     assert list(lesson.unity.glob("*.cs"))
-    assert lesson.twin.exists()
+    assert lesson.console.exists()
     assert lesson.guide.exists()
     assert "\n```mermaid\nsequenceDiagram\n" in lesson.guide.read_text(encoding="utf-8")
     assert (ROOT / "tests" / "lessons" / f"test_{lesson.key}.py").exists()

@@ -58,7 +58,7 @@ def test_a_second_request_before_the_reply_is_refused(kind, refusal, serve, star
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_reply_that_comes_too_late(kind, serve, start, client_command):
     _, endpoint = serve(KEY, "--delay", "60")
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.2"))
+    client = start(*client_command(kind, KEY, endpoint, "--timeout", "0.2"))
     assert client.wait() == 1
     assert "within 0.2 s" in client.lines[-1]
 
@@ -102,7 +102,7 @@ def test_a_silent_name_server_is_not_waited_for_long(start, client_command):
 def test_numbers_and_text_are_the_same_under_a_german_locale(serve, start, client_command):
     _, endpoint = serve(KEY)
     client = start(
-        *client_command("csharp", KEY, endpoint, "--count", "1", "--patience", "60.5", "--text", "Grüße"),
+        *client_command("csharp", KEY, endpoint, "--count", "1", "--timeout", "60.5", "--text", "Grüße"),
         LANG="de_DE.UTF-8",
         LC_ALL="de_DE.UTF-8",
     )
@@ -281,7 +281,7 @@ def test_a_reply_that_is_too_large_is_not_read(kind, start, client_command, cont
     with context.socket(zmq.REP) as rep:
         rep.linger = 0
         port = rep.bind_to_random_port("tcp://127.0.0.1")
-        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--patience", "6"))
+        client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", "--count", "1", "--timeout", "6"))
         assert rep.poll(100_000)
         rep.recv()
         rep.send(b"x" * 10_000_000)
@@ -293,7 +293,7 @@ def test_a_reply_that_is_too_large_is_not_read(kind, start, client_command, cont
 def test_a_client_does_not_wait_for_ever_to_send(kind, start, client_command):
     """After a peer that broke the protocol there may be no connection any more to send the next request on."""
     with ProtocolBreaker(lambda frames: [b"World"]) as peer:
-        client = start(*client_command(kind, KEY, peer.endpoint, "--count", "30", "--patience", "5"))
+        client = start(*client_command(kind, KEY, peer.endpoint, "--count", "30", "--timeout", "5"))
         code = client.wait()
     assert client.lines[1] == "1: sent Hello, received World"
     # libzmq does not connect to such a peer again, NetMQ does.

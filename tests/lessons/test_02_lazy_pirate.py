@@ -35,9 +35,9 @@ def received(numbers):
     return [f"{i}: sent add 1, received {i}" for i in numbers]
 
 
-def retry(i, attempt, tries=5, patience=0.5):
+def retry(i, attempt, tries=5, timeout=0.5):
     """What a client says before this try: each has waited twice as long as the one before, at most 8 times."""
-    return f"{i}: no reply within {patience * 2 ** min(attempt - 2, 3):g} s; try {attempt} of {tries}"
+    return f"{i}: no reply within {timeout * 2 ** min(attempt - 2, 3):g} s; try {attempt} of {tries}"
 
 
 def replies(client):
@@ -74,7 +74,7 @@ def balance(context, endpoint):
 @clients
 def test_ten_additions(kind, pirate_server, start, client_command):
     server, endpoint = pirate_server()
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "20"))
+    client = start(*client_command(kind, KEY, endpoint, "--timeout", "20"))
     assert client.wait() == 0, client.output
     assert client.lines == [f"asking {endpoint}", *received(range(1, 11)), "done: 10 replies"]
     # The server prints after it has replied: its last line may come later than the client's end.
@@ -118,11 +118,11 @@ def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, clie
 @clients
 def test_without_a_server_it_gives_up(kind, start, client_command):
     endpoint = steady_endpoint()
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.25", "--tries", "3"))
+    client = start(*client_command(kind, KEY, endpoint, "--timeout", "0.25", "--tries", "3"))
     assert client.wait() == 1, client.output
     assert client.lines[1:] == [
-        retry(1, 2, tries=3, patience=0.25),
-        retry(1, 3, tries=3, patience=0.25),
+        retry(1, 2, tries=3, timeout=0.25),
+        retry(1, 3, tries=3, timeout=0.25),
         f"gave up: 3 tries to ask {endpoint}, the last: no reply within 1 s; "
         "is the right server running, or the line slow? 'add 1' may have been done or not",
     ]
@@ -134,7 +134,7 @@ def test_a_server_that_speaks_otherwise(kind, serve, start, client_command):
     because the right server may be there in a moment."""
     _, endpoint = serve("01_request_reply")
     began = time.monotonic()
-    client = start(*client_command(kind, KEY, endpoint, "--tries", "4", "--patience", "20"))
+    client = start(*client_command(kind, KEY, endpoint, "--tries", "4", "--timeout", "20"))
     assert client.wait() == 1, client.output
     # A pause before each of the three retries, and no wait for what was answered.
     assert time.monotonic() - began > 3 * 0.25
@@ -147,7 +147,7 @@ def test_a_server_that_speaks_otherwise(kind, serve, start, client_command):
 
 
 @clients
-def test_a_far_server_is_reached_with_the_default_patience(kind, pirate_server, start, client_command):
+def test_a_far_server_is_reached_with_the_default_timeout(kind, pirate_server, start, client_command):
     """A round trip of 400 ms. A new connection takes several of them, so that a try of 0.5 s never succeeds.
 
     One of 2 s does, the third, and on a busy machine one of 4 s.
@@ -174,7 +174,7 @@ def test_the_bytes_of_a_client(kind, start, client_command, context):
     with context.socket(zmq.REP) as rep:
         rep.linger = 0
         port = rep.bind_to_random_port("tcp://127.0.0.1")
-        options = ["--count", "3", "--text", "füge ✓ hinzu", "--patience", "20"]
+        options = ["--count", "3", "--text", "füge ✓ hinzu", "--timeout", "20"]
         client = start(*client_command(kind, KEY, f"tcp://127.0.0.1:{port}", *options))
         seen = []
         for answer in ([b"W\xc3\xb6rld"], None, [b"one", b"two"], None):

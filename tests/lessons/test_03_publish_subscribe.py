@@ -66,7 +66,7 @@ def test_the_wrong_server_first(kind, mode, serve, listen):
     """After a peer that is no publisher, libzmq never connects again by itself."""
     endpoint = steady_endpoint()
     wrong, _ = serve("01_request_reply", endpoint=endpoint)
-    client = listen(kind, endpoint, "--count", "3", "--patience", "25", *mode)
+    client = listen(kind, endpoint, "--count", "3", "--timeout", "25", *mode)
     client.wait_for("^listening")
     # Not a wait for something: that long the wrong server has the port.
     time.sleep(0.5)
@@ -79,7 +79,7 @@ def test_the_wrong_server_first(kind, mode, serve, listen):
 @pytest.mark.parametrize("kind", TERMINAL)
 @MODES
 def test_a_far_publisher(kind, mode, serve, listen):
-    """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
+    """With a round trip of 400 ms, and the timeout that the client has when nobody sets it."""
     _, endpoint = serve(KEY)
     with SlowLine(endpoint, 0.4) as far:
         client = listen(kind, far.endpoint, "--count", "5", *mode)
@@ -127,7 +127,7 @@ def test_newest_only(kind, how, fake, listen):
 def test_a_line_that_breaks_silently_is_left_for_another(kind, mode, fake, listen):
     """As when a laptop has slept: the connection is still there, and nothing comes over it."""
     with SlowLine(where(fake), 0) as line:
-        client = listen(kind, line.endpoint, "--count", "2", "--every", "1", "--patience", str(LIMIT), *mode)
+        client = listen(kind, line.endpoint, "--count", "2", "--every", "1", "--timeout", str(LIMIT), *mode)
         subscribed(fake)
         fake.send(b"pose/ 1")
         client.wait_for("^received pose/ 1$")
@@ -142,7 +142,7 @@ def test_a_line_that_breaks_silently_is_left_for_another(kind, mode, fake, liste
 
 @pytest.mark.parametrize("kind", TERMINAL)
 def test_a_listener_prints_what_is_fit_and_takes_nothing_endless(kind, fake, listen):
-    client = listen(kind, where(fake), "--topic", "", "--count", "2", "--every", "1", "--patience", "25")
+    client = listen(kind, where(fake), "--topic", "", "--count", "2", "--every", "1", "--timeout", "25")
     subscribed(fake)
     fake.send(b"x" * 100_000)
     # ZeroMQ closes the connection for it. The listener makes another.

@@ -28,14 +28,14 @@ def received(numbers):
     return [f"{i}: sent hello, received world" for i in numbers]
 
 
-def silence(i, attempt, tries=20, patience=1.0):
+def silence(i, attempt, tries=20, timeout=1.0):
     """What is said before this try of a request: each waits twice as long as the one before, at most 8 times."""
-    return f"{i}: no reply within {patience * 2 ** min(attempt - 2, 3):g} s; try {attempt} of {tries}"
+    return f"{i}: no reply within {timeout * 2 ** min(attempt - 2, 3):g} s; try {attempt} of {tries}"
 
 
-def lost(endpoint, patience, tries=3):
+def lost(endpoint, timeout, tries=3):
     return (
-        f"{tries} tries to ask {endpoint}, the last: no reply within {patience:g} s; "
+        f"{tries} tries to ask {endpoint}, the last: no reply within {timeout:g} s; "
         "is the right server running, or the line slow? 'hello' may have been done or not"
     )
 
@@ -153,7 +153,7 @@ class Page(BaseHTTPRequestHandler):
 def test_ten_requests(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
     # Patient, so that none is sent twice: the server's lines are counted below.
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "30"))
+    client = start(*client_command(kind, KEY, endpoint, "--timeout", "30"))
     assert client.wait() == 0, client.output
     assert client.lines[0] == f"asking {endpoint}"
     assert replies(client) == received(range(1, 11))
@@ -172,7 +172,7 @@ def test_the_bytes_of_a_client(kind, start, client_command, context):
     with context.socket(zmq.REP) as rep:
         rep.linger = 0
         endpoint = f"tcp://127.0.0.1:{rep.bind_to_random_port('tcp://127.0.0.1')}"
-        options = ["--count", "3", "--text", "echo grün ✓", "--patience", "20"]
+        options = ["--count", "3", "--text", "echo grün ✓", "--timeout", "20"]
         client = start(*client_command(kind, KEY, endpoint, *options))
         seen = []
         for answer in ([b"W\xc3\xb6rld"], None, [b"one", b"two"], [b"1", b"2", b"3"], None, None):
@@ -199,12 +199,12 @@ def test_the_bytes_of_a_client(kind, start, client_command, context):
 @clients
 def test_a_slow_answer_stops_no_frame(kind, serve, start, client_command):
     _, endpoint = serve(KEY, "--slow-on", "3")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "5", "--patience", "0.8"))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "5", "--timeout", "0.8"))
     assert client.wait() == 0, client.output
     assert replies(client) == received(range(1, 6))
     assert "done: 5 replies" in client.lines
     # The third message is that of a request before the third one, if that was sent twice on a busy machine.
-    assert {silence(i, 2, patience=0.8) for i in (1, 2, 3)} & set(trouble(client))
+    assert {silence(i, 2, timeout=0.8) for i in (1, 2, 3)} & set(trouble(client))
     # More than one for each reply.
     assert frames(client) > 5, "the frames stood still"
 
@@ -213,7 +213,7 @@ def test_a_slow_answer_stops_no_frame(kind, serve, start, client_command):
 def test_the_server_is_killed_while_requests_are_under_way(kind, serve, start, client_command):
     endpoint = steady_endpoint()
     server, _ = serve(KEY, endpoint=endpoint)
-    options = ["--count", "200", "--tries", "60", "--patience", "0.5"]
+    options = ["--count", "200", "--tries", "60", "--timeout", "0.5"]
     client = start(*client_command(kind, KEY, endpoint, *options))
     for i in (10, 60, 110):
         client.wait_for(f"^{i}: sent")
@@ -225,7 +225,7 @@ def test_the_server_is_killed_while_requests_are_under_way(kind, serve, start, c
 
 def gives_up(kind, endpoint, start, client_command):
     """The frames go on, and in the end there is a line that says what is wrong."""
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5", "--tries", "3"))
+    client = start(*client_command(kind, KEY, endpoint, "--timeout", "0.5", "--tries", "3"))
     assert client.wait() == 1, client.output
     assert not replies(client)
     assert f"gave up: {lost(endpoint, 2)}" in client.lines
@@ -240,7 +240,7 @@ def gives_up(kind, endpoint, start, client_command):
 def test_without_a_server(kind, start, client_command):
     endpoint = steady_endpoint()
     client = gives_up(kind, endpoint, start, client_command)
-    said = [silence(1, attempt, tries=3, patience=0.5) for attempt in (2, 3)]
+    said = [silence(1, attempt, tries=3, timeout=0.5) for attempt in (2, 3)]
     # What is shown is what a frame saw: on a busy machine there may be none for a second.
     assert trouble(client) in (said, said[:1], said[1:])
 
@@ -276,7 +276,7 @@ def test_broken_replies_count_as_none(kind, start, client_command, context):
     with context.socket(zmq.ROUTER) as router:
         router.linger = 0
         endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
-        client = start(*client_command(kind, KEY, endpoint, "--patience", "0.5", "--tries", "3", "--count", "1"))
+        client = start(*client_command(kind, KEY, endpoint, "--timeout", "0.5", "--tries", "3", "--count", "1"))
         answered = 0
         # Three times, but for a try that is over before its connection is made.
         while client.process.poll() is None:
@@ -290,7 +290,7 @@ def test_broken_replies_count_as_none(kind, start, client_command, context):
 
 @clients
 def test_a_far_server_answers(kind, serve, start, client_command):
-    """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
+    """With a round trip of 400 ms, and the timeout that the client has when nobody sets it."""
     _, endpoint = serve(KEY)
     with SlowLine(endpoint, 0.4) as far:
         client = start(*client_command(kind, KEY, far.endpoint, "--count", "3"))
@@ -298,12 +298,12 @@ def test_a_far_server_answers(kind, serve, start, client_command):
     assert replies(client) == received(range(1, 4))
 
 
-# Runs inside the lesson's folder, where `from background_client import BackgroundClient` finds the class to take home.
+# Runs inside the lesson's folder, where `from background_client import BackgroundClient` finds the class to copy.
 IN_PYTHON = """
 import sys
 from background_client import BackgroundClient
 ends = []
-client = BackgroundClient(sys.argv[1], patience=20)
+client = BackgroundClient(sys.argv[1], timeout=20)
 """
 
 
@@ -421,7 +421,7 @@ def test_the_state_says_what_is_known(context, check):
             if (number, attempt) != (2, 1):
                 router.send_multipart([peer, empty, name, b"world"])
         assert program.wait() == 0, program.output
-    trouble = silence(2, 2, tries=3, patience=4)
+    trouble = silence(2, 2, tries=3, timeout=4)
     assert program.lines[:4] == ["Connecting ", "Connected ", f"Retrying {trouble}", f"Connected {trouble}"]
 
 
@@ -490,7 +490,7 @@ def test_what_the_server_answers(serve, context):
 
 def test_numbers_and_text_are_the_same_under_a_german_locale(start, client_command):
     endpoint = steady_endpoint()
-    command = client_command("csharp", KEY, endpoint, "--patience", "0.5", "--tries", "1")
+    command = client_command("csharp", KEY, endpoint, "--timeout", "0.5", "--tries", "1")
     client = start(*command, LANG="de_DE.UTF-8", LC_ALL="de_DE.UTF-8")
     assert client.wait(LIMIT) == 1
     assert client.lines[-1] == f"gave up: {lost(endpoint, 0.5, tries=1)}"

@@ -266,7 +266,7 @@ ODD = {
 def test_an_odd_reply_ends_in_one_line(kind, reply, code, says, peer, start, client_command):
     rep, endpoint = peer
     # As where output in a pipe is no UTF-8. A busy machine takes a while to send 200,000 frames.
-    command = client_command(kind, KEY, endpoint, "--count", "1", "--patience", "100")
+    command = client_command(kind, KEY, endpoint, "--count", "1", "--timeout", "100")
     client = start(*command, PYTHONIOENCODING="cp437")
     assert rep.poll(100_000)
     rep.recv_multipart()
@@ -283,7 +283,7 @@ def test_a_server_that_breaks_the_connection_does_not_hold_a_client(kind, start,
     """After such bytes libzmq connects no more, and a send without a limit would wait for ever."""
     with ProtocolBreaker(lambda frames: Message("ok", 1, {"a": 1}).frames()) as breaker:
         once = ["--tries", "1"] if kind == "unity" else []
-        client = start(*client_command(kind, KEY, breaker.endpoint, "--count", "30", "--patience", "5", *once))
+        client = start(*client_command(kind, KEY, breaker.endpoint, "--count", "30", "--timeout", "5", *once))
         code = client.wait()
     assert client.lines[1] == "1: sent frame 1, 230400 bytes; brightest at a 1"
     # NetMQ does connect to such a peer again.
@@ -295,7 +295,7 @@ def test_in_unity_a_server_that_was_restarted_is_found_again(serve, start, clien
     """Whoever writes the Python side starts it again all day, while Unity plays."""
     pytest.importorskip("numpy", **NUMPY)
     endpoint = steady_endpoint()
-    client = start(*client_command("unity", KEY, endpoint, "--count", "1000000", "--patience", "3"))
+    client = start(*client_command("unity", KEY, endpoint, "--count", "1000000", "--timeout", "3"))
     for _ in range(3):
         # Unity is first: it has asked nobody yet, or somebody who is gone.
         client.wait_for(f"^trouble: no reply from {endpoint} within 3 s", start=len(client.lines))

@@ -27,7 +27,7 @@ def sent(client):
 @each_client
 def test_replies_come_when_they_are_ready(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "20"))
+    client = start(*client_command(kind, KEY, endpoint, "--timeout", "20"))
     assert client.wait() == 0, client.output
     assert client.lines[0] == f"asking {endpoint}, 4 in flight"
     assert client.lines[-1] == "done: 6 replies"
@@ -65,7 +65,7 @@ def rig(context, start, client_command):
 @each_client
 def test_a_retry_keeps_its_id_and_what_comes_twice_or_unasked_is_dropped(kind, rig):
     router, client = rig(
-        kind, "--count", "2", "--window", "1", "--text", "echo a|echo b", "--patience", "1", "--tries", "9"
+        kind, "--count", "2", "--window", "1", "--text", "echo a|echo b", "--timeout", "1", "--tries", "9"
     )
     first, again = receive(router), receive(router)
     assert first[1:] == again[1:], "the same id and the same text"
@@ -93,7 +93,7 @@ def test_a_retry_keeps_its_id_and_what_comes_twice_or_unasked_is_dropped(kind, r
 @each_client
 def test_while_others_are_answered_a_retry_goes_over_the_same_socket(kind, rig):
     """A new socket would lose what is under way on the old one."""
-    options = ("--window", "2", "--patience", "5", "--text", "slow" + "|quick" * 999, "--count", "1000")
+    options = ("--window", "2", "--timeout", "5", "--text", "slow" + "|quick" * 999, "--count", "1000")
     router, _ = rig(kind, *options)
     peers, slow = set(), []
     while len(slow) < 2:
@@ -102,7 +102,7 @@ def test_while_others_are_answered_a_retry_goes_over_the_same_socket(kind, rig):
         if text == b"slow":
             slow.append(request_id)
             continue
-        # Not at once, so that the quick ones last for longer than patience does.
+        # Not at once, so that the quick ones last for longer than timeout does.
         router.poll(20)
         router.send_multipart([peer, request_id, b"ok"])
     assert len(peers) == 1
@@ -110,12 +110,12 @@ def test_while_others_are_answered_a_retry_goes_over_the_same_socket(kind, rig):
 
 
 @each_client
-def test_a_line_slower_than_patience_succeeds_in_a_longer_try(kind, rig):
+def test_a_line_slower_than_the_timeout_succeeds_in_a_longer_try(kind, rig):
     """Tries of 0.5 and 1 s are in vain: what they are answered with comes when the next one has begun.
 
     On a busy machine they may not even be sent, and then later ones are.
     """
-    router, client = rig(kind, "--count", "1", "--text", "a", "--patience", "0.5", "--tries", "8")
+    router, client = rig(kind, "--count", "1", "--text", "a", "--timeout", "0.5", "--tries", "8")
     peers, waiting = [], []
     while client.process.poll() is None:
         if router.poll(10):
@@ -133,7 +133,7 @@ def test_a_line_slower_than_patience_succeeds_in_a_longer_try(kind, rig):
 
 @each_client
 def test_a_new_socket_costs_a_younger_request_no_try(kind, rig):
-    options = ("--count", "3", "--window", "2", "--text", "silent|b|c", "--patience", "10", "--tries", "2")
+    options = ("--count", "3", "--window", "2", "--text", "silent|b|c", "--timeout", "10", "--tries", "2")
     router, client = rig(kind, *options)
     peers = [receive(router)[0] for _ in range(2)]
     router.poll(4000)
@@ -156,7 +156,7 @@ def test_a_new_socket_costs_a_younger_request_no_try(kind, rig):
 
 @each_client
 def test_a_refusal_is_asked_again_over_the_same_socket_until_the_last_try(kind, rig):
-    router, client = rig(kind, "--count", "1", "--text", "a", "--patience", "4", "--tries", "3")
+    router, client = rig(kind, "--count", "1", "--text", "a", "--timeout", "4", "--tries", "3")
     tries = []
     for _ in range(3):
         tries.append(receive(router))
@@ -170,7 +170,7 @@ def test_a_refusal_is_asked_again_over_the_same_socket_until_the_last_try(kind, 
 def test_a_text_that_is_too_long_is_refused_and_only_it(kind, serve, start, client_command):
     _, endpoint = serve(KEY)
     text = "|".join(["x" * 65_537, "echo " + "ü" * 30_000, "sleep 0.3"])
-    options = ("--count", "3", "--text", text, "--tries", "1", "--patience", "60")
+    options = ("--count", "3", "--text", text, "--tries", "1", "--timeout", "60")
     client = start(*client_command(kind, KEY, endpoint, *options))
     assert client.wait() == 1, client.output
     assert sorted(sent(client)) == [
@@ -183,7 +183,7 @@ def test_a_text_that_is_too_long_is_refused_and_only_it(kind, serve, start, clie
 @each_client
 def test_a_slow_request_fails_alone(kind, serve, start, client_command):
     _, endpoint = serve(KEY)
-    options = ("--count", "3", "--patience", "3", "--tries", "2", "--text", "echo a|sleep 60|echo b")
+    options = ("--count", "3", "--timeout", "3", "--tries", "2", "--text", "echo a|sleep 60|echo b")
     client = start(*client_command(kind, KEY, endpoint, *options))
     assert client.wait() == 1, client.output
     assert sorted(sent(client)) == [
@@ -197,7 +197,7 @@ def test_a_slow_request_fails_alone(kind, serve, start, client_command):
 @each_client
 def test_a_server_that_comes_late_or_again_gets_what_is_open(kind, serve, start, client_command):
     endpoint = steady_endpoint()
-    options = ("--count", "40", "--patience", "1", "--tries", "60", "--text", "sleep 0.2")
+    options = ("--count", "40", "--timeout", "1", "--tries", "60", "--text", "sleep 0.2")
     client = start(*client_command(kind, KEY, endpoint, *options))
     client.wait_for("try 2 of 60")
     server, _ = serve(KEY, endpoint=endpoint)
@@ -214,7 +214,7 @@ def test_a_client_that_met_the_wrong_server_finds_the_right_one_later(kind, serv
     endpoint = steady_endpoint()
     with socket.create_server(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as wrong:
         wrong.settimeout(30)
-        options = ("--count", "2", "--text", "echo a", "--patience", "1", "--tries", "30")
+        options = ("--count", "2", "--text", "echo a", "--timeout", "1", "--tries", "30")
         client = start(*client_command(kind, KEY, endpoint, *options))
         raw, _ = wrong.accept()
         with raw:
@@ -233,7 +233,7 @@ def test_a_client_that_met_the_wrong_server_finds_the_right_one_later(kind, serv
 @each_client
 def test_a_reply_of_very_many_frames_is_dropped(kind, rig):
     # A second's work, for which a busy machine takes 20; if its time were quadratic, it would be minutes.
-    router, client = rig(kind, "--count", "1", "--text", "echo a", "--patience", "100", "--tries", "1")
+    router, client = rig(kind, "--count", "1", "--text", "echo a", "--timeout", "100", "--tries", "1")
     request = receive(router)[:2]
     router.send_multipart([*request, *[b""] * 200_000])
     router.send_multipart([*request, b"a"])
@@ -243,7 +243,7 @@ def test_a_reply_of_very_many_frames_is_dropped(kind, rig):
 
 @each_client
 def test_a_reply_that_is_too_large_ends_its_connection_only(kind, rig):
-    router, client = rig(kind, "--count", "1", "--text", "echo a", "--patience", "1", "--tries", "20")
+    router, client = rig(kind, "--count", "1", "--text", "echo a", "--timeout", "1", "--tries", "20")
     first = receive(router)
     router.send_multipart([*first[:2], b"x" * 65_537])
     again = receive(router)

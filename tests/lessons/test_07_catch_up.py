@@ -92,7 +92,7 @@ def test_joining_late_and_losing_messages_the_state_is_exact(kind, frozen, publi
         pytest.skip("Windows has no signals to freeze a program with")
     total, endpoint = 400_000 if frozen else 30_000, two_ports()
     # The client is there before the publisher begins: on a busy machine all may be said before it has started.
-    words = ("--count", str(total), "--until", str(total), "--every", "1000", "--patience", "60", "--seconds", "500")
+    words = ("--count", str(total), "--until", str(total), "--every", "1000", "--timeout", "60", "--seconds", "500")
     client = start(*client_command(kind, KEY, endpoint, *words))
     client.wait_for("^following")
     interval = "0.00003" if frozen else "0.0003"
@@ -120,7 +120,7 @@ def test_joining_late_and_losing_messages_the_state_is_exact(kind, frozen, publi
 def test_after_a_restart_the_subscriber_goes_on_and_says_what_it_missed(kind, publish, follow):
     # So slow that a client which takes half a minute to start still comes before number 1500.
     first, endpoint, snapshots = publish("--interval", "0.02")
-    options = ["--count", "1000000", "--until", "1500", "--every", "30", "--patience", "20"]
+    options = ["--count", "1000000", "--until", "1500", "--every", "30", "--timeout", "20"]
     client = follow(kind, endpoint, snapshots, *options)
     run = client.wait_for(JOINED)[1]
     client.wait_for(r"^\d+: at ", start=3)
@@ -215,7 +215,7 @@ def place(number):
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
     """Byte for byte as the server's header says; numbers have a point under a German locale, too."""
-    words = ("--count", "4", "--every", "1", "--patience", "30")
+    words = ("--count", "4", "--every", "1", "--timeout", "30")
     client = follow(kind, fake.endpoint, fake.snapshots, *words, **environment)
     assert fake.subscribed() == b"\x01pose/"
     fake.stream.send(pose("one", 5))
@@ -267,7 +267,7 @@ def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_gap_is_noticed_at_once_and_not_by_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "0", "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "0", "--timeout", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 1))
     fake.answers(b"0 " + pose("one", 1), client, JOINED)
@@ -286,7 +286,7 @@ def test_a_gap_is_noticed_at_once_and_not_by_silence(kind, fake, follow):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_every_message_counts_in_the_checksum(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0", "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0", "--timeout", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 1))
     checksum = 4294967295
@@ -300,7 +300,7 @@ def test_every_message_counts_in_the_checksum(kind, fake, follow):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4", "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4", "--timeout", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 2))
     fake.stream.send(pose("one", 3))
@@ -312,7 +312,7 @@ def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_request_that_got_lost_is_asked_again(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2", "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2", "--timeout", "30")
     fake.subscribed()
     fake.request()
     fake.answers(b"1 " + pose("one", 2), client)
@@ -324,7 +324,7 @@ def test_a_request_that_got_lost_is_asked_again(kind, fake, follow):
 def test_a_stream_that_never_comes_is_said(kind, fake, follow):
     """Such as a firewall that lets only the snapshots through."""
     nowhere = f"tcp://127.0.0.1:{free_port()}"
-    client = follow(kind, nowhere, fake.snapshots, "--patience", "30")
+    client = follow(kind, nowhere, fake.snapshots, "--timeout", "30")
     number, deadline = 0, time.monotonic() + LIMIT
     while client.process.poll() is None and time.monotonic() < deadline:
         if fake.router.poll(50):
@@ -352,7 +352,7 @@ def test_a_stream_that_never_comes_is_said(kind, fake, follow):
     ids=lambda answer: repr(answer)[:20],
 )
 def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--timeout", "30")
     fake.answers(answer, client)
     assert client.wait() == 1, client.output
     assert client.lines[-1].startswith(f"gave up: what answers at {fake.snapshots} gives no snapshots: ")
@@ -373,7 +373,7 @@ def wrong_poses(number):
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_only_plain_numbers_are_numbers(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "1", "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "1", "--timeout", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 11))
     fake.answers(b"7 " + pose("one", 11), client, JOINED)
@@ -395,7 +395,7 @@ def test_only_plain_numbers_are_numbers(kind, fake, follow):
 @pytest.mark.parametrize("number", [5, 4], ids=["the same", "a lower one"])
 def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow):
     """Such as a frozen robot that sends its last pose again and again."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "3", "--count", "9", "--patience", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "3", "--count", "9", "--timeout", "30")
     fake.subscribed()
     deadline = time.monotonic() + LIMIT
     while client.process.poll() is None and time.monotonic() < deadline:
@@ -409,7 +409,7 @@ def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_broken_reply_is_waited_for_no_longer_than_another(kind, fake, follow):
     """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--patience", "20")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--timeout", "20")
     fake.subscribed()
     who, _ = fake.request()
     fake.router.send_multipart([who, b"no empty frame"])
@@ -422,7 +422,7 @@ def test_the_wrong_server_first_and_then_the_right_one(kind, publish, serve, fol
     """After a peer that is no publisher, libzmq never connects again by itself."""
     endpoint, snapshots = (steady_endpoint() for _ in range(2))
     wrong = [serve("01_request_reply", endpoint=where)[0] for where in (endpoint, snapshots)]
-    client = follow(kind, endpoint, snapshots, "--count", "50", "--until", "0", "--patience", "25", "--every", "0")
+    client = follow(kind, endpoint, snapshots, "--count", "50", "--until", "0", "--timeout", "25", "--every", "0")
     client.wait_for("^following")
     # Lesson 01's server answers whoever asks it for a snapshot, and the client says so and ends. So it gets no answer.
     for server in wrong[1:]:
@@ -436,7 +436,7 @@ def test_the_wrong_server_first_and_then_the_right_one(kind, publish, serve, fol
 
 @pytest.mark.parametrize("kind", CLIENTS)
 def test_a_far_publisher_is_followed(kind, publish, follow):
-    """With a round trip of 400 ms, and the patience that the client has when nobody sets it."""
+    """With a round trip of 400 ms, and the timeout that the client has when nobody sets it."""
     _, endpoint, snapshots = publish()
     with SlowLine(endpoint, 0.4) as far, SlowLine(snapshots, 0.4) as far_snapshots:
         client = follow(kind, far.endpoint, far_snapshots.endpoint, "--count", "30")

@@ -123,7 +123,7 @@ def test_a_thousand_steps_are_the_golden_ones(kind, driver, start, client_comman
     """Each picture is compared to the byte with the one of a world of the test's own, and all with the kept sum."""
     teacher = Teacher()
     there = driver(teacher)
-    client = start(*client_command(kind, KEY, there.endpoint, "--count", "1000", "--lockstep", "--patience", "60"))
+    client = start(*client_command(kind, KEY, there.endpoint, "--count", "1000", "--lockstep", "--timeout", "60"))
     assert client.wait(800) == 0, client.output
     assert client.lines[-1] == "done: 1000 actions, 0 pictures skipped"
     assert teacher.other == []
@@ -138,7 +138,7 @@ def test_an_action_names_its_picture(kind, driver, start, client_command):
     wrong = {2: {"frame": never}, 4: {"steer": "left"}}
     turn = itertools.count(1)
     there = driver(lambda frame: wrong.get(next(turn), {"steer": 1e300, "throttle": -7}))
-    client = start(*client_command(kind, KEY, there.endpoint, "--count", "10", "--patience", "20"))
+    client = start(*client_command(kind, KEY, there.endpoint, "--count", "10", "--timeout", "20"))
     assert client.wait() == 0, client.output
     asked = there.frames[1].id
     client.wait_for(f"^trouble: wrong-frame: an action for picture {never}, but {asked} was asked about$")
@@ -150,7 +150,7 @@ def test_an_action_names_its_picture(kind, driver, start, client_command):
 @each_client
 def test_a_driver_that_never_answers_with_numbers_is_given_up(kind, driver, start, client_command):
     there = driver(lambda frame: {"brake": True} if frame.id % 2 else {"throttle": "nan"})
-    client = start(*client_command(kind, KEY, there.endpoint, "--tries", "4", "--patience", "20"))
+    client = start(*client_command(kind, KEY, there.endpoint, "--tries", "4", "--timeout", "20"))
     assert client.wait() == 1, client.output
     assert sum("trouble: no-action" in line for line in client.lines) == 3
     assert any("gave up: no-action" in line for line in client.lines)
@@ -175,7 +175,7 @@ def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind,
 def test_a_car_without_actions_brakes_and_drives_on_when_they_come_again(kind, driver, start, client_command):
     # Longer than a client may be without a processor: it brakes for the time that it has seen pass.
     there = driver(after(0.0, 100, 4))
-    client = start(*client_command(kind, KEY, there.endpoint, "--count", "150", "--patience", "20"))
+    client = start(*client_command(kind, KEY, there.endpoint, "--count", "150", "--timeout", "20"))
     client.wait_for("^trouble: no action for 0.5 s: braking$")
     begin = len(client.lines)
     assert client.wait() == 0, client.output
@@ -190,7 +190,7 @@ def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_com
     """A server that is away for a time: each picture is the step after the last one."""
     # A busy machine takes a second for a new connection, and for a look at what has come.
     there = driver(after(0.02, 50, 6))
-    words = ["--lockstep", "--count", "100", "--patience", "3"]
+    words = ["--lockstep", "--count", "100", "--timeout", "3"]
     client = start(*client_command(kind, KEY, there.endpoint, *words))
     assert client.wait() == 0, client.output
     client.wait_for("^trouble: no reply from")
@@ -246,7 +246,7 @@ def test_several_cameras_are_as_many_pictures(kind, cameras, driver, start, clie
 
 def test_a_german_machine_writes_the_same_numbers(driver, start, client_command):
     there = driver(lambda frame: {"steer": 0.25})
-    words = ["--count", "3", "--every", "1", "--patience", "1.5"]
+    words = ["--count", "3", "--every", "1", "--timeout", "1.5"]
     client = start(*client_command("csharp", KEY, there.endpoint, *words), LC_ALL="de_DE.UTF-8", LANG="de_DE.UTF-8")
     assert client.wait() == 0, client.output
     client.wait_for(r"^frame \d+: age \d+, \d+\.\d ms; steer 0\.25, speed \d\.\d m/s, 0\.\d m off the middle$")

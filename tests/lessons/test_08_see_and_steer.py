@@ -131,7 +131,7 @@ def check_recording(folder, lost=0):
 )
 def test_the_numbered_picture_is_the_recorded_one(kind, words, serve, start, client_command, tmp_path):
     server, endpoint = serve(KEY, "--record", "runs")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "100", "--patience", "20", *words))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "100", "--timeout", "20", *words))
     assert client.wait(500) == 0, client.output
     server.wait_for(f"^recorded 100 pictures to {re.escape(str(Path('runs/run_0001')))}$")
     known = check_recording(tmp_path / "runs" / "run_0001")
@@ -220,7 +220,7 @@ def test_the_recorder_in_figures(tmp_path, plain, capsys):
 
 def replay(start, folder, endpoint, *words):
     # Patient: what came too late is recorded as well, or would have no action.
-    program = start(PYTHON, LESSON / "replay.py", folder, "--endpoint", endpoint, "--patience", "20", *words)
+    program = start(PYTHON, LESSON / "replay.py", folder, "--endpoint", endpoint, "--timeout", "20", *words)
     assert program.wait() == 0, program.output
     return program.lines
 
@@ -228,7 +228,7 @@ def replay(start, folder, endpoint, *words):
 def test_a_replay_gives_the_same_actions_to_the_bit(driven, start, client_command, tmp_path):
     server, endpoint = driven("return follow_road(picture, speed)", "--record", "runs")
     for words in ["--jpeg"], []:
-        client = start(*client_command("python", KEY, endpoint, "--count", "100", "--patience", "20", *words))
+        client = start(*client_command("python", KEY, endpoint, "--count", "100", "--timeout", "20", *words))
         assert client.wait() == 0, client.output
         server.wait_for(rf"^recorded 100 pictures to .*run_000{1 + (words == [])}$")
     lines = replay(start, tmp_path / "runs" / "run_0001", endpoint, "--compare")
@@ -383,7 +383,7 @@ def test_lerobots_reader_gets_the_pictures(start, context, ask, plain):
 def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp_path):
     """Of either side, while it records."""
     endpoint, chance = steady_endpoint(), random.Random(8)
-    words = ["--count", "100000", "--patience", "0.3", "--tries", "1000"]
+    words = ["--count", "100000", "--timeout", "0.3", "--tries", "1000"]
     client = start(*client_command("python", KEY, endpoint, *words))
     for number in range(1, 5):
         server, _ = serve(KEY, "--record", "runs", endpoint=endpoint)
@@ -566,7 +566,7 @@ def test_what_is_no_recording_is_named_in_one_line(name, tmp_path):
 
 
 def test_a_replay_without_a_server_gives_up(start, tmp_path):
-    words = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--patience", "0.2"]
+    words = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "0.2"]
     program = start(PYTHON, LESSON / "replay.py", recorded(tmp_path, 5), *words)
     assert program.wait() == 1
     assert re.fullmatch(r"gave up: no reply from tcp://\S+ within 0.2 s; is the server running\?", program.lines[-1])

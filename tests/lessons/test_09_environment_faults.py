@@ -203,11 +203,11 @@ def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(faked):
     assert steps()[:2] == [2, 2] and sorted(set(steps())) == list(range(2, 10))
 
 
-def test_a_silent_simulator_is_lost_after_the_patience(faked):
+def test_a_silent_simulator_is_lost_after_the_timeout(faked):
     env, _ = faked(lambda request: Fake.state(request) if request.kind == "reset" else [])
     env.reset()
     # From here on only: to come and to begin takes longer on a busy machine.
-    env.unwrapped.simulators.limit = env.unwrapped.connection.patience = 0.3
+    env.unwrapped.simulators.limit = env.unwrapped.connection.timeout = 0.3
     assert env.step(0)[3:] == (True, {"lost": "no answer to step within 0.3 s"})
     with pytest.raises(TimeoutError, match=r"no simulator came to tcp://127.0.0.1:\d+ within 0.3 s; is it running\?"):
         env.reset()
@@ -314,7 +314,7 @@ def test_a_second_simulator_is_told_that_there_is_one(make, launch, start, clien
     env = make(launch=launch("python"))
     env.reset(seed=1)
     endpoint = env.unwrapped.connection.endpoint
-    second = start(*client_command("python", KEY, endpoint, "--patience", "5"))
+    second = start(*client_command("python", KEY, endpoint, "--timeout", "5"))
     while second.process.poll() is None:
         if any(env.step(env.action_space.sample())[2:4]):
             env.reset()
@@ -379,7 +379,7 @@ def test_it_may_be_closed_twice_or_forgotten(make, launch):
 @each_client
 def test_a_trainer_that_ends_leaves_no_simulator(kind, how, start, launch):
     mark = Mark()
-    words = ["--generations", "1000000", "--launch", *launch(kind, "--patience", "1")]
+    words = ["--generations", "1000000", "--launch", *launch(kind, "--timeout", "1")]
     trainer = start(PYTHON, LESSON / "train.py", *words, **mark.environment)
     trainer.wait_for("^generation 1")
     assert len(mark.processes()) == 2

@@ -32,7 +32,7 @@ from simulator import Simulator  # noqa: E402
 from simulators import Simulators  # noqa: E402
 from spaces import to_array  # noqa: E402
 
-CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--patience", "30"]
+CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--timeout", "30"]
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
 
 
@@ -98,8 +98,8 @@ def test_an_action_of_another_dtype_is_named_in_one_line(make):
         ({"launch": [""]}, "no game at "),
         ({"wait": None}, "wait takes seconds, .*not None"),
         ({"wait": -1}, "wait takes seconds, .*not -1"),
-        ({"patience": float("nan")}, "patience takes seconds, .*not nan"),
-        ({"patience": "5"}, "patience takes seconds, .*not '5'"),
+        ({"timeout": float("nan")}, "timeout takes seconds, .*not nan"),
+        ({"timeout": "5"}, "timeout takes seconds, .*not '5'"),
         ({"launch": [str(PYTHON), "-c", "raise SystemExit(3)"]}, "ended with code 3, and never came to"),
     ],
 )
@@ -329,7 +329,7 @@ def test_why_a_simulator_was_refused_is_in_its_last_line(kind, start, client_com
     with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
         router.linger = 0
         endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
-        client = start(*client_command(kind, KEY, endpoint, "--patience", "5"))
+        client = start(*client_command(kind, KEY, endpoint, "--timeout", "5"))
         assert router.poll(1000 * LIMIT)
         peer, *_ = router.recv_multipart()
         router.send_multipart([peer, *Message("error", 0, {"code": "bad-space", "text": "it is odd"}).frames()])
@@ -411,7 +411,7 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
         engine.name,
         "--endpoint",
         endpoint,
-        "--patience",
+        "--timeout",
         "200",
     ]
     player = start(PYTHON, *words)

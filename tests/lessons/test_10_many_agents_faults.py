@@ -163,7 +163,7 @@ def test_who_is_lost_at_the_reset_as_well_begins_once_more(made, monkeypatch):
 @each_terminal
 def test_another_number_of_areas_is_one_clear_line(kind, serve, start, client_command):
     server, endpoint = serve(KEY, "--world", "CartPole", "--areas", "16")
-    words = ["--world", "CartPole", "--areas", "8", "--patience", "5"]
+    words = ["--world", "CartPole", "--areas", "8", "--timeout", "5"]
     client = start(*client_command(kind, KEY, endpoint, *words))
     text = "wrong-areas: num_envs is 16, the simulator has 8: start it with --areas 16, or put 16 areas below it"
     assert client.wait() == 1

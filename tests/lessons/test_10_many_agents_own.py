@@ -150,7 +150,7 @@ def test_the_pages_world_is_the_same_in_both_languages(tag, engine, console, sta
     """Two games, one of them to its end."""
     (tmp_path / "Tag.cs").write_text(of_the_page("csharp", "class Tag"), encoding="utf-8")
     endpoint = steady_endpoint()
-    words = ["--engine", engine.name, "--endpoint", endpoint, "--patience", "200"]
+    words = ["--engine", engine.name, "--endpoint", endpoint, "--timeout", "200"]
     player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Tag.cs", *words)
     envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
     try:

@@ -198,12 +198,12 @@ def test_the_newest_pictures_are_those_of_the_game_that_is_there(films, game):
 
 def test_a_game_that_answers_too_late_is_not_filmed_for_ever(films, peer):
     peer.hello()
-    films.patience = 0.2
+    films.timeout = 0.2
     with pytest.raises(TimeoutError, match=r"no answer to begin within 0\.2 s; does the game hang"):
         films.begin_render("one")
     peer.begun()
     assert peer.next("end").values["view"] == "one"
-    films.patience = LIMIT
+    films.timeout = LIMIT
     begin(films, peer)
 
 
@@ -320,7 +320,7 @@ def test_in_unity_it_is_one_line(names, why, engine, start):
 @pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])
 def test_a_game_ends_when_it_wants_to_also_without_python(kind, serve, start, client_command):
     server, endpoint = serve(KEY, "--seconds", "60", "--view", "map")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "60", "--patience", "600"))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "60", "--timeout", "600"))
     server.wait_for("^begin map")
     server.kill()
     assert client.wait() == 0, client.output
@@ -329,7 +329,7 @@ def test_a_game_ends_when_it_wants_to_also_without_python(kind, serve, start, cl
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no Ctrl-C for another program")
 def test_ctrl_c_does_not_wait_for_python(start, client_command, filmer):
-    client = start(*client_command("python", KEY, filmer.endpoint, "--patience", "600"))
+    client = start(*client_command("python", KEY, filmer.endpoint, "--timeout", "600"))
     # Which is never answered.
     filmer.next("hello")
     assert client.stop(signal.SIGINT) == 1

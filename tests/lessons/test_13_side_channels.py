@@ -99,7 +99,7 @@ def test_trouble_in_one_conversation_is_not_the_others_business(
 @each_client
 def test_a_server_that_was_started_again_is_told_again(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, "--count", "2000", "--patience", "20"))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "2000", "--timeout", "20"))
     client.wait_for("^20: ")
     server.kill()
     again, _ = serve(KEY, endpoint=endpoint)
@@ -117,7 +117,7 @@ def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command)
         dying.linger = 0
         endpoint = steady_endpoint()
         dying.bind(endpoint)
-        client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--patience", "20"))
+        client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--timeout", "20"))
         assert dying.poll(60_000)
         peer, _ = dying.recv_multipart()
         seen = FloatPropertiesChannel()
@@ -136,7 +136,7 @@ def test_a_server_of_something_else_is_given_up(kind, start, client_command):
     with zmq.Context() as context, context.socket(zmq.ROUTER) as echo:
         echo.linger = 0
         endpoint = f"tcp://127.0.0.1:{echo.bind_to_random_port('tcp://127.0.0.1')}"
-        client = start(*client_command(kind, KEY, endpoint, "--patience", "3"))
+        client = start(*client_command(kind, KEY, endpoint, "--timeout", "3"))
         while client.process.poll() is None:
             if echo.poll(50):
                 echo.send_multipart(echo.recv_multipart())
@@ -151,7 +151,7 @@ def test_python_speaks_whenever_it_likes(start, client_command):
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
         log = GameLog()
         carrier = Carrier(socket, lambda: SideChannelManager([log]), print)
-        client = start(*client_command("csharp", KEY, endpoint, "--patience", "20"))
+        client = start(*client_command("csharp", KEY, endpoint, "--timeout", "20"))
         for number in range(3):
             while not carrier.peers:
                 carrier.exchange()

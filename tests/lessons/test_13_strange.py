@@ -97,7 +97,7 @@ def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_comma
         server.linger = 0
         endpoint = f"tcp://127.0.0.1:{server.bind_to_random_port('tcp://127.0.0.1')}"
         # How many more there were is said each second.
-        client = start(*client_command(kind, KEY, endpoint, "--patience", "4"))
+        client = start(*client_command(kind, KEY, endpoint, "--timeout", "4"))
         while client.process.poll() is None:
             if server.poll(50):
                 server.send_multipart([server.recv_multipart()[0], wrong])
@@ -114,7 +114,7 @@ def test_what_is_no_number_is_printed_in_the_same_way(kind, start, client_comman
         socket.linger, socket.rcvtimeo = 0, 20
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
         carrier = Carrier(socket, lambda: SideChannelManager([parameters]), print)
-        client = start(*client_command(kind, KEY, endpoint, "--patience", "20"))
+        client = start(*client_command(kind, KEY, endpoint, "--timeout", "20"))
         while not carrier.peers:
             carrier.exchange()
         for value in ("inf", "-inf", "nan"):
@@ -185,7 +185,7 @@ def test_a_python_that_is_silent_for_longer_is_waited_for(start, console, engine
     (tmp_path / "MyChannels.cs").write_text(SCENE, encoding="utf-8")
     scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "MyChannels.cs"])
     endpoint = steady_endpoint()
-    player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--patience", "1")
+    player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--timeout", "1")
     silence = f"^no word from {endpoint} within 1 s; is the server running. It is tried again and again$"
     player.wait_for(silence)
     parameters, stats = [], StatsSideChannel()

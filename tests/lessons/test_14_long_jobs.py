@@ -35,7 +35,7 @@ def process_of(server, job):
 @pytest.mark.parametrize("work, said", [("count", "100 bytes, sum 5050"), ("picture", r"30000 bytes, sum \d+")])
 def test_a_job_to_its_end(kind, work, said, serve, start, client_command):
     _, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, "--kind", work, "--patience", "20"))
+    client = start(*client_command(kind, KEY, endpoint, "--kind", work, "--timeout", "20"))
     assert client.wait() == 0, client.output
     job = re.fullmatch(rf"asking {endpoint} for job ([0-9a-f]{{32}})", client.lines[0])[1]
     assert client.lines[1] == f"job {job[:8]}: accepted"
@@ -50,11 +50,11 @@ def test_a_job_to_its_end(kind, work, said, serve, start, client_command):
 def test_all_clients_have_the_same_numbers(serve, start, client_command):
     """Of the same job: one begins it, and the others come back to it after its end."""
     _, endpoint = serve(KEY)
-    first = start(*client_command("python", KEY, endpoint, "--kind", "picture", "--count", "40", "--patience", "20"))
+    first = start(*client_command("python", KEY, endpoint, "--kind", "picture", "--count", "40", "--timeout", "20"))
     assert first.wait() == 0, first.output
     job = first.lines[0].rpartition(" ")[2]
     for kind in CLIENTS:
-        client = start(*client_command(kind, KEY, endpoint, "--resume", job, "--patience", "20"))
+        client = start(*client_command(kind, KEY, endpoint, "--resume", job, "--timeout", "20"))
         assert client.wait() == 0, client.output
         assert client.lines == [first.lines[0], *first.lines[-2:]]
 
@@ -62,12 +62,12 @@ def test_all_clients_have_the_same_numbers(serve, start, client_command):
 @each_client
 def test_leave_and_come_back(kind, jobs_server, start, client_command, peer):
     _, endpoint = jobs_server()
-    long = ("--kind", "count", "--count", "5000", "--patience", "20")
+    long = ("--kind", "count", "--count", "5000", "--timeout", "20")
     client = start(*client_command(kind, KEY, endpoint, *long, "--leave-at", "30"))
     assert client.wait() == 0, client.output
     left, job = re.fullmatch(r"left at (\d+); come back with --resume (\w+)", client.lines[-1]).groups()
     peer(endpoint, job).at(int(left) + 20)
-    again = start(*client_command(kind, KEY, endpoint, "--resume", job, "--cancel-at", "1", "--patience", "20"))
+    again = start(*client_command(kind, KEY, endpoint, "--resume", job, "--cancel-at", "1", "--timeout", "20"))
     assert again.wait() == 0, again.output
     assert int(re.fullmatch(rf"job {job[:8]}: (\d+) of 5000", again.lines[1])[1]) >= int(left) + 20, "it went on"
     assert re.fullmatch(rf"job {job[:8]}: canceled at \d+ of 5000", again.lines[-2])
@@ -76,7 +76,7 @@ def test_leave_and_come_back(kind, jobs_server, start, client_command, peer):
 @each_client
 def test_cancel(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
-    words = ("--kind", "count", "--count", "5000", "--cancel-at", "30", "--patience", "20")
+    words = ("--kind", "count", "--count", "5000", "--cancel-at", "30", "--timeout", "20")
     client = start(*client_command(kind, KEY, endpoint, *words))
     assert client.wait() == 0, client.output
     name = client.lines[1].partition(":")[0]

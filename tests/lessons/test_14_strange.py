@@ -67,7 +67,7 @@ def test_every_client_has_a_kind_of_your_own_done_with_its_text(kind, own_server
     page = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
     server = own_server("\n\n" + next(block.body for block in page if "has it done by every client" in block.source))
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    words = ("--count", "3", "--patience", "20")
+    words = ("--count", "3", "--timeout", "20")
     client = start(*client_command(kind, KEY, endpoint, "--kind", "primes", "--text", "1000000", *words))
     wrong = start(*client_command(kind, KEY, endpoint, "--kind", "primes", "--text", "zwölf", *words))
     unknown = start(*client_command(kind, KEY, endpoint, "--kind", "proofs", *words))
@@ -322,7 +322,7 @@ STRANGE = [
 def test_what_a_strange_server_says_of_a_job_is_one_line(kind, context, start, client_command):
     servers = [Wrong(context, replies) for replies, _ in STRANGE]
     try:
-        clients = [start(*client_command(kind, KEY, server.endpoint, "--patience", "20")) for server in servers]
+        clients = [start(*client_command(kind, KEY, server.endpoint, "--timeout", "20")) for server in servers]
         for client, (_, last) in zip(clients, STRANGE, strict=True):
             assert client.wait() == (1 if last.startswith("gave up") else 0), client.output
             assert client.lines[-1] == last
@@ -337,7 +337,7 @@ def test_what_a_strange_server_says_of_a_job_is_one_line(kind, context, start, c
 def test_a_flood_of_what_is_no_message_is_no_flood_of_lines(kind, context, start, client_command):
     server = Wrong(context, lambda job: [[b"rubbish"]] * 900)
     try:
-        client = start(*client_command(kind, KEY, server.endpoint, "--patience", "2", "--tries", "2"))
+        client = start(*client_command(kind, KEY, server.endpoint, "--timeout", "2", "--tries", "2"))
         assert client.wait() == 1
     finally:
         server.ended.set()

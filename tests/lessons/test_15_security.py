@@ -27,7 +27,7 @@ FOLDER = ROOT / "python" / KEY
 clients = pytest.mark.parametrize("kind", CLIENTS)
 NOBODY = "a" * 40
 # C# compiles its cryptography, and a busy machine takes its time.
-PATIENT = ("--patience", "30")
+PATIENT = ("--timeout", "30")
 HELLO = ["1: sent Hello, received Hello alice", "2: sent Hello, received Hello alice", "done: 2 replies"]
 
 
@@ -271,7 +271,7 @@ def test_the_clients_of_other_lessons_come_through_the_gate_with_keys(
     command = client_command(kind, key, endpoint, "--count", "5")
     with_keys = start(*command, *PATIENT, "--with-keys", str(folder))
     assert with_keys.wait() == 0, with_keys.output
-    tries = ["--tries", "1", "--patience", "0.3"]
+    tries = ["--tries", "1", "--timeout", "0.3"]
     without = start(*command, *tries)
     assert without.wait() == 1, without.output
     assert ran("revoke", "alice", folder=folder)[0] == 0

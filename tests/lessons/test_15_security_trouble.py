@@ -198,7 +198,7 @@ def test_a_subscriber_in_csharp_hears_only_with_a_key(kind, folder, start, clien
         allowed.answer(servers)
         allowed.guard(publisher)
         endpoint = f"tcp://127.0.0.1:{publisher.bind_to_random_port('tcp://127.0.0.1')}"
-        words = client_command(kind, "03_publish_subscribe", endpoint, "--count", "3", "--every", "1", "--patience")
+        words = client_command(kind, "03_publish_subscribe", endpoint, "--count", "3", "--every", "1", "--timeout")
         stranger, alice = start(*words, "5"), start(*words, "25", "--with-keys", str(folder))
         deadline, number = time.monotonic() + LIMIT, 0
         while alice.process.poll() is None and time.monotonic() < deadline:

@@ -122,7 +122,7 @@ def goes_on(client, what):
 def test_gateway_and_server_are_killed_and_the_client_goes_on(kind, socketio_too, serve, start, client_command):
     server, behind = serve(HELLO, "--delay", "0.01")
     gateway, endpoint = serve(KEY, "--hello", behind, *ABSENT[2:])
-    words = ["--count", "150", "--patience", "50", *by(kind, socketio_too)]
+    words = ["--count", "150", "--timeout", "50", *by(kind, socketio_too)]
     client = start(*client_command(kind, KEY, endpoint, *words))
     client.wait_for("^30: ")
     gateway.kill()

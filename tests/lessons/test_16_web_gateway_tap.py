@@ -82,7 +82,7 @@ def test_a_lesson_runs_through_it_unchanged(key, client, words, serve, tap, clie
     for name in others:
         words += f" --{name} {program.endpoints()[name]}"
     # A second try would be for a message that the tap has lost, and for nothing else.
-    client = start(*client_command(client, key, endpoint, *words.split(), "--patience", "20"), folder=tmp_path)
+    client = start(*client_command(client, key, endpoint, *words.split(), "--timeout", "20"), folder=tmp_path)
     assert client.wait() == 0, client.output
     assert client.lines[-1].startswith("done: ") and "try 2" not in client.output
     assert arrow(page, 1)["text"].startswith("opened: ")
@@ -100,7 +100,7 @@ def test_trouble_is_what_lesson_02_is_made_for(fate, client, serve, tap, client_
     late = "import time; sleep = time.sleep; time.sleep = lambda seconds: sleep(7 * seconds); import tap; tap.main()"
     program = ["-c", late] if fate == "delay" else [LESSON / "tap.py"]
     _, endpoint, page = tap(endpoint, f"--{fate}", "3", program=program)
-    words = client_command(client, "02_lazy_pirate", endpoint, "--count", "3", "--patience", "3")
+    words = client_command(client, "02_lazy_pirate", endpoint, "--count", "3", "--timeout", "3")
     asking = start(*words, folder=tmp_path)
     assert asking.wait() == 0, asking.output
     assert "3: sent add 1, received 3" in asking.lines
@@ -174,7 +174,7 @@ def test_heartbeats_pass_byte_by_byte_and_make_no_arrow(tap):
 def test_where_no_server_is_the_client_is_told_what_it_always_is(tap, client_command, start, tmp_path):
     port = free_port()
     program, endpoint, page = tap(f"tcp://127.0.0.1:{port}")
-    words = ["--count", "1", "--tries", "2", "--patience", "0.2"]
+    words = ["--count", "1", "--tries", "2", "--timeout", "0.2"]
     client = start(*client_command("python", "02_lazy_pirate", endpoint, *words), folder=tmp_path)
     assert client.wait() == 1 and "gave up: 2 tries" in client.output
     assert arrow(page, 1)["text"] == f"no server at 127.0.0.1:{port}"

@@ -231,7 +231,7 @@ def test_a_flood_of_requests_holds_up_no_end(gateway):
             for i in range(3000):
                 await browser.send_str(f'42{i}["background","Hello"]')
         await asyncio.to_thread(program.wait_for, "^browser 1 left$")
-        # It is here still, and does not listen. Ten seconds are Socket.IO's own patience.
+        # It is here still, and does not listen. Ten seconds are Socket.IO's own timeout.
         assert await asyncio.to_thread(program.stop, limit=8) == 0
 
     by_socketio(endpoint, talk)
@@ -270,7 +270,7 @@ def test_a_full_gateway_is_not_a_wrong_token(kind, socketio_too, start, client_c
     code = "import door; door.MOST = 0; import server; server.main()"
     program = start(PYTHON, "-c", code, "--endpoint", "http://127.0.0.1:0", PYTHONPATH=str(FOLDER))
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
-    client = start(*client_command(kind, KEY, endpoint, "--patience", "4", *by(kind, socketio_too)))
+    client = start(*client_command(kind, KEY, endpoint, "--timeout", "4", *by(kind, socketio_too)))
     assert client.wait() == 1
     assert f"no reply from {endpoint} within 4 s; is the server running? (" in client.output
     assert "token" not in client.output
@@ -278,7 +278,7 @@ def test_a_full_gateway_is_not_a_wrong_token(kind, socketio_too, start, client_c
 
 
 @pytest.mark.parametrize(
-    "words", [["--endpoint", f"http://{'a' * 70}:0"], ["--patience", "0"]], ids=["host", "patience"]
+    "words", [["--endpoint", f"http://{'a' * 70}:0"], ["--timeout", "0"]], ids=["host", "timeout"]
 )
 def test_wrong_words_of_the_gateway(words, start):
     program = start(PYTHON, FOLDER / "server.py", "--endpoint", "http://127.0.0.1:0", "--token", "x", *words)

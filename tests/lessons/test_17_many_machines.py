@@ -107,7 +107,7 @@ def test_what_a_straggler_is_late_with_is_asked_for_elsewhere(serve, simulators,
 @each_client
 def test_another_build_is_refused_by_name_on_both_sides(kind, serve, start, client_command):
     hub, endpoint = serve(KEY, "--build", "7")
-    stranger = start(*client_command(kind, KEY, endpoint, "--patience", "5", "--build", "six"))
+    stranger = start(*client_command(kind, KEY, endpoint, "--timeout", "5", "--build", "six"))
     text = "other-build: 'CartPole' of build 'six', this hub takes '7': use one build everywhere"
     hub.wait_for(f"^refused: {text}$")
     assert stranger.wait() == 1
@@ -117,7 +117,7 @@ def test_another_build_is_refused_by_name_on_both_sides(kind, serve, start, clie
 
 
 def test_a_fleet_that_is_too_small_is_said(serve, simulators, train):
-    _, endpoint = serve(KEY, "--patience", "0.5", *STAY)
+    _, endpoint = serve(KEY, "--timeout", "0.5", *STAY)
     simulators(endpoint, "python")
     simulators(endpoint, "python", words=["--crash-after", "20"])
     trainer = train(endpoint, 2, 20)
@@ -147,7 +147,7 @@ def test_a_trainer_says_that_no_hub_answers(train):
 def test_a_simulator_with_keys_that_nobody_lets_in_names_them(kind, start, client_command, tmp_path):
     keys.example(tmp_path)
     endpoint = f"tcp://127.0.0.1:{free_port()}"
-    client = start(*client_command(kind, KEY, endpoint, "--keys", str(tmp_path), "--patience", "1"))
+    client = start(*client_command(kind, KEY, endpoint, "--keys", str(tmp_path), "--timeout", "1"))
     assert client.wait() == 1
     why = "is the server running, and has this simulator's key on its list? (no connection)"
     assert client.lines[-1] == f"gave up: no environment at {endpoint} within 1 s; {why}"
@@ -315,7 +315,7 @@ def test_with_keys_it_lets_in_who_is_on_its_list(kind, serve, start, client_comm
     folder = tmp_path / "keys"
     keys.example(folder)
     _, endpoint = serve(KEY, *STAY, "--keys", str(folder))
-    stranger = start(*client_command("python", KEY, endpoint, "--patience", "1"))
+    stranger = start(*client_command("python", KEY, endpoint, "--timeout", "1"))
     start(*client_command(kind, KEY, endpoint, "--keys", str(folder))).wait_for("^simulating CartPole")
     assert played(train(endpoint, 1, 3, "--keys", str(folder))) == returns(3)
     assert stranger.wait() == 1
@@ -337,8 +337,8 @@ def test_a_hub_is_found_by_its_beacon_and_by_its_key(kind, serve, start, console
     keys.example(folder)
     first, _ = serve(KEY, "--announce", f"127.255.255.255:{port}")
     command = [PYTHON, ROOT / "python" / KEY / "client.py"] if kind == "python" else [*console, KEY]
-    with_keys = start(*command, "--find", str(port), "--keys", str(folder), "--patience", "10")
-    without = start(*command, "--find", str(port), "--patience", "20")
+    with_keys = start(*command, "--find", str(port), "--keys", str(folder), "--timeout", "10")
+    without = start(*command, "--find", str(port), "--timeout", "20")
     without.wait_for("^simulating CartPole")
     # The other one passes over a hub that is not its own.
     assert with_keys.wait() == 1
@@ -347,9 +347,9 @@ def test_a_hub_is_found_by_its_beacon_and_by_its_key(kind, serve, start, console
     assert with_keys.lines[-1] == f"{heard} of another key, 127.0.0.1; {cure}"
     first.stop()
     _, endpoint = serve(KEY, "--announce", f"127.255.255.255:{port}", "--keys", str(folder))
-    found = start(*command, "--find", str(port), "--keys", str(folder), "--patience", "20")
+    found = start(*command, "--find", str(port), "--keys", str(folder), "--timeout", "20")
     found.wait_for(f"^simulating CartPole for {endpoint}$")
-    without = start(*command, "--find", str(port), "--patience", "10")
+    without = start(*command, "--find", str(port), "--timeout", "10")
     assert without.wait() == 1
     assert without.lines[-1] == f"{heard} one that has keys, 127.0.0.1; give its keys"
 

@@ -100,7 +100,7 @@ def simulators(machines, start, client_command):
     """Started side by side; each asks for the hub for a minute."""
 
     def some(count, kind="python", *words):
-        command = client_command(kind, KEY, f"tcp://{HUB}:{PORT}", "--patience", "60", *words)
+        command = client_command(kind, KEY, f"tcp://{HUB}:{PORT}", "--timeout", "60", *words)
         return [start(*machines.inside("simulators"), *command) for _ in range(count)]
 
     return some
@@ -204,9 +204,9 @@ asyncio.run(main())
 
 @pytest.mark.long
 def test_a_slow_network_changes_no_result(machines, hub, start, client_command, train):
-    hub("--patience", "120")
+    hub("--timeout", "120")
     start(*machines.inside("hub"), PYTHON, "-c", LATER, HUB, str(PORT), "5568").wait_for("^ready$")
-    command = client_command("python", KEY, f"tcp://{HUB}:5568", "--patience", "60")
+    command = client_command("python", KEY, f"tcp://{HUB}:5568", "--timeout", "60")
     for _ in range(2):
         start(*machines.inside("simulators"), *command)
     assert played(train(2, 4, "--wait", "120")) == returns(4)
@@ -215,7 +215,7 @@ def test_a_slow_network_changes_no_result(machines, hub, start, client_command, 
 @pytest.mark.long
 @pytest.mark.timeout(1200)
 def test_a_lossy_network_changes_no_result(machines, hub, simulators, train):
-    server = hub("--patience", "120")
+    server = hub("--timeout", "120")
     machines.lose("simulators", 20)
     simulators(2)
     trainer = train(2, 4, "--wait", "120")
@@ -228,7 +228,7 @@ def test_a_lossy_network_changes_no_result(machines, hub, simulators, train):
 @pytest.mark.timeout(900)
 def test_a_thousand_episodes_while_a_simulator_is_killed_every_half_second(machines, hub, simulators, train):
     """Each episode once, and the sum of the run without deaths."""
-    server = hub("--patience", "120")
+    server = hub("--timeout", "120")
     alive, killed = simulators(6), 0
     trainer = train(2, 1000, "--wait", "120")
     trainer.wait_for("^waiting for a simulator")

@@ -122,7 +122,7 @@ def test_a_hello_without_spaces_is_refused(serve, peer):
 
 def test_a_simulator_of_many_areas_is_refused(serve, start, client_command):
     hub, endpoint = serve(KEY)
-    areas = start(*client_command("python", "10_many_agents", endpoint, "--world", "CartPole", "--patience", "5"))
+    areas = start(*client_command("python", "10_many_agents", endpoint, "--world", "CartPole", "--timeout", "5"))
     hub.wait_for("^refused: areas-here: ")
     assert areas.wait() == 1
     assert "trouble: areas-here: a simulator of the hub is one world, and not many areas" in areas.lines
@@ -149,10 +149,10 @@ def test_a_trainer_that_has_closed_leaves_its_simulators_to_the_next_though_it_i
 
 
 def test_an_episode_waits_from_the_death_of_its_simulator_on(serve, peer):
-    hub, endpoint = serve(KEY, "--patience", "1")
+    hub, endpoint = serve(KEY, "--timeout", "1")
     dying, trainer = peer(endpoint).hello(), peer(endpoint).join()
     trainer.say("reset", {}, RESET, 1)
-    # It is asked again each half second: longer than the patience for a simulator.
+    # It is asked again each half second: longer than the timeout for a simulator.
     for _ in range(4):
         assert messages.read(dying.socket.recv_multipart()).kind in ("welcome", "reset")
     spare = peer(endpoint).hello()
@@ -267,7 +267,7 @@ def test_the_table_is_not_wider_or_higher_than_its_terminal(peer):
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_beacon_with_a_port_that_is_none_is_passed_over(kind, start, client_command):
     port = free_port()
-    command = client_command(kind, KEY, "nowhere", "--find", str(port), "--patience", "2")
+    command = client_command(kind, KEY, "nowhere", "--find", str(port), "--timeout", "2")
     at = command.index("--endpoint")
     del command[at : at + 2]
     client = start(*command)

@@ -175,7 +175,7 @@ def test_a_server_that_is_started_again(kind, serve, listen):
     """Its numbers begin anew, and the client says so and goes on."""
     endpoint = steady_endpoint()
     server, _ = serve(KEY, endpoint=endpoint)
-    client = listen(kind, endpoint, "--count", "40", "--every", "1", "--patience", "25")
+    client = listen(kind, endpoint, "--count", "40", "--every", "1", "--timeout", "25")
     # So many that the new one's number is certainly lower.
     client.wait_for("^person 0: pose .*", start=20)
     server.kill()
@@ -257,7 +257,7 @@ def test_a_pose_that_comes_twice_is_no_restart(kind, stage, listen):
 @each_client
 def test_what_is_no_pose_is_passed_over(kind, stage, listen):
     stream, endpoint = stage
-    client = listen(kind, endpoint, "--count", "2", "--every", "1", "--patience", "25", "--person", "12")
+    client = listen(kind, endpoint, "--count", "2", "--every", "1", "--timeout", "25", "--person", "12")
     subscribed(stream, b"pose/12/")
     body = WALK[0][1][0]
     good = message(7, body, 12)
@@ -276,7 +276,7 @@ def test_what_is_no_pose_is_passed_over(kind, stage, listen):
 def test_a_stream_without_a_pose_is_given_up(kind, stage, listen):
     """However much of something else comes."""
     stream, endpoint = stage
-    client = listen(kind, endpoint, "--patience", "5")
+    client = listen(kind, endpoint, "--timeout", "5")
     subscribed(stream, b"pose/0/")
     while client.process.poll() is None:
         stream.send_string("pose/0/ something else")
@@ -446,7 +446,7 @@ def test_hands_have_topics_of_their_own(webcam, tmp_path):
 def test_a_hand_is_heard(kind, stage, listen):
     """An index finger that is bent by a right angle; then no hand; and what is no hand is passed over."""
     stream, endpoint = stage
-    client = listen(kind, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--patience", "25")
+    client = listen(kind, endpoint, "--hand", "left", "--count", "2", "--every", "1", "--timeout", "25")
     subscribed(stream, b"hand/left/")
     marks = [(0.001 * i, 0.02, 0.01, 0.98) for i in range(21)]
     marks[5], marks[6], marks[7] = (0, 0.1, 0, 1), (0, 0, 0, 1), (0, 0, -0.1, 1)

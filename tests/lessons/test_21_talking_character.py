@@ -37,7 +37,7 @@ def sentences(text):
 def talk(start, client_command):
     def talk(kind, endpoint, *options):
         # On a busy machine a second without a word comes by itself.
-        return start(*client_command(kind, KEY, endpoint, "--patience", "25", *options))
+        return start(*client_command(kind, KEY, endpoint, "--timeout", "25", *options))
 
     return talk
 
@@ -113,7 +113,7 @@ public class Walker : MonoBehaviour
         var thing = new GameObject("character");
         thing.SetActive(false);
         character = (TalkingCharacter)thing.AddComponent(typeof(TalkingCharacter));
-        foreach (var (name, value) in new (string, object)[] { ("endpoint", endpoint), ("patience", 25f) })
+        foreach (var (name, value) in new (string, object)[] { ("endpoint", endpoint), ("timeout", 25f) })
             typeof(TalkingCharacter).GetField(name, BindingFlags.NonPublic | BindingFlags.Instance)
                 .SetValue(character, value);
         thing.SetActive(true);

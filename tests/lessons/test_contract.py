@@ -101,12 +101,12 @@ def only_publishes(key):
 
 
 def patient(key, kind):
-    return PATIENT if takes(key, kind, "--patience") else ()
+    return PATIENT if takes(key, kind, "--timeout") else ()
 
 
-def impatient(key, kind, patience="0.3"):
+def impatient(key, kind, timeout="0.3"):
     """Options with which a client gives up soon."""
-    return ["--patience", patience, *(["--tries", "2"] if takes(key, kind, "--tries") else [])]
+    return ["--timeout", timeout, *(["--tries", "2"] if takes(key, kind, "--tries") else [])]
 
 
 @pytest.fixture
@@ -181,7 +181,7 @@ def test_the_default_port_is_the_lessons_own_everywhere(key):
     for paths in (
         [lesson.python / "server.py"],
         [lesson.python / "client.py"],
-        [lesson.twin],
+        [lesson.console],
         sorted(lesson.unity.glob("*.cs")),
     ):
         ports = [re.findall(r'"(?:tcp|http)://127\.0\.0\.1:(\d+)"', path.read_text(encoding="utf-8")) for path in paths]
@@ -281,7 +281,7 @@ def test_what_strangers_send_does_not_end_a_server_and_is_printed_without_harm(
         # While the stranger is still there: when one that sends REP no empty frame leaves at once, libzmq up to 4.3.5
         # loses the next client's reply, and asking again is lesson 02.
         words = ["--count", "1"] if "--count" in options(client_of(key)) else []
-        words += ["--patience", "20"] if takes(key, "python", "--patience") else []
+        words += ["--timeout", "20"] if takes(key, "python", "--timeout") else []
         client = start(*client_command("python", key, endpoint, *words))
         assert client.wait() == 0, client.output
     assert server.stop() == 0, server.output
@@ -390,8 +390,8 @@ def test_what_a_server_sends_is_printed_without_harm(key, kind, serve, start, cl
             endpoint = serve(key, *[word for name, _ in Lesson(key).behind for word in (name, endpoint)])[1]
         asked = False
         # It gives up, but not before it has asked or subscribed, for which on a busy machine two seconds may not do.
-        for patience in ["20"] if Lesson(key).behind else ["2", "20"]:
-            words = [*second, "--count", "1", *impatient(key, kind, patience)]
+        for timeout in ["20"] if Lesson(key).behind else ["2", "20"]:
+            words = [*second, "--count", "1", *impatient(key, kind, timeout)]
             client = start(*client_command(kind, key, endpoint, *words))
             while client.process.poll() is None:
                 if router.poll(50):
@@ -494,6 +494,6 @@ def test_wrong_usage_is_one_line_and_2(key, side, start, client_command, tmp_pat
 
 
 def twins_options(key, client_command):
-    """A few of the Python client's options are not the twin's."""
+    """A few of the Python client's options are not the C# version's."""
     asked = finished(client_command("csharp", key, "", "--help"))
     return re.findall(r"--[\w-]+", asked.stderr)

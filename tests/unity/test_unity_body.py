@@ -153,7 +153,7 @@ def test_an_avatar_does_what_the_person_does(
     # Turned half to the side in mid-step, and as it comes.
     body = walk()[7]
     # The smoothing needs some frames to get there: it stands still meanwhile.
-    program = play(runtime, endpoint, "count=40", "every=1", "patience=60")
+    program = play(runtime, endpoint, "count=40", "every=1", "timeout=60")
     assert stream.poll(20_000) and stream.recv() == b"\x01pose/0/"
     publish(stream, [body] * 40, 1, program)
     assert program.wait() == 0, program.output
@@ -184,7 +184,7 @@ def test_an_avatar_does_what_the_person_does(
 
 def test_a_character_whose_bones_are_hidden_is_named_with_its_cure(play: Callable[..., Program]) -> None:
     """Unity hides them where Optimize Game Objects is ticked: it is human, and has no Transform for any bone."""
-    program = play(".net", "endpoint=tcp://127.0.0.1:9", "bones=hidden", "patience=0.3", "tries=1")
+    program = play(".net", "endpoint=tcp://127.0.0.1:9", "bones=hidden", "timeout=0.3", "tries=1")
     program.wait_for("character has no bones in the scene: in its import settings untick Rig, Optimize Game Objects$")
     assert program.wait() == 1
     assert "NullReference" not in program.output
@@ -192,7 +192,7 @@ def test_a_character_whose_bones_are_hidden_is_named_with_its_cure(play: Callabl
 
 def test_an_avatar_without_a_character_says_so(play: Callable[..., Program]) -> None:
     """Once, and where one can drag a character into the field: in the editor."""
-    program = play(".net", "endpoint=tcp://127.0.0.1:9", "character=none", "patience=0.3", "tries=1")
+    program = play(".net", "endpoint=tcp://127.0.0.1:9", "character=none", "timeout=0.3", "tries=1")
     assert program.wait() == 1
     assert program.lines.count("PoseAvatar: drag a character into its field") == 1, program.output
 
@@ -203,7 +203,7 @@ def test_a_restart_of_the_server_makes_no_jump(
     """After it the person stands two metres away: the body gets there, and no joint is faster than the limit."""
     stream, endpoint = stage
     body = walk()[0]
-    program = play(".net", endpoint, "count=60", "every=1", "patience=60")
+    program = play(".net", endpoint, "count=60", "every=1", "timeout=60")
     assert stream.poll(20_000)
     publish(stream, [body] * 10, 1, program)
     publish(stream, [[(x + 2, y, z, v) for x, y, z, v in body]] * 50, 1, program)
@@ -218,7 +218,7 @@ def test_a_server_that_is_away_is_waited_for(
 ) -> None:
     """And when it is back, the body moves on."""
     stream, endpoint = stage
-    program = play(".net", endpoint, "count=2", "every=1", "patience=0.3", "tries=200")
+    program = play(".net", endpoint, "count=2", "every=1", "timeout=0.3", "tries=200")
     assert stream.poll(20_000)
     publish(stream, [walk()[0]], 1, program)
     for _ in range(2):
@@ -251,7 +251,7 @@ def test_what_a_frame_costs(
 def test_a_skeleton_shows_a_hand(play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]) -> None:
     """21 spheres, and lines that reach each of them from the wrist; the avatar says that it wants a person."""
     stream, endpoint = stage
-    program = play(".net", endpoint, "hand=right", "count=1", "every=1", "patience=60")
+    program = play(".net", endpoint, "hand=right", "count=1", "every=1", "timeout=60")
     assert stream.poll(20_000) and stream.recv() == b"\x01hand/right/"
     marks = [(0.01 * i, 0.0, 0.0, 0.9) for i in range(21)]
     stream.send_string(message(1, marks).replace("pose/0/", "hand/right/"))

@@ -46,7 +46,7 @@ def drive(
             drivers.append(Driver(context, answer))
             program = {"mono": "mono", ".net": "dotnet"}[runtime]
             # Patient: an answer that comes too late, on a busy machine, counts here and not there.
-            words = ("every=0", "tries=100", "patience=60", f"endpoint={drivers[-1].endpoint}", *words)
+            words = ("every=0", "tries=100", "timeout=60", f"endpoint={drivers[-1].endpoint}", *words)
             return drivers[-1], start(program, harness, "drive", *words)
 
         yield play
@@ -100,7 +100,7 @@ def test_a_lap_by_what_the_camera_sees(
         needs_mono(engine)
     endpoint = serve("08_see_and_steer")[1]
     program = {"mono": "mono", ".net": "dotnet"}[runtime]
-    words = ["every=0", "count=2200", "positions", "lockstep=true", "patience=60"]
+    words = ["every=0", "count=2200", "positions", "lockstep=true", "timeout=60"]
     client = start(program, harness, "drive", f"endpoint={endpoint}", *words)
     assert client.wait(500) == 0, client.output[-2000:]
     road = world.Road()
@@ -239,7 +239,7 @@ def answer_at(context: zmq.Context[Any], endpoint: str, over: threading.Event, s
 def test_a_driver_that_goes_and_comes_back(start: Callable[..., Program], harness: Path) -> None:
     """Another one takes its place on the same port: the car has braked, and drives on."""
     endpoint = steady_endpoint()
-    client = start("dotnet", harness, "drive", f"endpoint={endpoint}", "every=0", "count=200", "patience=0.4")
+    client = start("dotnet", harness, "drive", f"endpoint={endpoint}", "every=0", "count=200", "timeout=0.4")
     speeds: list[list[float]] = [[], []]
     with zmq.Context() as context:
         for there in speeds:

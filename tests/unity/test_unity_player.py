@@ -163,9 +163,9 @@ def test_plays_the_console_twins_lines(
     console: list[str], serve: Callable[..., Any], start: Callable[..., Any]
 ) -> None:
     endpoint = serve("01_request_reply")[1]
-    twin = start(*console, "1", "--endpoint", endpoint, "--count", "3")
-    assert twin.wait() == 0, twin.output
-    # The twin's own options set the fields of these names; one class is set apart from all, in whatever order.
+    console_client = start(*console, "1", "--endpoint", endpoint, "--count", "3")
+    assert console_client.wait() == 0, console_client.output
+    # Its options set the fields of these names; one class is set apart from all, in whatever order.
     for words in (
         ("--endpoint", endpoint, "--count", "3"),
         ("--set", f"endpoint={endpoint}", "--set", "count=3"),
@@ -174,7 +174,7 @@ def test_plays_the_console_twins_lines(
     ):
         played = start(*console, "1", "--unity", *words)
         assert played.wait() == 0, played.output
-        assert played.lines == twin.lines
+        assert played.lines == console_client.lines
         assert played.lines[-1] == "done: 3 replies"
 
 
@@ -189,15 +189,15 @@ def test_an_error_in_the_log_is_exit_code_1(console: list[str], start: Callable[
     [
         (
             ["1", "--unity", "--set", "nope=3"],
-            "unknown: --nope; the fields that a script has here: endpoint count patience",
+            "unknown: --nope; the fields that a script has here: endpoint count timeout",
         ),
         (["1", "--unity", "--MyClient.count", "3"], "unknown: --MyClient.count; the fields that a script has here"),
         (["1", "--unity", "--set", "count=three"], "'three' is no Int32"),
         (["1", "--unity", "--count", "three"], "--count: 'three' is no Int32"),
         (["1", "--unity", "--count", "-1"], "--count: it must be at least 0, not -1"),
         (["2", "--unity", "--tries", "0"], "--tries: it must be at least 1, not 0"),
-        (["2", "--unity", "--patience", "NaN"], "--patience: it must be at least 0.01, not NaN"),
-        (["1", "--unity", "--help"], "--endpoint tcp://127.0.0.1:5551  --count 10  --patience 2.5"),
+        (["2", "--unity", "--timeout", "NaN"], "--timeout: it must be at least 0.01, not NaN"),
+        (["1", "--unity", "--help"], "--endpoint tcp://127.0.0.1:5551  --count 10  --timeout 2.5"),
         (["1", "--unity", "--set", "count"], "--set takes name=value"),
         (["1", "--unity", "--frames", "3"], "unknown: --frames"),
         (["99", "--unity"], "which lesson?"),
@@ -214,7 +214,7 @@ def test_wrong_usage_is_one_line_and_code_2(
 
 
 def test_seconds_end_a_play(console: list[str], start: Callable[..., Any]) -> None:
-    words = ["--set", "endpoint=tcp://127.0.0.1:9", "--set", "patience=60", "--seconds", "5"]
+    words = ["--set", "endpoint=tcp://127.0.0.1:9", "--set", "timeout=60", "--seconds", "5"]
     played = start(*console, "1", "--unity", *words)
     assert played.wait() == 0, played.output
     assert played.lines == ["asking tcp://127.0.0.1:9"]
@@ -223,7 +223,7 @@ def test_seconds_end_a_play(console: list[str], start: Callable[..., Any]) -> No
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no signals to another process")
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_the_play_properly(how: signal.Signals, console: list[str], start: Callable[..., Any]) -> None:
-    played = start(*console, "1", "--unity", "--set", "endpoint=tcp://127.0.0.1:9", "--set", "patience=60")
+    played = start(*console, "1", "--unity", "--set", "endpoint=tcp://127.0.0.1:9", "--set", "timeout=60")
     played.wait_for("^asking")
     assert played.stop(how, limit=30) == 1
     assert played.lines[-1] == "stopped"

@@ -108,7 +108,7 @@ def test_a_client(
 
 
 def test_a_client_without_a_server(wine: Callable[..., Program]) -> None:
-    client = wine("csharp-console.exe", "1", "--endpoint", f"tcp://127.0.0.1:{free_port()}", "--patience", "1")
+    client = wine("csharp-console.exe", "1", "--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "1")
     assert client.wait(400) == 1, client.output
     assert "no reply" in client.lines[-1]
 

@@ -82,7 +82,7 @@ def test_drop_leads_to_a_retry_and_the_count_stays_right(serve, tap, run, open_p
     seen.evaluate("document.querySelector('#way').value = 'down'")
     seen.click("[data-fate=drop]")
     seen.wait_for("document.querySelector('[data-fate=drop]').getAttribute('aria-pressed') === 'true'")
-    client = run("02_lazy_pirate", endpoint, "--count", "3", "--patience", "5")
+    client = run("02_lazy_pirate", endpoint, "--count", "3", "--timeout", "5")
     assert client.lines[1:3] == ["1: no reply within 5 s; try 2 of 5", "1: sent add 1, received 1"]
     assert client.lines[-2:] == ["3: sent add 1, received 3", "done: 3 replies"]
     server.wait_for("from the journal")

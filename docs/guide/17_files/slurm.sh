@@ -23,9 +23,9 @@ SIMULATORS=$((SLURM_NTASKS - 1))
 trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
 
 # A simulator that comes early waits for the last one. Each has an episode of the trainer: one that dies is started again.
-"$PYTHON" $LESSON/server.py --endpoint "tcp://0.0.0.0:$PORT" --keys "$KEYS" --idle 600 --patience 300 &
+"$PYTHON" $LESSON/server.py --endpoint "tcp://0.0.0.0:$PORT" --keys "$KEYS" --idle 600 --timeout 300 &
 srun --ntasks="$SIMULATORS" bash -c 'until "$@"; do sleep 1; done' simulator \
-    "$PYTHON" $LESSON/client.py --endpoint "tcp://$(hostname):$PORT" --keys "$KEYS" --patience 300 &
+    "$PYTHON" $LESSON/client.py --endpoint "tcp://$(hostname):$PORT" --keys "$KEYS" --timeout 300 &
 
 # The job ends with its trainer.
 "$PYTHON" $LESSON/train.py --endpoint "tcp://127.0.0.1:$PORT" --keys "$KEYS" \

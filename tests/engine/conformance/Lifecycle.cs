@@ -75,10 +75,10 @@ namespace NetMQExample.Conformance
                 return $"{thrown?.GetType().Name}: {thrown?.Message} {(thrown as NetMQException)?.ErrorCode}, "
                     + $"then {again?.GetType().Name}, {option?.GetType().Name}";
             }, TaskCreationOptions.LongRunning);
-            started.Wait(Say.Patience);
+            started.Wait(Say.Timeout);
             Thread.Sleep(50);
             NetMQConfig.Cleanup(false);
-            Say.That("a blocked receiver", receiver.Wait(Say.Patience) ? receiver.Result : "still waits");
+            Say.That("a blocked receiver", receiver.Wait(Say.Timeout) ? receiver.Result : "still waits");
             Say.That("afresh", Exchange());
         }
 
@@ -96,7 +96,7 @@ namespace NetMQExample.Conformance
             Say.ThrowsText("another kind", () => new XPublisherSocket().Dispose());
             Say.Throws("the open one, used", () => socket.TrySendFrame("x"));
             socket.Dispose();
-            Say.That("until it is disposed", cleanup.Wait(Say.Patience));
+            Say.That("until it is disposed", cleanup.Wait(Say.Timeout));
             Say.That("afresh", Exchange());
         }
 

@@ -147,14 +147,14 @@ namespace NetMQExample.Conformance
             Say.That("sent", msg.IsInitialised, msg.Size);
             msg.Close();
             msg.InitGC(Encoding.ASCII.GetBytes("  two"), 2, 3);
-            Say.That("sent", client.TrySend(ref msg, Say.Patience, false));
+            Say.That("sent", client.TrySend(ref msg, Say.Timeout, false));
             msg.Close();
             msg.InitEmpty();
             server.Receive(ref msg);
             Say.That("received", msg.GetString(Encoding.ASCII), msg.HasMore);
-            Say.That("received", server.TryReceive(ref msg, Say.Patience), msg.GetString(Encoding.ASCII), msg.HasMore);
+            Say.That("received", server.TryReceive(ref msg, Say.Timeout), msg.GetString(Encoding.ASCII), msg.HasMore);
             server.SendFrameEmpty();
-            Say.That("empty reply", client.TryReceive(ref msg, Say.Patience), msg.Size, msg.HasMore, msg.IsInitialised);
+            Say.That("empty reply", client.TryReceive(ref msg, Say.Timeout), msg.Size, msg.HasMore, msg.IsInitialised);
             msg.Close();
             using var lonely = new PushSocket();
             msg.InitPool(3);
@@ -232,20 +232,20 @@ namespace NetMQExample.Conformance
             from.SendFrame("more", true);
             from.SendMoreFrame("text").SendMoreFrame(new byte[] { 97, 98 }).SendMoreFrame(new byte[] { 97, 98 }, 1)
                 .SendMoreFrameEmpty().SendFrame("end");
-            ok &= from.TrySendFrame("try") && from.TrySendFrame(Say.Patience, "try");
-            ok &= from.TrySendFrame(new byte[] { 97 }) && from.TrySendFrame(Say.Patience, new byte[] { 97 });
+            ok &= from.TrySendFrame("try") && from.TrySendFrame(Say.Timeout, "try");
+            ok &= from.TrySendFrame(new byte[] { 97 }) && from.TrySendFrame(Say.Timeout, new byte[] { 97 });
             ok &= from.TrySendFrame(new byte[] { 97, 98 }, 1)
-                && from.TrySendFrame(Say.Patience, new byte[] { 97, 98 }, 1);
-            ok &= from.TrySendFrameEmpty(true) && from.TrySendFrameEmpty(Say.Patience);
+                && from.TrySendFrame(Say.Timeout, new byte[] { 97, 98 }, 1);
+            ok &= from.TrySendFrameEmpty(true) && from.TrySendFrameEmpty(Say.Timeout);
             from.SendMultipartBytes(new byte[] { 49 }, new byte[] { 50 });
             from.SendMultipartBytes(new List<byte[]> { new byte[] { 51 }, new byte[] { 52 }, new byte[] { 53 } });
             ok &= from.TrySendMultipartBytes(new byte[] { 54 })
-                && from.TrySendMultipartBytes(Say.Patience, new byte[] { 55 }, new byte[] { 56 });
+                && from.TrySendMultipartBytes(Say.Timeout, new byte[] { 55 }, new byte[] { 56 });
             ok &= from.TrySendMultipartBytes(new List<byte[]> { new byte[] { 57 } })
-                && from.TrySendMultipartBytes(Say.Patience, new List<byte[]> { new byte[] { 58 } });
+                && from.TrySendMultipartBytes(Say.Timeout, new List<byte[]> { new byte[] { 58 } });
             var message = new NetMQMessage(new[] { new NetMQFrame("m1"), NetMQFrame.Empty, new NetMQFrame("m3") });
             from.SendMultipartMessage(message);
-            ok &= from.TrySendMultipartMessage(message) && from.TrySendMultipartMessage(Say.Patience, message);
+            ok &= from.TrySendMultipartMessage(message) && from.TrySendMultipartMessage(Say.Timeout, message);
             Say.That("sent", ok);
             Say.That("message kept", message.FrameCount);
             from.SendFrame("end");
@@ -277,22 +277,22 @@ namespace NetMQExample.Conformance
             Say.That("Latin-1", to.ReceiveFrameString(Encoding.GetEncoding("iso-8859-1")), to.Options.ReceiveMore);
             Say.That("text", to.ReceiveFrameString(), to.Options.ReceiveMore);
             Two();
-            Say.That("try bytes", to.TryReceiveFrameBytes(Say.Patience, out var bytes, out more) && more
+            Say.That("try bytes", to.TryReceiveFrameBytes(Say.Timeout, out var bytes, out more) && more
                 && to.TryReceiveFrameBytes(out bytes) && bytes[0] == 98);
             Two();
-            Say.That("try bytes", to.TryReceiveFrameBytes(Say.Patience, out bytes)
+            Say.That("try bytes", to.TryReceiveFrameBytes(Say.Timeout, out bytes)
                 && to.TryReceiveFrameBytes(out bytes, out more) && !more);
             Two();
-            Say.That("try text", to.TryReceiveFrameString(Say.Patience, out var text, out more) && more && text == "é"
+            Say.That("try text", to.TryReceiveFrameString(Say.Timeout, out var text, out more) && more && text == "é"
                 && to.TryReceiveFrameString(out text) && text == "b");
             Two();
-            Say.That("try text", to.TryReceiveFrameString(Say.Patience, Encoding.ASCII, out text) && text == "??"
+            Say.That("try text", to.TryReceiveFrameString(Say.Timeout, Encoding.ASCII, out text) && text == "??"
                 && to.TryReceiveFrameString(Encoding.ASCII, out text, out more) && !more);
             Two();
-            Say.That("try text", to.TryReceiveFrameString(Say.Patience, Encoding.UTF8, out text, out more) && more
+            Say.That("try text", to.TryReceiveFrameString(Say.Timeout, Encoding.UTF8, out text, out more) && more
                 && to.TryReceiveFrameString(out text, out more) && !more);
             Two();
-            Say.That("try text", to.TryReceiveFrameString(Say.Patience, out text)
+            Say.That("try text", to.TryReceiveFrameString(Say.Timeout, out text)
                 && to.TryReceiveFrameString(Encoding.UTF8, out text));
             Two();
             Say.That("all bytes", to.ReceiveMultipartBytes().Count);
@@ -313,14 +313,14 @@ namespace NetMQExample.Conformance
             Say.That("nothing there", to.TryReceiveMultipartMessage(ref message), message);
             Say.That("nothing came", to.TryReceiveMultipartMessage(TimeSpan.FromMilliseconds(20), ref message));
             Two();
-            Say.That("try all bytes", to.TryReceiveMultipartBytes(Say.Patience, ref frames), frames.Count);
+            Say.That("try all bytes", to.TryReceiveMultipartBytes(Say.Timeout, ref frames), frames.Count);
             Two();
-            Say.That("try all text", to.TryReceiveMultipartStrings(Say.Patience, ref texts), texts?.Count);
+            Say.That("try all text", to.TryReceiveMultipartStrings(Say.Timeout, ref texts), texts?.Count);
             Two();
-            Say.That("try all text", to.TryReceiveMultipartStrings(Say.Patience, Encoding.UTF8, ref texts),
+            Say.That("try all text", to.TryReceiveMultipartStrings(Say.Timeout, Encoding.UTF8, ref texts),
                 texts?.Count);
             Two();
-            Say.That("try message", to.TryReceiveMultipartMessage(Say.Patience, ref message), message);
+            Say.That("try message", to.TryReceiveMultipartMessage(Say.Timeout, ref message), message);
         }
 
         private static void Skipping(NetMQSocket from, NetMQSocket to)
@@ -331,11 +331,11 @@ namespace NetMQExample.Conformance
             to.SkipFrame(out var more);
             Say.That("skipped two", more, Say.Received(to));
             Three("b");
-            Say.That("try", to.TrySkipFrame(Say.Patience), to.TrySkipFrame(out more), more, Say.Received(to));
+            Say.That("try", to.TrySkipFrame(Say.Timeout), to.TrySkipFrame(out more), more, Say.Received(to));
             Three("c");
             to.SkipMultipartMessage();
             Three("d");
-            Say.That("try all", to.TrySkipMultipartMessage(Say.Patience));
+            Say.That("try all", to.TrySkipMultipartMessage(Say.Timeout));
             Say.That("nothing left", to.TrySkipFrame(), to.TrySkipFrame(TimeSpan.FromMilliseconds(20), out more), more,
                 to.TrySkipMultipartMessage());
             Three("e");

@@ -62,7 +62,7 @@ namespace NetMQExample.Conformance
                 Say.That("connected again", Say.Soon(() => connected == 2));
             }
             monitor.Stop();
-            Say.That("stopped", running.Wait(Say.Patience), monitor.IsRunning);
+            Say.That("stopped", running.Wait(Say.Timeout), monitor.IsRunning);
         }
 
         /// <summary>Reports that nobody reads must not hold up the connection they are about.</summary>
@@ -79,7 +79,7 @@ namespace NetMQExample.Conformance
             var running = monitor.StartAsync();
             Say.That("watches", Say.Soon(() => monitor.IsRunning));
             monitor.Stop();
-            running.Wait(Say.Patience);
+            running.Wait(Say.Timeout);
             client.Disconnect(server.Options.LastEndpoint!);
             client.Connect(server.Options.LastEndpoint!);
             client.SendFrame("nobody watches");
@@ -140,7 +140,7 @@ namespace NetMQExample.Conformance
                 }
             });
             Say.That("connections come and go", CutMore(5));
-            Say.That("ended meanwhile", Task.Run(monitor.Dispose).Wait(Say.Patience));
+            Say.That("ended meanwhile", Task.Run(monitor.Dispose).Wait(Say.Timeout));
             Say.That("and they still do", CutMore(5));
             listener.Stop();
 

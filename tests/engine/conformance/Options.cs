@@ -99,7 +99,7 @@ namespace NetMQExample.Conformance
             using var subscriber = new SubscriberSocket(publisher.Options.LastEndpoint);
             subscriber.SubscribeToAnyTopic();
             // The publisher notices a subscriber when it is used.
-            publisher.TrySkipFrame(Say.Patience);
+            publisher.TrySkipFrame(Say.Timeout);
             Say.That("welcome message", Say.Received(subscriber));
         }
 
@@ -110,7 +110,7 @@ namespace NetMQExample.Conformance
             server.Bind("tcp://127.0.0.1:0");
             using var polite = new PushSocket(server.Options.LastEndpoint);
             polite.SendFrame(new byte[100]);
-            Say.That("100 bytes", server.TryReceiveFrameBytes(Say.Patience, out var bytes) ? bytes.Length : -1);
+            Say.That("100 bytes", server.TryReceiveFrameBytes(Say.Timeout, out var bytes) ? bytes.Length : -1);
             using var rude = new PushSocket(server.Options.LastEndpoint);
             rude.SendFrame(new byte[101]);
             Say.That("101 bytes are refused", Say.Silent(server));

@@ -35,7 +35,7 @@ namespace NetMQExample.Conformance
                 return subscriber.TryReceiveFrameString(TimeSpan.FromMilliseconds(20), out _);
             });
             publisher.SendFrame(topic + "-met");
-            while (subscriber.TryReceiveFrameString(Say.Patience, out var text) && text != topic + "-met") { }
+            while (subscriber.TryReceiveFrameString(Say.Timeout, out var text) && text != topic + "-met") { }
         }
 
         private static void Prefixes()
@@ -65,7 +65,7 @@ namespace NetMQExample.Conformance
         {
             var all = new List<string>();
             List<string>? frames = null;
-            while (subscriber.TryReceiveMultipartStrings(Say.Patience, ref frames) && frames[0] != end)
+            while (subscriber.TryReceiveMultipartStrings(Say.Timeout, ref frames) && frames[0] != end)
             {
                 all.Add("[" + string.Join("+", frames) + "]");
             }
@@ -96,7 +96,7 @@ namespace NetMQExample.Conformance
         }
 
         private static byte[]? Bytes(NetMQSocket socket)
-            => socket.TryReceiveFrameBytes(Say.Patience, out var bytes) ? bytes : null;
+            => socket.TryReceiveFrameBytes(Say.Timeout, out var bytes) ? bytes : null;
 
         private static void OneWaySockets()
         {
@@ -121,7 +121,7 @@ namespace NetMQExample.Conformance
             var inOrder = true;
             for (var i = 0; i < 500; i++)
             {
-                inOrder &= pull.TryReceiveFrameBytes(Say.Patience, out var number, out var more)
+                inOrder &= pull.TryReceiveFrameBytes(Say.Timeout, out var number, out var more)
                     && more && BitConverter.ToInt32(number, 0) == i && pull.ReceiveFrameString(out more) == "work"
                         && !more;
             }
@@ -171,7 +171,7 @@ namespace NetMQExample.Conformance
 
         private static void Linger()
         {
-            foreach (var linger in new[] { TimeSpan.Zero, Say.Patience })
+            foreach (var linger in new[] { TimeSpan.Zero, Say.Timeout })
             {
                 var address = Say.FreeAddress();
                 using (var push = new PushSocket())
@@ -184,8 +184,8 @@ namespace NetMQExample.Conformance
                 Thread.Sleep(Say.Moment);
                 using var pull = new PullSocket();
                 pull.Bind(address);
-                var patience = linger == TimeSpan.Zero ? TimeSpan.FromMilliseconds(600) : Say.Patience;
-                var came = pull.TryReceiveFrameString(patience, out var text);
+                var timeout = linger == TimeSpan.Zero ? TimeSpan.FromMilliseconds(600) : Say.Timeout;
+                var came = pull.TryReceiveFrameString(timeout, out var text);
                 Say.That(linger == TimeSpan.Zero ? "linger 0" : "linger", came ? text : "dropped");
             }
         }
@@ -208,7 +208,7 @@ namespace NetMQExample.Conformance
             byte[]? given = null;
             for (var i = 0; i < 7; i++)
             {
-                if (!router.TryReceiveFrameBytes(Say.Patience, out var identity)) break;
+                if (!router.TryReceiveFrameBytes(Say.Timeout, out var identity)) break;
                 var text = router.ReceiveFrameString();
                 if (text == "from nobody") given = identity;
                 else arrived.Add($"{Encoding.ASCII.GetString(identity)}: {text}");
@@ -306,7 +306,7 @@ namespace NetMQExample.Conformance
                 $"{watcher.ReceiveMultipartBytes().Count}, {watcher.ReceiveMultipartBytes().Count}");
             Say.Throws("start again", proxy.Start);
             proxy.Stop();
-            Say.That("stopped", thread.Join(Say.Patience));
+            Say.That("stopped", thread.Join(Say.Timeout));
             Say.Throws("stop again", proxy.Stop);
         }
     }

@@ -31,7 +31,7 @@ namespace NetMQExample.Conformance
             {
                 Say.That("ready", one.HasIn, one.HasOut);
                 Say.That("poll in", one.Poll(PollEvents.PollIn, TimeSpan.Zero));
-                Say.That("poll in or out", one.Poll(PollEvents.PollIn | PollEvents.PollOut, Say.Patience));
+                Say.That("poll in or out", one.Poll(PollEvents.PollIn | PollEvents.PollOut, Say.Timeout));
                 var clock = Stopwatch.StartNew();
                 Say.That("without events", one.Poll(TimeSpan.FromMilliseconds(100)));
                 Say.That("waited", clock.ElapsedMilliseconds >= 95);
@@ -40,13 +40,13 @@ namespace NetMQExample.Conformance
                     => heard.Add($"{e.IsReadyToReceive} {e.IsReadyToSend} {e.Socket.ReceiveFrameString()}");
                 Say.That("nothing to receive", one.Poll(TimeSpan.FromMilliseconds(20)));
                 two.SendFrame("x");
-                Say.That("received", one.Poll(Say.Patience));
+                Say.That("received", one.Poll(Say.Timeout));
                 two.SendFrame("y");
                 one.Poll();
                 EventHandler<NetMQSocketEventArgs> sendReady = (_, e)
                     => heard.Add($"{e.IsReadyToReceive} {e.IsReadyToSend}");
                 one.SendReady += sendReady;
-                Say.That("can send", one.Poll(Say.Patience));
+                Say.That("can send", one.Poll(Say.Timeout));
                 one.SendReady -= sendReady;
                 Say.That("events", heard);
             }
@@ -133,7 +133,7 @@ namespace NetMQExample.Conformance
             queue.Enqueue(1);
             queue.Enqueue(2);
             Say.That("two items", queue.Count, string.Join(",", queue));
-            Say.That("dequeued", queue.Dequeue(), queue.TryDequeue(out var item, Say.Patience), item, queue.IsEmpty);
+            Say.That("dequeued", queue.Dequeue(), queue.TryDequeue(out var item, Say.Timeout), item, queue.IsEmpty);
 
             using (var small = new NetMQQueue<int>(4))
             {
@@ -146,7 +146,7 @@ namespace NetMQExample.Conformance
                 Say.That("a full queue holds the writer up", Say.Soon(() => small.Count >= 5)
                     && !writer.Join(Say.Moment) && small.Count == 5);
                 var got = new List<int>();
-                while (got.Count < 10 && small.TryDequeue(out item, Say.Patience)) got.Add(item);
+                while (got.Count < 10 && small.TryDequeue(out item, Say.Timeout)) got.Add(item);
                 Say.That("all in order", string.Join(",", got));
                 writer.Join();
             }
@@ -182,7 +182,7 @@ namespace NetMQExample.Conformance
             poller.RunAsync("named");
             var name = Task.Factory.StartNew(() => Thread.CurrentThread.Name, CancellationToken.None,
                 TaskCreationOptions.None, poller);
-            Say.That("a task", name.Wait(Say.Patience) ? name.Result : "did not run");
+            Say.That("a task", name.Wait(Say.Timeout) ? name.Result : "did not run");
             Say.That("inline here", poller.CanExecuteTaskInline);
             var answers = new TaskCompletionSource<string>();
             poller.Run(async () =>
@@ -193,7 +193,7 @@ namespace NetMQExample.Conformance
                 answers.SetResult($"inline {inline}, not here {before != here}, "
                     + $"back on the same thread {before == Environment.CurrentManagedThreadId}");
             });
-            Say.That("await", answers.Task.Wait(Say.Patience) ? answers.Task.Result : "did not come back");
+            Say.That("await", answers.Task.Wait(Say.Timeout) ? answers.Task.Result : "did not come back");
             // A handler is no task: what it awaits comes back because of the poller's SynchronizationContext.
             var handled = new TaskCompletionSource<bool>();
             var timer = new NetMQTimer(1);
@@ -204,10 +204,10 @@ namespace NetMQExample.Conformance
                 handled.SetResult(poller.CanExecuteTaskInline);
             };
             poller.Add(timer);
-            Say.That("await in a handler", handled.Task.Wait(Say.Patience) && handled.Task.Result);
+            Say.That("await in a handler", handled.Task.Wait(Say.Timeout) && handled.Task.Result);
             var failing = Task.Factory.StartNew(() => throw new InvalidOperationException("on purpose"),
                 CancellationToken.None, TaskCreationOptions.None, poller);
-            Say.That("a failing task", Say.Thrown(() => failing.Wait(Say.Patience))?.InnerException?.Message);
+            Say.That("a failing task", Say.Thrown(() => failing.Wait(Say.Timeout))?.InnerException?.Message);
             var order = new List<int>();
             for (var i = 0; i < 10; i++)
             {
@@ -227,7 +227,7 @@ namespace NetMQExample.Conformance
                 thread.Start();
                 Say.That("runs", Say.Soon(() => poller.IsRunning));
                 poller.Stop();
-                Say.That("stopped from another thread", thread.Join(Say.Patience));
+                Say.That("stopped from another thread", thread.Join(Say.Timeout));
             }
             var asynchronous = new NetMQPoller();
             asynchronous.RunAsync("background", true);
@@ -247,7 +247,7 @@ namespace NetMQExample.Conformance
             own.RunAsync();
             var done = Task.Factory.StartNew(() => { thrown = Say.Thrown(own.Dispose); }, CancellationToken.None,
                 TaskCreationOptions.None, own);
-            Say.That("disposed on its own thread", done.Wait(Say.Patience) ? thrown?.GetType().Name : "no answer");
+            Say.That("disposed on its own thread", done.Wait(Say.Timeout) ? thrown?.GetType().Name : "no answer");
         }
 
         private static void Removing()

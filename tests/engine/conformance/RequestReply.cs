@@ -91,7 +91,7 @@ namespace NetMQExample.Conformance
             Say.That("waited", clock.ElapsedMilliseconds >= 95);
             Say.That("text, more", $"{text ?? "null"}, {more}");
             client.SendFrame("Hello");
-            Say.That("in time", server.TryReceiveFrameString(Say.Patience, out text));
+            Say.That("in time", server.TryReceiveFrameString(Say.Timeout, out text));
             Say.That("text", text);
             Say.That("no reply", client.TryReceiveFrameBytes(Say.Moment, out var bytes));
             Say.That("bytes", bytes);
@@ -110,7 +110,7 @@ namespace NetMQExample.Conformance
             Say.That("frames of a numbered request", first.FrameCount);
             Say.That("size of the number", first[1].MessageSize);
             Say.That("no reply", client.TryReceiveFrameString(Say.Moment, out _));
-            Say.That("second request", client.TrySendFrame(Say.Patience, "second"));
+            Say.That("second request", client.TrySendFrame(Say.Timeout, "second"));
             var second = server.ReceiveMultipartMessage();
             Say.That("numbers differ", first[1] != second[1]);
             Answer(server, first, "late");
@@ -143,10 +143,10 @@ namespace NetMQExample.Conformance
             byte[] Echo(byte[] content)
             {
                 client.SendFrame(content);
-                if (!server.TryReceiveFrameBytes(Say.Patience,
+                if (!server.TryReceiveFrameBytes(Say.Timeout,
                     out var there)) return Encoding.ASCII.GetBytes("no request");
                 server.SendFrame(there);
-                return client.TryReceiveFrameBytes(Say.Patience, out var back) ? back
+                return client.TryReceiveFrameBytes(Say.Timeout, out var back) ? back
                     : Encoding.ASCII.GetBytes("no reply");
             }
 

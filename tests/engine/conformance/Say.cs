@@ -12,7 +12,7 @@ namespace NetMQExample.Conformance
     internal static class Say
     {
         /// <summary>More than anything here takes, also on a busy machine.</summary>
-        internal static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
+        internal static readonly TimeSpan Timeout = TimeSpan.FromSeconds(20);
 
         /// <summary>How long to look for something that must not come.</summary>
         internal static readonly TimeSpan Moment = TimeSpan.FromMilliseconds(200);
@@ -54,7 +54,7 @@ namespace NetMQExample.Conformance
         internal static bool Soon(Func<bool> condition)
         {
             var clock = Stopwatch.StartNew();
-            while (clock.Elapsed < Patience)
+            while (clock.Elapsed < Timeout)
             {
                 if (condition()) return true;
                 Thread.Sleep(5);
@@ -66,7 +66,7 @@ namespace NetMQExample.Conformance
         internal static string Received(IReceivingSocket socket)
         {
             NetMQMessage? message = null;
-            if (!socket.TryReceiveMultipartMessage(Patience, ref message)) return "nothing came";
+            if (!socket.TryReceiveMultipartMessage(Timeout, ref message)) return "nothing came";
             return string.Join("|",
                 message.Select(frame => frame.ConvertToString(SendReceiveConstants.DefaultEncoding)));
         }

@@ -38,14 +38,14 @@ namespace NetMQExample.Conformance
                 waiting.Set();
                 return Say.Thrown(() => wait(socket));
             }, TaskCreationOptions.LongRunning);
-            waiting.Wait(Say.Patience);
+            waiting.Wait(Say.Timeout);
             Thread.Sleep(50);
             socket.Dispose();
             Say.That($"disposed while {what}", Ended(waiter));
         }
 
         private static string Ended(Task<Exception?> waiter)
-            => waiter.Wait(Say.Patience) ? waiter.Result?.GetType().Name ?? "nothing thrown" : "still waits";
+            => waiter.Wait(Say.Timeout) ? waiter.Result?.GetType().Name ?? "nothing thrown" : "still waits";
 
         /// <summary>At any moment of a call, and not only while it waits.</summary>
         private static void DisposedAtWork()
@@ -67,7 +67,7 @@ namespace NetMQExample.Conformance
                 var large = new byte[2000];
                 var sender = Work(() => push.TrySendFrame(longer, large));
                 var receiver = Work(() => pull.TryReceiveFrameBytes(longer, out _));
-                busy.Wait(Say.Patience);
+                busy.Wait(Say.Timeout);
                 Thread.SpinWait(round * 300);
                 pull.Dispose();
                 push.Dispose();
@@ -99,7 +99,7 @@ namespace NetMQExample.Conformance
             }, TaskCreationOptions.LongRunning);
             Say.That("Cleanup against constructors", cleaner.Wait(TimeSpan.FromSeconds(100)));
             Volatile.Write(ref stop, true);
-            Say.That("the constructors ended", Task.WaitAll(makers, Say.Patience));
+            Say.That("the constructors ended", Task.WaitAll(makers, Say.Timeout));
             Say.That("and threw at the most", kinds.Count == 0 ? "TerminatingException" : string.Join(" ", kinds));
         }
     }

@@ -76,7 +76,7 @@ namespace NetMQExample.Tests
         }
 
         // It waits 200 ms at the most, and later only where a busy machine has no core for it. Where nobody
-        // answers the patience is longer than this limit, which so tells a Dispose that waits for it from one that does not.
+        // answers the timeout is longer than this limit, which so tells a Dispose that waits for it from one that does not.
         private static void StopInTime(BackgroundClient client, int limit = 5000)
         {
             var took = Stopwatch.StartNew();

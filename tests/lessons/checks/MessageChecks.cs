@@ -16,7 +16,7 @@ namespace NetMQExample.Tests
     internal static class MessageChecks
     {
         private const int Picture = 230_400;
-        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(20);
+        private static readonly TimeSpan Timeout = TimeSpan.FromSeconds(20);
 
         public static void Run(string[] words)
         {
@@ -74,21 +74,21 @@ namespace NetMQExample.Tests
             {
                 if (name == "pooled") PooledBuffers.Use();
                 // Those before the first fill the pool.
-                for (var i = 0; i < 20; i++) requester.Request(echo, Patience);
+                for (var i = 0; i < 20; i++) requester.Request(echo, Timeout);
                 var before = Allocated();
-                for (var i = 0; i < 100; i++) requester.Request(echo, Patience);
+                for (var i = 0; i < 100; i++) requester.Request(echo, Timeout);
                 Console.WriteLine($"{(Allocated() - before) / 100}");
                 return;
             }
             try
             {
-                requester.Request(new Message("frames", 1), Patience);
+                requester.Request(new Message("frames", 1), Timeout);
             }
             catch (MessageException e)
             {
                 Console.WriteLine(e.Message);
             }
-            Console.WriteLine($"{requester.Request(echo, Patience).Arrays[0].Data.Length} bytes");
+            Console.WriteLine($"{requester.Request(echo, Timeout).Arrays[0].Data.Length} bytes");
             // A message from before the pool was chosen gives back a buffer that is not the pool's: it must not throw.
             new PooledBuffers().Return(new byte[Picture]);
         }

@@ -131,7 +131,7 @@ namespace NetMQExample.EditorTest
                 var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
                 Inspector.Set(scripts, "endpoint", words[1]);
                 Inspector.Set(scripts, "count", words[2]);
-                if (words.Length > 3) Inspector.Set(scripts, "patience", words[3]);
+                if (words.Length > 3) Inspector.Set(scripts, "timeout", words[3]);
                 inspector = ScriptableObject.CreateInstance<ClientInspector>();
                 inspector.targets = new Object[] { scripts.OfType<ConnectedBehaviour>().First() };
                 drawn = inspector.CreateInspectorGUI();

@@ -70,7 +70,7 @@ namespace NetMQExample.PlayTest
                 counted.SetActive(false);
                 hello = counted.AddComponent<HelloBackground>();
                 Inspector.Set(new MonoBehaviour[] { hello }, "endpoint", "tcp://127.0.0.1:9");
-                Inspector.Set(new MonoBehaviour[] { hello }, "patience", "60");
+                Inspector.Set(new MonoBehaviour[] { hello }, "timeout", "60");
                 // A headset shows no OnGUI.
                 counted.AddComponent<TextMesh>();
                 counted.AddComponent<HelloWorldHud>();

@@ -233,7 +233,7 @@ namespace NetMQExample.PlayTest
                     // A job that lasts as long as the others.
                     if (script is JobRunner && field.Name == "kind") field.SetValue(script, "count");
                     // Who asks once gives up at the first reply that is late, which is no question here.
-                    if (field.Name == "patience" && field.GetValue(script) is float patience && !asksAgain) field.SetValue(script, Math.Max(patience, 20f));
+                    if (field.Name == "timeout" && field.GetValue(script) is float timeout && !asksAgain) field.SetValue(script, Math.Max(timeout, 20f));
                     // As a rule so many that it is still asking when Stop comes.
                     if (field.Name == "count") field.SetValue(script, script is JobRunner ? Math.Min(count, 2000) : script is TalkingCharacter ? Math.Min(count, 200) : count);
                 }

@@ -14,7 +14,7 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5551";
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 2.5f;
         [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 
         /// <summary>With each reply's text, for scripts.</summary>
@@ -27,7 +27,7 @@ namespace NetMQExample
             using var requester = new HelloRequester(endpoint);
             for (var i = 1; i <= count; i++)
             {
-                var reply = requester.Request("Hello", Seconds(patience), stop);
+                var reply = requester.Request("Hello", Seconds(timeout), stop);
                 Log($"{i}: sent Hello, received {NetMQLifetime.Printable(reply)}");
                 Arrive(replied, reply);
             }

@@ -1,6 +1,6 @@
 // Lesson 01, request-reply: ask one question, wait for its answer, then ask the next.
 //
-// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/01_request_reply/server.py.
+// The Python side is python/01_request_reply/server.py.
 // Bytes: UTF-8 text, one frame each way.
 // Trouble: a REQ socket alternates strictly. A second request before the reply is refused with
 // "Req.XSend - cannot send another request"; the terminal client shows it with --send-twice.
@@ -27,33 +27,33 @@ namespace NetMQExample
 
         /// <summary>Sends a request and waits for its reply.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
-        /// <param name="patience">How long to wait: until it is sent, and then for the reply.</param>
+        /// <param name="timeout">How long to wait: until it is sent, and then for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public string Request(string text, TimeSpan patience, CancellationToken stop = default)
+        public string Request(string text, TimeSpan timeout, CancellationToken stop = default)
         {
-            Send(text, patience, stop);
-            return Receive(patience, stop);
+            Send(text, timeout, stop);
+            return Receive(timeout, stop);
         }
 
         /// <summary>The first half of a request. It waits when there is no connection to send on, as after a peer that
         /// is not ZeroMQ.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
-        /// <param name="patience">How long to wait for a connection.</param>
+        /// <param name="timeout">How long to wait for a connection.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="FiniteStateMachineException">The reply to the last request was not received
         /// yet.</exception>
-        public void Send(string text, TimeSpan patience, CancellationToken stop = default) =>
-            connection.Send(patience, stop, text);
+        public void Send(string text, TimeSpan timeout, CancellationToken stop = default) =>
+            connection.Send(timeout, stop, text);
 
         /// <summary>The second half: waits for the reply, as <see cref="Request"/> does.</summary>
-        /// <param name="patience">How long to wait for the reply.</param>
+        /// <param name="timeout">How long to wait for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The text of the reply's first frame.</returns>
-        public string Receive(TimeSpan patience, CancellationToken stop = default) =>
-            connection.Receive(patience, stop)[0];
+        public string Receive(TimeSpan timeout, CancellationToken stop = default) =>
+            connection.Receive(timeout, stop)[0];
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();

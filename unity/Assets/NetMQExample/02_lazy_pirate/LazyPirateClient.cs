@@ -15,7 +15,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5552";
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
         [SerializeField, Tooltip("add 1, or balance")] private string text = "add 1";
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float patience = 0.5f;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float timeout = 0.5f;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 5;
         [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 
@@ -26,7 +26,7 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var pirate = new LazyPirateRequester(endpoint, Seconds(patience), tries, Log);
+            using var pirate = new LazyPirateRequester(endpoint, Seconds(timeout), tries, Log);
             for (var i = 1; i <= count; i++)
             {
                 var reply = pirate.Request(text, stop);

@@ -3,7 +3,7 @@
 //     using var requester = new LazyPirateRequester("tcp://127.0.0.1:5552", TimeSpan.FromSeconds(1), tries: 5, log);
 //     var reply = requester.Request("add 1");  // or a TimeoutException, after 5 tries; log gets a line for each retry
 //
-// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/02_lazy_pirate/server.py.
+// The Python side is python/02_lazy_pirate/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. Every retry of a request carries the same id, by which the
 // server knows that it has done it already.
 // Trouble: start the server with --crash-on 3 or --drop 3, or kill it and start it again.
@@ -28,23 +28,23 @@ namespace NetMQExample
         private readonly string name = Guid.NewGuid().ToString("N");
         private readonly NetMQConnection connection;
         private readonly string endpoint;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private readonly int tries;
         private readonly Action<string> report;
         private int number;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5552</c>.</param>
-        /// <param name="patience">How long to wait for the reply to the first try. Each try waits twice as long as the
+        /// <param name="timeout">How long to wait for the reply to the first try. Each try waits twice as long as the
         /// one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
         /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public LazyPirateRequester(string endpoint, TimeSpan patience, int tries, Action<string> report)
+        public LazyPirateRequester(string endpoint, TimeSpan timeout, int tries, Action<string> report)
         {
-            if (tries < 1 || patience <= TimeSpan.Zero)
-                throw new ArgumentException("tries must be 1 or more, and patience longer than 0 s");
-            (this.endpoint, this.patience, this.tries, this.report) = (endpoint, patience, tries, report);
+            if (tries < 1 || timeout <= TimeSpan.Zero)
+                throw new ArgumentException("tries must be 1 or more, and timeout longer than 0 s");
+            (this.endpoint, this.timeout, this.tries, this.report) = (endpoint, timeout, tries, report);
             connection = new NetMQConnection(endpoint, () => new RequestSocket());
         }
 
@@ -61,7 +61,7 @@ namespace NetMQExample
             for (var attempt = 1; ; attempt++)
             {
                 // A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-                var limit = TimeSpan.FromTicks(patience.Ticks << Math.Min(attempt - 1, 3));
+                var limit = TimeSpan.FromTicks(timeout.Ticks << Math.Min(attempt - 1, 3));
                 if (Try(id, text, limit, stop, out var frames)) return frames[1];
                 var trouble = frames == null
                     ? FormattableString.Invariant($"no reply within {limit.TotalSeconds} s")

@@ -15,7 +15,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("The publisher")] private string endpoint = "tcp://127.0.0.1:5553";
         [SerializeField, Min(0), Tooltip("End after so many poses")] private int count = 300;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float timeout = 5;
         [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<Pose> moved = new();
 
         private volatile float[] newest;
@@ -40,7 +40,7 @@ namespace NetMQExample
             using var listener = new TopicListener(endpoint, "pose/");
             for (var i = 0; i < count; i++)
             {
-                var message = listener.Newest(Seconds(patience), stop);
+                var message = listener.Newest(Seconds(timeout), stop);
                 if (Parse(message) is float[] pose) newest = pose;
                 if (every > 0 && i % every == 0) Log($"received {NetMQLifetime.Printable(message)}");
             }

@@ -1,6 +1,6 @@
 // Lesson 03, publish-subscribe: listen to every message that begins with a topic, or only to the newest.
 //
-// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is
+// The Python side is
 // python/03_publish_subscribe/server.py. Bytes: UTF-8 text, one frame, which begins with its topic.
 // What was sent before the publisher knew of this listener is lost, and so is what comes when the queues are full;
 // neither is reported. Trouble: a topic is a prefix. `news` also gets newsflash/; the delimiter, `news/`, cures that.
@@ -43,16 +43,16 @@ namespace NetMQExample
         }
 
         /// <summary>Waits for the next message, and so not for Unity's main thread.</summary>
-        /// <param name="patience">How long to wait; zero takes only what is there.</param>
+        /// <param name="timeout">How long to wait; zero takes only what is there.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>Its text.</returns>
         /// <exception cref="TimeoutException">None came.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public string Receive(TimeSpan patience, CancellationToken stop = default)
+        public string Receive(TimeSpan timeout, CancellationToken stop = default)
         {
             var waited = Stopwatch.StartNew();
             var renew = TimeSpan.FromSeconds(2);
-            foreach (var slice in NetMQConnection.Slices(patience, stop))
+            foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
                 if (TryReceive(slice, out var text))
                 {
@@ -65,20 +65,20 @@ namespace NetMQExample
                 renew *= 3;
             }
             throw new TimeoutException(FormattableString.Invariant(
-                $"nothing from {endpoint} within {patience.TotalSeconds} s; ")
+                $"nothing from {endpoint} within {timeout.TotalSeconds} s; ")
                 + $"is the server running, with topic '{topic}'?");
         }
 
         /// <summary>Waits for a message, then takes all that wait behind it: only the last one counts. (libzmq can keep
         /// the newest by itself, with CONFLATE; NetMQ has no such option.)</summary>
-        /// <param name="patience">How long to wait for a message.</param>
+        /// <param name="timeout">How long to wait for a message.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>Its text.</returns>
         /// <exception cref="TimeoutException">None came.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public string Newest(TimeSpan patience, CancellationToken stop = default)
+        public string Newest(TimeSpan timeout, CancellationToken stop = default)
         {
-            var newest = Receive(patience, stop);
+            var newest = Receive(timeout, stop);
             // The limit is for a publisher that sends faster than this loop takes.
             for (var i = 0; i < 10_000 && TryReceive(TimeSpan.Zero, out var later); i++) newest = later;
             return newest;

@@ -5,7 +5,7 @@
 //     client.Poll();                                                                    in Update: callbacks run here
 //     client.Dispose();                                                                 in OnDisable
 //
-// Take home: this file, LazyPirateRequester.cs (lesson 02), NetMQConnection.cs and NetMQLifetime.cs. For await there is
+// For await there is
 // BackgroundClientAsync.cs. The Python side is python/04_background_client/server.py.
 // Bytes: those of lesson 02, [id][text] each way. Its LazyPirateRequester sends and retries; this file has only the
 // thread on which it may block, and the queues between that thread and yours.
@@ -59,15 +59,15 @@ namespace NetMQExample
 
         /// <summary>Starts the network thread, and succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5554</c>.</param>
-        /// <param name="patience">How long the first try waits for its reply, 1 s when left out. Each try waits twice
+        /// <param name="timeout">How long the first try waits for its reply, 1 s when left out. Each try waits twice
         /// as long as the one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="capacity">How many requests may be under way; one more is refused.</param>
-        public BackgroundClient(string endpoint, TimeSpan? patience = null, int tries = 3, int capacity = 64)
+        public BackgroundClient(string endpoint, TimeSpan? timeout = null, int tries = 3, int capacity = 64)
         {
             if (tries < 1 || capacity < 1) throw new ArgumentException("tries and capacity must be at least 1");
             this.capacity = capacity;
-            var first = patience ?? TimeSpan.FromSeconds(1);
+            var first = timeout ?? TimeSpan.FromSeconds(1);
             thread = new Thread(() => Talk(endpoint, first, tries)) { IsBackground = true, Name = "BackgroundClient" };
             thread.Start();
         }
@@ -138,7 +138,7 @@ namespace NetMQExample
         }
 
         // From here on: the network thread. The requester is made, used and disposed here.
-        private void Talk(string endpoint, TimeSpan patience, int tries)
+        private void Talk(string endpoint, TimeSpan timeout, int tries)
         {
             LazyPirateRequester pirate = null;
             while (!Stopped)
@@ -147,7 +147,7 @@ namespace NetMQExample
                 try
                 {
                     // Here and not before: if NetMQ cannot be had, that too is the error of a request.
-                    pirate ??= new LazyPirateRequester(endpoint, patience, tries,
+                    pirate ??= new LazyPirateRequester(endpoint, timeout, tries,
                         why => { lock (gate) if (!Stopped) status = (ClientState.Retrying, why); });
                     clock.Restart();
                     Finish(ClientState.Connected, call.reply, pirate.Request(call.text, stop.Token));

@@ -1,6 +1,6 @@
 // Lesson 04 with await: var reply = await client.RequestAsync("hello", destroyCancellationToken);
 //
-// Take home: this file, with BackgroundClient.cs and what that needs. The main thread goes on in a later Poll, so call
+// The main thread goes on in a later Poll, so call
 // Poll in Update as before.
 using System.IO;
 using System.Threading;

@@ -16,7 +16,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5554";
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
         [SerializeField, Tooltip("hello, or echo TEXT")] private string text = "hello";
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 1;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 1;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 20;
         [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 
@@ -41,7 +41,7 @@ namespace NetMQExample
         protected override void Begin()
         {
             (asked, replies, shown, done) = (0, 0, "", false);
-            Client = new BackgroundClient(endpoint, Seconds(patience), tries);
+            Client = new BackgroundClient(endpoint, Seconds(timeout), tries);
             Debug.Log($"asking {endpoint}");
         }
 

@@ -6,7 +6,7 @@
 //
 // Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error"
 // with the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
-// Take home: this file and MessageJson.cs. They need Newtonsoft.Json, in Unity the package
+// They need Newtonsoft.Json, in Unity the package
 // com.unity.nuget.newtonsoft-json, and neither NetMQ nor UnityEngine. The Python side is messages.py.
 using System;
 using System.Collections.Generic;

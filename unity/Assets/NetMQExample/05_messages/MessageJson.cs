@@ -1,7 +1,5 @@
 // The header of a message as JSON, by Newtonsoft.Json, word by word: it looks up no class by its name, so a message can
 // make nothing but texts, numbers, true, false, lists and dictionaries, and IL2CPP has nothing to strip.
-//
-// Take home: this file, with Message.cs.
 using System;
 using System.Collections;
 using System.Collections.Generic;

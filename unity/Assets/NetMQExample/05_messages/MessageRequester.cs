@@ -1,6 +1,6 @@
 // Lesson 05, messages: ask with structure and arrays.
 //
-// Take home: this file, Message.cs and MessageJson.cs beside it, NetMQConnection.cs and NetMQLifetime.cs. The Python
+// The Python
 // side is python/05_messages/server.py. Bytes: see Message.cs.
 // Trouble: python/05_messages/client.py sends a header that does not fit its bytes with --wrong-shape; here
 // MessageArray refuses to be made of them.
@@ -39,20 +39,20 @@ namespace NetMQExample
 
         /// <summary>Sends a message and waits for its reply.</summary>
         /// <param name="request">The message.</param>
-        /// <param name="patience">How long to wait: until it is sent, and then for the reply.</param>
+        /// <param name="timeout">How long to wait: until it is sent, and then for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="MessageException">The reply is an error, with its words, or no message.</exception>
         /// <exception cref="TimeoutException">No reply came. The next request has a new socket, and so finds a server
         /// that is back again.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public Message Request(Message request, TimeSpan patience, CancellationToken stop = default)
+        public Message Request(Message request, TimeSpan timeout, CancellationToken stop = default)
         {
             Message reply;
             try
             {
-                if (!TryExchange(request, patience, stop, out var frames))
+                if (!TryExchange(request, timeout, stop, out var frames))
                     throw new TimeoutException(FormattableString.Invariant(
-                        $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+                        $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
                 reply = Message.Read(frames);
             }
             catch
@@ -69,13 +69,13 @@ namespace NetMQExample
 
         /// <summary>Sends one message and receives another: the header, and a frame for each array.</summary>
         protected virtual bool TryExchange(
-            Message request, TimeSpan patience, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> frames)
+            Message request, TimeSpan timeout, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
             var (sent, received) = (new NetMQMessage(), new NetMQMessage());
             sent.Append(request.Header());
             foreach (var array in request.Arrays) sent.Append(array.Data.ToArray());
             frames = null;
-            var (slices, socket) = (NetMQConnection.Slices(patience, stop), Connection.Socket);
+            var (slices, socket) = (NetMQConnection.Slices(timeout, stop), Connection.Socket);
             // Each time it is gone through, the time begins anew.
             if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, sent))) return false;
             Connection.Show(true, sent);

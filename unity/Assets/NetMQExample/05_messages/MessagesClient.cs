@@ -14,7 +14,7 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5555";
         [SerializeField, Min(0), Tooltip("How many pictures")] private int count = 10;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 2.5f;
         [SerializeField, Min(1), Tooltip("Times in a row to ask without a reply")] private int tries = 20;
         [SerializeField, Tooltip("With each reply")] private Arrival<Message> replied = new();
 
@@ -30,7 +30,7 @@ namespace NetMQExample
             {
                 try
                 {
-                    var reply = requester.Request(TestPicture.Request(i), Seconds(patience), stop);
+                    var reply = requester.Request(TestPicture.Request(i), Seconds(timeout), stop);
                     Log(TestPicture.Line(i, reply));
                     Arrive(replied, reply);
                     (i, lost) = (i + 1, 0);

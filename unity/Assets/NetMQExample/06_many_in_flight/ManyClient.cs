@@ -17,7 +17,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("Requests to repeat, with | between")]
         private string text = "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three";
         [SerializeField, Min(1), Tooltip("How many requests may be under way")] private int window = 4;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float patience = 2.5f;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait, for the first try")] private float timeout = 2.5f;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 3;
         [SerializeField, Tooltip("With each reply, in the order in which they come")]
         private Arrival<string> replied = new();
@@ -29,7 +29,7 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}, {window} in flight");
-            using var requester = new ManyRequester(endpoint, window, Seconds(patience), tries, Log);
+            using var requester = new ManyRequester(endpoint, window, Seconds(timeout), tries, Log);
             var (texts, failures) = (text.Split('|'), 0);
             var requests = Enumerable.Range(0, count).Select(i => texts[i % texts.Length]);
             foreach (var answer in requester.RequestMany(requests, stop))

@@ -3,7 +3,7 @@
 //     using var requester = new ManyRequester("tcp://127.0.0.1:5556", window: 64);
 //     foreach (var answer in requester.RequestMany(texts)) … answer.Number, answer.Reply or answer.Failure …
 //
-// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/06_many_in_flight/server.py.
+// The Python side is python/06_many_in_flight/server.py.
 // Bytes: UTF-8 text, two frames each way: [id][text]. The id is a number in digits; a retry carries the same, so that
 // the server does not do twice what is at work, and a late or duplicate reply is recognised and dropped.
 // Trouble: see the header of server.py, or kill the server and start it again.
@@ -45,7 +45,7 @@ namespace NetMQExample
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly NetMQConnection connection;
         private readonly int window, tries;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private readonly Action<string> report;
         private int lastId;
         // When something was received last, or a new socket was made.
@@ -54,17 +54,17 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5556</c>.</param>
         /// <param name="window">How many requests may be under way.</param>
-        /// <param name="patience">How long the first try waits for its reply; 2.5 s when left out. Each try waits
+        /// <param name="timeout">How long the first try waits for its reply; 2.5 s when left out. Each try waits
         /// twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="report">Called, on the thread of the requests, with a line for each retry.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public ManyRequester(string endpoint, int window = 64, TimeSpan? patience = null, int tries = 3,
+        public ManyRequester(string endpoint, int window = 64, TimeSpan? timeout = null, int tries = 3,
             Action<string> report = null)
         {
             if (window < 1 || tries < 1) throw new ArgumentException("window and tries must be 1 or more");
             (this.window, this.tries) = (window, tries);
-            this.patience = patience ?? TimeSpan.FromSeconds(2.5);
+            this.timeout = timeout ?? TimeSpan.FromSeconds(2.5);
             this.report = report ?? (line => { });
             pending = new Dictionary<string, (int, string, TimeSpan, int)>();
             // The window is the limit of what is under way; no second one is needed.
@@ -101,7 +101,7 @@ namespace NetMQExample
                     heard = clock.Elapsed;
                     connection.Show(false, frames);
                     // One for a request that is not pending is late or a second one: dropped. So is a refusal, until
-                    // the last try: such a request is asked again when its patience is over.
+                    // the last try: such a request is asked again when its timeout is over.
                     if (frames.Count == 2 && pending.TryGetValue(frames[0], out var entry)
                         && (entry.tries == tries || !frames[1].StartsWith("error: busy", StringComparison.Ordinal)))
                     {
@@ -127,18 +127,18 @@ namespace NetMQExample
         }
 
         // A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-        private TimeSpan Patience(int attempt) => TimeSpan.FromTicks(patience.Ticks << Math.Min(attempt - 1, 3));
+        private TimeSpan Timeout(int attempt) => TimeSpan.FromTicks(timeout.Ticks << Math.Min(attempt - 1, 3));
 
         /// <summary>The ids of what has waited for too long.</summary>
         private string[] Overdue()
         {
             var now = clock.Elapsed;
-            var late = pending.Where(p => p.Value.sent + Patience(p.Value.tries) <= now).Select(p => p.Key).ToArray();
+            var late = pending.Where(p => p.Value.sent + Timeout(p.Value.tries) <= now).Select(p => p.Key).ToArray();
             if (late.All(id => pending[id].sent < heard)) return late;
             // Not a word since then, neither to it nor to others: a new socket helps, whatever is wrong with this one.
             connection.Close();
             heard = clock.Elapsed;
-            // What was under way on it is lost. To send it again before its patience is over is not another try.
+            // What was under way on it is lost. To send it again before its timeout is over is not another try.
             foreach (var id in pending.Keys.Except(late).ToArray())
                 Send(id, pending[id].number, pending[id].text, pending[id].tries);
             return late;
@@ -148,7 +148,7 @@ namespace NetMQExample
         private bool GivenUp(string id, out Answer failed)
         {
             var (number, text, _, attempt) = pending[id];
-            var seconds = FormattableString.Invariant($"{Patience(attempt).TotalSeconds} s");
+            var seconds = FormattableString.Invariant($"{Timeout(attempt).TotalSeconds} s");
             var why = $"no reply in {tries} tries of up to {seconds}; is the server running, or slow?";
             failed = new Answer(number, null, why);
             if (attempt == tries) return pending.Remove(id);

@@ -19,7 +19,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("Or at the pose of this number; 0: at none")] private int until = 0;
         [SerializeField, Min(0), Tooltip("Or after this time")] private float seconds = 60;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a snapshot")] private float patience = 5;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a snapshot")] private float timeout = 5;
         [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<Pose> moved = new();
 
         private volatile PoseMessage newest;
@@ -45,7 +45,7 @@ namespace NetMQExample
             using var subscriber = new PoseSubscriber(endpoint, snapshots, Log);
             while (subscriber.Received < count && time.Elapsed.TotalSeconds < seconds)
             {
-                var news = subscriber.Receive(Seconds(patience), stop);
+                var news = subscriber.Receive(Seconds(timeout), stop);
                 var pose = subscriber.Pose;
                 if (news) newest = pose;
                 var p = pose.Position;

@@ -1,6 +1,6 @@
 // Lesson 07, catch up: follow a stream, notice each missed message, and get back to the exact state.
 //
-// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/07_catch_up/server.py, whose
+// The Python side is python/07_catch_up/server.py, whose
 // header says the bytes: UTF-8 text, one frame, numbers with a decimal point.
 // One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
 // Trouble: start the server with --interval 0 and a client with --work 0.001, or restart the server.
@@ -96,12 +96,12 @@ namespace NetMQExample
         public long Missed { get; private set; }
 
         /// <summary>Waits for the next pose.</summary>
-        /// <param name="patience">How long to wait for a snapshot, if one is needed.</param>
+        /// <param name="timeout">How long to wait for a snapshot, if one is needed.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>False if there is none yet.</returns>
         /// <exception cref="TimeoutException">The publisher is gone.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public bool Receive(TimeSpan patience, CancellationToken stop = default)
+        public bool Receive(TimeSpan timeout, CancellationToken stop = default)
         {
             for (var waited = Stopwatch.StartNew(); waited.Elapsed < Second;)
             {
@@ -109,7 +109,7 @@ namespace NetMQExample
                 var message = Take(stream, Second, stop);
                 var pose = PoseMessage.Parse(message ?? "");
                 if (pose == null || pose.Run != Pose.Run || pose.Number > Pose.Number + 1)
-                    return CatchUp(patience, message == null, stop);
+                    return CatchUp(timeout, message == null, stop);
                 // A lower number was sent before the snapshot was made, and is contained in it.
                 if (pose.Number != Pose.Number + 1) continue;
                 (Pose, deaf) = (pose, 0);
@@ -126,10 +126,10 @@ namespace NetMQExample
         public void Dispose() => stream.Dispose();
 
         /// <summary>Takes over the publisher's state from a snapshot, and says which poses that skips.</summary>
-        private bool CatchUp(TimeSpan patience, bool silent, CancellationToken stop)
+        private bool CatchUp(TimeSpan timeout, bool silent, CancellationToken stop)
         {
             var old = Pose;
-            (Checksum, Pose) = Ask(patience, stop);
+            (Checksum, Pose) = Ask(timeout, stop);
             var (first, same) = (old == PoseMessage.None, Pose.Run == old.Run);
             if (same && Pose.Number <= old.Number) return false;
             if (!first) Missed += same ? Pose.Number - old.Number : Pose.Number;
@@ -145,14 +145,14 @@ namespace NetMQExample
         }
 
         /// <summary>A snapshot from the publisher: checksum and pose.</summary>
-        private (uint, PoseMessage) Ask(TimeSpan patience, CancellationToken stop)
+        private (uint, PoseMessage) Ask(TimeSpan timeout, CancellationToken stop)
         {
             var waited = Stopwatch.StartNew();
-            for (var limit = Second; waited.Elapsed < patience; limit *= 4)
+            for (var limit = Second; waited.Elapsed < timeout; limit *= 4)
             {
                 // Each try has a new socket, as in lesson 02, and more time: a new connection takes four round trips.
                 using var asker = new NetMQConnection(snapshots, () => new RequestSocket());
-                var left = patience - waited.Elapsed;
+                var left = timeout - waited.Elapsed;
                 if (!asker.TrySend(TimeSpan.Zero, stop, "pose/")) continue;
                 if (!(Take(asker, limit < left ? limit : left, stop) is string text)) continue;
                 var words = text.Split(' ', 2);
@@ -163,11 +163,11 @@ namespace NetMQExample
                     $"what answers at {snapshots} gives no snapshots: {NetMQLifetime.Printable(text)}");
             }
             throw new TimeoutException(FormattableString.Invariant(
-                $"no snapshot from {snapshots} within {patience.TotalSeconds} s; is the server running?"));
+                $"no snapshot from {snapshots} within {timeout.TotalSeconds} s; is the server running?"));
         }
 
         /// <summary>The next message, or null. One of several frames is not this lesson's, and as if empty.</summary>
-        private static string Take(NetMQConnection from, TimeSpan patience, CancellationToken stop) =>
-            !from.TryReceive(patience, stop, out var frames) ? null : frames.Count == 1 ? frames[0] : "";
+        private static string Take(NetMQConnection from, TimeSpan timeout, CancellationToken stop) =>
+            !from.TryReceive(timeout, stop, out var frames) ? null : frames.Count == 1 ? frames[0] : "";
     }
 }

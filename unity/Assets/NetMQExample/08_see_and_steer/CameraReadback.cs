@@ -5,7 +5,6 @@
 //     if (readback.Look() && !readback.Failed) …             in each Update; after a frame or two the pixels are there
 // All of it on Unity's main thread, in URP and in the built-in pipeline.
 //
-// Take home: this file.
 // Trouble: without AsyncGPUReadback (OpenGL ES 3.0, for one) Unity waits for each picture; with -nographics there are
 // none.
 using System;

@@ -17,7 +17,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("The driver")] private string endpoint = "tcp://127.0.0.1:5558";
         [SerializeField, Min(0), Tooltip("End after so many actions")] private int count = 500;
         [SerializeField, Min(0), Tooltip("Log one action in so many; 0: none")] private int every = 50;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each action")] private float patience = 1;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each action")] private float timeout = 1;
         [SerializeField, Min(1), Tooltip("Pictures in a row that may stay without an action")] private int tries = 20;
         [SerializeField, Tooltip("center; left,right; or left,center,right")] private string cameras = "center";
         [SerializeField, Tooltip("The world waits for each action")] private bool lockstep;
@@ -38,7 +38,7 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var driver = new DriverClient(endpoint, Seconds(patience), tries, Log);
+            using var driver = new DriverClient(endpoint, Seconds(timeout), tries, Log);
             ShotTaker taker = null;
             // On the main thread, which cancels: what is on its way then is lost before the component is enabled again.
             stop.Register(() => { taker?.Dispose(); if (shots == taker) shots = null; });

@@ -4,7 +4,7 @@
 //     drive.Apply(driver.Ask(shot.ToMessage()));   DriverClient.cs; now the action's age is known
 //     drive.Step();                                0.02 s later
 //
-// Take home: this file and DriverClient.cs. The car is yours: an ICar. The Python side is drive.py.
+// The car is yours: an ICar. The Python side is drive.py.
 using System;
 
 namespace NetMQExample
@@ -32,7 +32,7 @@ namespace NetMQExample
         public const double StepSeconds = 0.02;
 
         // Steps without an action, after which the car brakes: half a second.
-        private const int Patience = 25;
+        private const int TimeoutSteps = 25;
 
         private readonly string run = Guid.NewGuid().ToString("N").Substring(0, 8);
         private readonly ICar car;
@@ -99,7 +99,7 @@ namespace NetMQExample
         {
             if (newest == null)
             {
-                if (Lockstep) waited = Patience;
+                if (Lockstep) waited = TimeoutSteps;
                 return;
             }
             (waited, Age) = (0, Frame - newest.Value.Frame);
@@ -112,7 +112,7 @@ namespace NetMQExample
         public void Step()
         {
             var before = braking;
-            braking = ++waited > Patience && !Manual;
+            braking = ++waited > TimeoutSteps && !Manual;
             car.Step(InForce.Throttle, InForce.Brake, InForce.Steer);
             Frame++;
             if (braking != before)

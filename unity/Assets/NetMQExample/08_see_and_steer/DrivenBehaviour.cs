@@ -6,7 +6,6 @@
 //         public override double Speed => body.velocity.magnitude;   of a Rigidbody; in Unity 6 linearVelocity
 //         public override void Step(double throttle, double brake, double steer) => … forces, wheels, …
 //     }
-// Take home: this file and Drive.cs, with CameraSender.cs.
 using System;
 using UnityEngine;
 

@@ -1,6 +1,6 @@
 // Lesson 08, see and steer: asks Python what to do about a picture.
 //
-// Take home: this file, PooledRequester.cs and Shot.cs. The Python side is python/08_see_and_steer/server.py.
+// The Python side is python/08_see_and_steer/server.py.
 // Bytes: messages of lesson 05. A request of kind `frame` has the picture's number as its id and as the value `frame`,
 // and Shot.cs says what else; its reply is of kind `action`, with the values `frame`, `throttle`, `brake` and `steer`.
 using System;
@@ -39,21 +39,21 @@ namespace NetMQExample
     public sealed class DriverClient : IDisposable
     {
         private readonly PooledRequester requester;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private readonly int tries;
         private readonly Action<string> log;
         private int lost;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5558</c>.</param>
-        /// <param name="patience">How long to wait for each action.</param>
+        /// <param name="timeout">How long to wait for each action.</param>
         /// <param name="tries">Pictures in a row that may stay without an action.</param>
         /// <param name="log">Gets a line about each that has none.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public DriverClient(string endpoint, TimeSpan patience, int tries, Action<string> log)
+        public DriverClient(string endpoint, TimeSpan timeout, int tries, Action<string> log)
         {
             if (tries < 1) throw new ArgumentException("tries must be 1 or more");
-            (this.patience, this.tries, this.log) = (patience, tries, log);
+            (this.timeout, this.tries, this.log) = (timeout, tries, log);
             PooledBuffers.Use();
             requester = new PooledRequester(endpoint);
         }
@@ -70,7 +70,7 @@ namespace NetMQExample
             var clock = Stopwatch.StartNew();
             try
             {
-                var reply = requester.Request(frame, patience, stop);
+                var reply = requester.Request(frame, timeout, stop);
                 var answered = Take(reply, "frame");
                 if (answered != frame.Id)
                     throw new MessageException("wrong-frame", FormattableString.Invariant(

@@ -2,7 +2,6 @@
 //
 // Sending and receiving a NetMQMessage makes several new arrays of a picture's size. Arrays over 85,000 bytes are
 // collected only by the slowest of .NET's collections. Smaller messages need no more than a MessageRequester.
-// Take home: this file, with MessageRequester.cs (lesson 05).
 using System;
 using System.Buffers;
 using System.Collections.Generic;
@@ -35,26 +34,26 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         protected override bool TryExchange(
-            Message request, TimeSpan patience, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
+            Message request, TimeSpan timeout, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> reply)
         {
             reply = frames;
             var header = request.Header();
-            if (!Send(Encoding.UTF8.GetBytes(header), request.Arrays.Count > 0, patience, stop)) return false;
+            if (!Send(Encoding.UTF8.GetBytes(header), request.Arrays.Count > 0, timeout, stop)) return false;
             for (var i = 0; i < request.Arrays.Count; i++)
-                if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, patience, stop)) return false;
+                if (!Send(request.Arrays[i].Data, i + 1 < request.Arrays.Count, timeout, stop)) return false;
             Connection.Show(true, request.Arrays.Select(array => (object)array.Data).Prepend(header));
             frames.Clear();
             for (var i = 0; i == 0 || parts[i - 1].HasMore; i++)
             {
                 if (i == parts.Length) Grow();
-                if (!Receive(i, patience, stop)) return false;
+                if (!Receive(i, timeout, stop)) return false;
                 frames.Add(parts[i].SliceAsMemory());
             }
             Connection.Show(false, frames);
             return true;
         }
 
-        private bool Send(ReadOnlyMemory<byte> bytes, bool more, TimeSpan patience, CancellationToken stop)
+        private bool Send(ReadOnlyMemory<byte> bytes, bool more, TimeSpan timeout, CancellationToken stop)
         {
             var msg = new Msg();
             // Lent where it can be: the reply proves that the network has had every byte of it.
@@ -64,16 +63,16 @@ namespace NetMQExample
                 msg.InitPool(bytes.Length);
                 bytes.Span.CopyTo(msg.Slice());
             }
-            foreach (var slice in NetMQConnection.Slices(patience, stop))
+            foreach (var slice in NetMQConnection.Slices(timeout, stop))
                 // Sent, it is empty: what it held is NetMQ's until the network has it.
                 if (Connection.Socket.TrySend(ref msg, slice, more)) return true;
             msg.Close();
             return false;
         }
 
-        private bool Receive(int i, TimeSpan patience, CancellationToken stop)
+        private bool Receive(int i, TimeSpan timeout, CancellationToken stop)
         {
-            foreach (var slice in NetMQConnection.Slices(patience, stop))
+            foreach (var slice in NetMQConnection.Slices(timeout, stop))
                 if (Connection.Socket.TryReceive(ref parts[i], slice)) return true;
             return false;
         }

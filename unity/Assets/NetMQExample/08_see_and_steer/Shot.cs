@@ -2,7 +2,7 @@
 //
 // Its buffers are used again and again: a new array for each picture would be collected only by the slowest of .NET's
 // collections. The numbers become a message on the network thread, so that a frame of Unity allocates nothing.
-// Take home: this file and Message.cs (lesson 05). The Python side is pictures.py.
+// The Python side is pictures.py.
 using System;
 using System.Linq;
 

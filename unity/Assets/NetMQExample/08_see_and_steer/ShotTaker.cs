@@ -2,7 +2,6 @@
 //
 // A shot is all cameras at one moment. Two are on their way from the graphics card, one lies ready, one is being sent:
 // four shots do for ever, and nobody waits for the other but the network thread for a first picture.
-// Take home: this file and CameraReadback.cs, with Shot.cs and Drive.cs.
 using System;
 using System.Collections.Generic;
 using System.Linq;

@@ -1,4 +1,4 @@
-// Lesson 09, the world: a pole on a cart, pushed left or right. The twin of cart_pole.py.
+// Lesson 09, the world: a pole on a cart, pushed left or right. In Python: cart_pole.py.
 //
 // The equations are those of Gymnasium's CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same
 // state, the same actions lead to the same states. Sine and cosine differ in their last bit from one system to the

@@ -2,8 +2,7 @@
 //
 // It says hello with the simulation's name, spaces and dt; then it answers reset, step and render, until close. Each
 // try to connect has a new socket.
-// Take home: this file, Simulator.cs, Simulation.cs and GymSpace.cs, with Message.cs and MessageJson.cs (lesson 05),
-// NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/09_environment/environment.py.
+// The Python side is python/09_environment/environment.py.
 // Trouble: stop the Python program while it steps, and start it again.
 using System;
 using System.Collections.Generic;
@@ -27,19 +26,19 @@ namespace NetMQExample
         private readonly Stopwatch silence = new Stopwatch();
         private readonly NetMQConnection connection;
         private readonly string endpoint;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private readonly Action<string> report;
         // Why it is in no environment.
         private string why = Nothing;
 
         /// <summary>Connects, which succeeds even while no environment is there.</summary>
         /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
-        /// <param name="patience">How long to wait for one.</param>
+        /// <param name="timeout">How long to wait for one.</param>
         /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public EnvironmentClient(string endpoint, TimeSpan patience, Action<string> report)
+        public EnvironmentClient(string endpoint, TimeSpan timeout, Action<string> report)
         {
-            (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
+            (this.endpoint, this.timeout, this.report) = (endpoint, timeout, report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection, and this socket makes no second one: it might do so
@@ -60,7 +59,7 @@ namespace NetMQExample
         public void Run(
             SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop = default)
         {
-            for (silence.Restart(); silence.Elapsed < patience; connection.Close())
+            for (silence.Restart(); silence.Elapsed < timeout; connection.Close())
             {
                 try
                 {
@@ -73,12 +72,12 @@ namespace NetMQExample
                     if (e is MessageException && why != e.Message) report($"trouble: {e.Message}");
                     if (e is MessageException || why == Nothing) why = e.Message;
                     // Whoever refuses at once is not asked again at once.
-                    stop.WaitHandle.WaitOne(patience < Try ? patience : Try / 5);
+                    stop.WaitHandle.WaitOne(timeout < Try ? timeout : Try / 5);
                 }
             }
             var keys = NetMQConnection.Prepare == null ? "" : ", and has this simulator's key on its list";
             throw new TimeoutException(FormattableString.Invariant($"no environment at {endpoint} within ")
-                + FormattableString.Invariant($"{patience.TotalSeconds} s; is the server running{keys}? ({why})"));
+                + FormattableString.Invariant($"{timeout.TotalSeconds} s; is the server running{keys}? ({why})"));
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
@@ -87,7 +86,7 @@ namespace NetMQExample
         private void Talk(
             SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
         {
-            var (limit, hello) = (patience < Try ? patience : Try, perform(simulator.Hello));
+            var (limit, hello) = (timeout < Try ? timeout : Try, perform(simulator.Hello));
             Send(hello, limit, stop);
             var request = Receive(limit, stop);
             if (request.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");

@@ -1,9 +1,8 @@
-// Lesson 09, the spaces: what a simulation says of what it sees and takes, for Gymnasium. The twin of spaces.py.
+// Lesson 09, the spaces: what a simulation says of what it sees and takes, for Gymnasium. In Python: spaces.py.
 //
 // A hello names the kinds, "box" or "discrete", as the values "observation" and "action". Its arrays are the rest: of a
 // box the lowest and the highest numbers, whose dtype and shape are those of the box; of a discrete one how many there
 // are, an int64. An observation or an action is then one array. What is not in its space is refused.
-// Take home: this file and Simulation.cs, with Message.cs and MessageJson.cs (lesson 05).
 using System;
 using System.Collections.Generic;
 using System.Globalization;

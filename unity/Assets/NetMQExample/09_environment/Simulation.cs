@@ -1,6 +1,4 @@
-// Lesson 09, a simulation: what a world needs, so that an environment can be made of it. The twin of simulation.py.
-//
-// Take home: this file and GymSpace.cs, with Message.cs and MessageJson.cs (lesson 05).
+// Lesson 09, a simulation: what a world needs, so that an environment can be made of it. In Python: simulation.py.
 using System.Collections.Generic;
 
 namespace NetMQExample

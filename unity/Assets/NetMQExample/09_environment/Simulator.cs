@@ -1,6 +1,4 @@
 // Lesson 09, the simulator: does in a simulation what an environment asks for, and each request once.
-//
-// Take home: this file, Simulation.cs and GymSpace.cs, with Message.cs and MessageJson.cs (lesson 05).
 using System;
 using System.Collections.Generic;
 using System.Linq;

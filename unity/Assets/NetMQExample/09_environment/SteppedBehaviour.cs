@@ -15,7 +15,7 @@ namespace NetMQExample
     public abstract class SteppedBehaviour : NetworkBehaviour
     {
         [SerializeField, Min(0), Tooltip("End after so many episodes; 0: when Python closes it")] private int count;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float patience = 30;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float timeout = 30;
 
         // How many milliseconds a frame may wait for Python's requests.
         private const int Most = 10;
@@ -62,7 +62,7 @@ namespace NetMQExample
             Log($"asking {place}");
             var simulator = MakeSimulator();
             simulator.Mistake = Debug.LogException;
-            using var client = new EnvironmentClient(place, Seconds(patience), Log);
+            using var client = new EnvironmentClient(place, Seconds(timeout), Log);
             client.Run(simulator, count, Perform, stop);
             Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }

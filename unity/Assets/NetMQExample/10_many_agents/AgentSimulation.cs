@@ -1,8 +1,5 @@
-// Lesson 10, a simulation of several agents: what a game needs, so that an environment can be made of it. The twin of
+// Lesson 10, a simulation of several agents: what a game needs, so that an environment can be made of it. In Python:
 // agent_simulation.py.
-//
-// Take home: this file and Infos.cs, with Simulation.cs and GymSpace.cs (lesson 09), Message.cs and MessageJson.cs
-// (05).
 using System.Collections.Generic;
 
 namespace NetMQExample

@@ -4,8 +4,7 @@
 // lives, in the order of the hello. The answer's "infos" name these agents; its arrays are rewards float64 [n],
 // terminated and truncated uint8 [n], and what each of them sees. Whoever is over then has no part in the next step.
 // An info brings infos for agents, and takes back in "told" what the game had to say, as each answer does.
-// Take home: this file, AgentSimulation.cs, RealTime.cs and Infos.cs, with Simulator.cs, Simulation.cs and GymSpace.cs
-// (lesson 09), Message.cs and MessageJson.cs (05). The Python side is python/10_many_agents/parallel.py.
+// The Python side is python/10_many_agents/parallel.py.
 // Trouble: stop the Python program in a game, and start it again.
 using System;
 using System.Collections.Generic;

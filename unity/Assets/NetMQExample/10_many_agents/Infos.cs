@@ -1,9 +1,8 @@
-// Lesson 10, the infos: what is said of many, or to them, in one value of a message. The twin of infos.py.
+// Lesson 10, the infos: what is said of many, or to them, in one value of a message. In Python: infos.py.
 //
 //     [["hunter_0",{"energy":0.5}],["",{"weather":"rain"}]]        JSON; "" is the environment
 //
 // An info is flat: texts, numbers, true and false by name, as the values of a message are.
-// Take home: this file, with Message.cs and MessageJson.cs (lesson 05).
 using System;
 using System.Collections.Generic;
 using System.Linq;

@@ -1,4 +1,4 @@
-// Lesson 10, the game: three hunters, two rabbits, and a meadow with a fence. The twin of pursuit.py.
+// Lesson 10, the game: three hunters, two rabbits, and a meadow with a fence. In Python: pursuit.py.
 //
 // Rabbits are faster, so hunters must drive them into a corner. A hunter who runs tires, and one without energy is out;
 // a rabbit that is caught is out as well. The game ends when all rabbits are caught, or no hunter is left.

@@ -1,10 +1,8 @@
-// Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. The twin of real_time.py.
+// Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. In Python: real_time.py.
 //
 // AgentSimulator puts each game into this shell. It is stepped as ever, until a reset has the option real_time. From
 // then on each step first makes up for the ticks that the clock has seen since the last one, with the actions from
 // then; rewards are summed. It is Python that keeps the pace: it sends no more than one step for each tick.
-// Take home: this file, AgentSimulation.cs and Infos.cs, with Simulation.cs and GymSpace.cs (lesson 09), Message.cs and
-// MessageJson.cs (05).
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;

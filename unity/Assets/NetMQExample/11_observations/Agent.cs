@@ -9,8 +9,6 @@
 //         public override void OnReset() => transform.position = Vector3.zero;
 //         public override void OnAction(object action) { … }
 //     }
-//
-// Take home: this file, UnityValues.cs and GymManager.cs, with SceneSimulator.cs and what that needs.
 using System;
 using System.Collections.Generic;
 using System.Linq;

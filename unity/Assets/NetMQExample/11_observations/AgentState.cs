@@ -1,6 +1,6 @@
 // Lesson 11, an agent: what it is told, and what is known of it between two answers to Python.
 //
-// Take home: this file and SceneSimulator.cs, with Obs.cs and Simulator.cs (lesson 09) and what they need. Without
+// Without
 // UnityEngine: a component is Agent.cs.
 using System;
 using System.Collections.Generic;

@@ -2,7 +2,6 @@
 //
 // Arrays of numbers, with one dimension or more, are copied as they are. All else that has numbers in it goes one by
 // one: lists, Vector3[], arrays in arrays. A dtype that a message lacks becomes the next larger one.
-// Take home: this file, with Obs.cs.
 using System;
 using System.Collections;
 using System.Collections.Generic;

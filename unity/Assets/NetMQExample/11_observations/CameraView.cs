@@ -2,8 +2,6 @@
 //
 //     using var view = new CameraView(camera, 84, 84, greyscale: true);
 //     MessageArray picture = view.Look();                      uint8 [84, 84]; in colour uint8 [84, 84, 3]
-//
-// Take home: this file and CameraReadback.cs (lesson 08), with Message.cs (lesson 05).
 using System;
 using UnityEngine;
 using Object = UnityEngine.Object;

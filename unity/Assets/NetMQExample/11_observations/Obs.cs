@@ -8,8 +8,7 @@
 // A managed code stripper takes away what nobody mentions, and reflection mentions nothing. Unity's spares whatever has
 // an attribute of the name PreserveAttribute, whosever it is: from such a one these derive, so that neither this file
 // nor your class needs UnityEngine. (Where stripping is set to High, put Unity's own [Preserve] on the class as well.)
-// Take home: this file, Observed.cs, BoxOf.cs, MessageTree.cs, Locator.cs and LocatorReader.cs, with Message.cs and
-// MessageJson.cs (lesson 05). The Python side is merge.py.
+// The Python side is merge.py.
 using System;
 
 namespace NetMQExample

@@ -3,7 +3,6 @@
 // Reflection is used once for each class: it finds the members and reads their attributes. After that a step costs one
 // FieldInfo.GetValue or PropertyInfo.GetValue for each member, which work everywhere; IL2CPP compiles no code at run
 // time that could replace them.
-// Take home: this file, with Obs.cs.
 using System;
 using System.Collections;
 using System.Collections.Concurrent;

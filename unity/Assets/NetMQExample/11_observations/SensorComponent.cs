@@ -8,7 +8,6 @@
 // Use: put it on a game object somewhere below an agent's. Without a locator the key is the names of the game objects
 // between the agent and this one; on the agent's own it is the name of its class. With one, such as ".eye", that stands
 // behind them; "@.eye" begins at the agent's root.
-// Take home: this file, with Agent.cs and what that needs.
 using System;
 using System.Collections.Generic;
 using UnityEngine;

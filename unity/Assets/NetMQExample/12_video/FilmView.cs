@@ -6,7 +6,7 @@
 //
 // Two pictures are on the way to Python at most, and two more are with a camera or wait. What would be the fifth one is
 // skipped and counted, so nothing piles up, and the game waits for nobody.
-// Take home: this file and RunningFilm.cs, with Message.cs and MessageJson.cs (lesson 05). The Python side is
+// The Python side is
 // film_view.py.
 using System;
 using System.Collections.Generic;

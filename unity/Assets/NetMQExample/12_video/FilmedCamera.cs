@@ -2,7 +2,6 @@
 //
 // While a film is made it renders once more for each picture, into a texture as large as Python asked for; at all other
 // times it costs nothing. The pixels come a frame or two later, as in lesson 08: no frame waits for the graphics card.
-// Take home: this file, FilmView.cs and RunningFilm.cs, with CameraReadback.cs (lesson 08).
 using System.Collections.Generic;
 using UnityEngine;
 

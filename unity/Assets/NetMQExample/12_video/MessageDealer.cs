@@ -1,6 +1,4 @@
 // Lesson 12, a DEALER socket for lesson 05's messages, whose arrays it lends to the network instead of copying them.
-//
-// Take home: this file, with Message.cs and MessageJson.cs (lesson 05), NetMQConnection.cs and NetMQLifetime.cs.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -16,15 +14,15 @@ namespace NetMQExample
     public sealed class MessageDealer : IDisposable
     {
         private readonly NetMQConnection connection;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
 
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Such as <c>tcp://127.0.0.1:5562</c>.</param>
-        /// <param name="patience">How long to wait until a message is sent.</param>
+        /// <param name="timeout">How long to wait until a message is sent.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public MessageDealer(string endpoint, TimeSpan patience)
+        public MessageDealer(string endpoint, TimeSpan timeout)
         {
-            this.patience = patience;
+            this.timeout = timeout;
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
@@ -85,7 +83,7 @@ namespace NetMQExample
         {
             var msg = new Msg();
             msg.InitGC(bytes, 0, bytes.Length);
-            foreach (var slice in NetMQConnection.Slices(patience, stop))
+            foreach (var slice in NetMQConnection.Slices(timeout, stop))
                 if (connection.Socket.TrySend(ref msg, slice, more)) return;
             throw new TimeoutException("no connection");
         }

@@ -1,6 +1,4 @@
 // Lesson 12, a film while it is made: which pictures are due, which are on the way, and how many were skipped.
-//
-// Take home: this file and FilmView.cs, with Message.cs and MessageJson.cs (lesson 05).
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;

@@ -14,7 +14,7 @@ namespace NetMQExample
     public sealed class ViewRecorder : NetworkBehaviour
     {
         [SerializeField, Tooltip("Where Python films")] private string endpoint = "tcp://127.0.0.1:5562";
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for Python")] private float patience = 3600;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for Python")] private float timeout = 3600;
         [SerializeField, Tooltip("What can be filmed")] private List<Camera> cameras = new List<Camera>();
         [SerializeField, Min(1), Tooltip("The widest picture that Python may ask for")] private int width = 320;
         [SerializeField, Min(1), Tooltip("The highest picture that Python may ask for")] private int height = 240;
@@ -35,7 +35,7 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var own = sender = new ViewSender(endpoint, Seconds(patience), Log);
+            using var own = sender = new ViewSender(endpoint, Seconds(timeout), Log);
             var offered = FromUpdate(Offer);
             own.Run(Array.ConvertAll(offered, one => one.View), stop);
         }

@@ -3,8 +3,7 @@
 // It says hello with the views' names and largest sizes; then Python begins and ends films, whenever it wants to. When
 // Python is gone no more pictures are taken; the game goes on, and when Python is back it is offered the views again.
 // Each try to connect has a new socket.
-// Take home: this file, MessageDealer.cs, FilmView.cs and RunningFilm.cs, with Message.cs and MessageJson.cs (lesson
-// 05), NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/12_video/films.py.
+// The Python side is python/12_video/films.py.
 // Trouble: stop the Python program while it films, and start it again.
 using System;
 using System.Collections.Generic;
@@ -25,19 +24,19 @@ namespace NetMQExample
         private readonly Stopwatch silence = new Stopwatch();
         private readonly MessageDealer dealer;
         private readonly string endpoint;
-        private readonly TimeSpan patience, limit;
+        private readonly TimeSpan timeout, limit;
         private readonly Action<string> report;
         private volatile bool connected;
 
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Where Python films, such as <c>tcp://127.0.0.1:5562</c>.</param>
-        /// <param name="patience">How long to wait for it.</param>
+        /// <param name="timeout">How long to wait for it.</param>
         /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public ViewSender(string endpoint, TimeSpan patience, Action<string> report)
+        public ViewSender(string endpoint, TimeSpan timeout, Action<string> report)
         {
-            (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
-            limit = patience < Try ? patience : Try;
+            (this.endpoint, this.timeout, this.report) = (endpoint, timeout, report);
+            limit = timeout < Try ? timeout : Try;
             dealer = new MessageDealer(endpoint, limit);
         }
 
@@ -53,7 +52,7 @@ namespace NetMQExample
             if (views.Count == 0 || names.Distinct().Count() < views.Count)
                 throw new ArgumentException($"each view needs a name of its own: {string.Join(", ", names)}");
             var why = "";
-            for (silence.Restart(); silence.Elapsed < patience && !stop.IsCancellationRequested; dealer.Close())
+            for (silence.Restart(); silence.Elapsed < timeout && !stop.IsCancellationRequested; dealer.Close())
             {
                 try { Talk(views, stop); }
                 catch (OperationCanceledException)
@@ -75,7 +74,7 @@ namespace NetMQExample
             }
             if (!stop.IsCancellationRequested)
                 throw new TimeoutException(FormattableString.Invariant(
-                    $"nobody films at {endpoint} within {patience.TotalSeconds} s; is the server running? ({why})"));
+                    $"nobody films at {endpoint} within {timeout.TotalSeconds} s; is the server running? ({why})"));
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>

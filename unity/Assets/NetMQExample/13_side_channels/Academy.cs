@@ -1,7 +1,4 @@
 // Lesson 13, where a scene finds its parameters and statistics: under the names that ML-Agents has for them.
-//
-// Take home: this file, EngineConfigurationChannel.cs, EnvironmentParameters.cs, Samplers.cs,
-// StatsRecorder.cs, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 
 namespace NetMQExample.SideChannels

@@ -2,7 +2,6 @@
 //
 // One message for each setting: its number as int32, then int32 width and height, or float32 time scale, or one int32.
 // The Python side is engine_configuration_channel.py, and what Unity does with them is in EngineSettings.cs.
-// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 using System.Globalization;
 using System.Linq;

@@ -4,7 +4,6 @@
 //
 // Bytes: string key, int32 type; type 0 is followed by a float32, type 1 by int32 seed, int32 kind of sampler and what
 // that takes. The Python side is environment_parameters_channel.py.
-// Take home: this file, Samplers.cs, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 using System.Collections.Generic;
 using System.Linq;

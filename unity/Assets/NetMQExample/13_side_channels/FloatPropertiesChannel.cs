@@ -1,7 +1,6 @@
 // Lesson 13, properties: numbers by name that both sides have, and each tells the other what it sets.
 //
 // Bytes: string key, float32 value. The Python side is float_properties_channel.py.
-// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 using System.Collections.Generic;
 using System.Linq;

@@ -1,7 +1,6 @@
 // Lesson 13, raw bytes: messages, such as pictures, to which you give a meaning yourself. Both ways.
 //
 // The Python side is raw_bytes_channel.py.
-// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 using System.Collections.Generic;
 

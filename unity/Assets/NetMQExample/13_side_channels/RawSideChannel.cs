@@ -2,7 +2,6 @@
 //
 // The exchange is the same, and such a channel talks to any other. Only a text had no length in front of it then: it
 // was the whole message. A class from that time says `using NetMQExample.RawSideChannels`.
-// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using NetMQExample.SideChannels;
 
 namespace NetMQExample.RawSideChannels

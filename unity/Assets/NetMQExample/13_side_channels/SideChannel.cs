@@ -5,7 +5,6 @@
 //
 // The names are ML-Agents': a channel class that was written for it works here, with `using NetMQExample.SideChannels`
 // in place of `using Unity.MLAgents.SideChannels`. The Python side is side_channel.py.
-// Take home: this file, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 using System.Collections.Generic;
 

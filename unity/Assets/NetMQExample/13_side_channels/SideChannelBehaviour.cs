@@ -13,13 +13,13 @@ namespace NetMQExample.SideChannels
     public abstract class SideChannelBehaviour : NetworkBehaviour
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5563";
-        [SerializeField, Min(0.01f), Tooltip("Seconds that the server may be silent")] private float patience = 5;
+        [SerializeField, Min(0.01f), Tooltip("Seconds that the server may be silent")] private float timeout = 5;
 
         // Whether what was packed before is still here.
         private bool full;
 
         /// <summary>How long the server may be silent.</summary>
-        protected System.TimeSpan Patience => Seconds(patience);
+        protected System.TimeSpan Timeout => Seconds(timeout);
 
         /// <summary>True when there is nothing more to say.</summary>
         protected virtual bool Over => false;
@@ -54,7 +54,7 @@ namespace NetMQExample.SideChannels
         protected override void Talk(CancellationToken stop)
         {
             Log($"asking {endpoint}");
-            using var carrier = new SideChannelCarrier(endpoint, Patience, GivesUp ? (System.Action<string>)null : Log);
+            using var carrier = new SideChannelCarrier(endpoint, Timeout, GivesUp ? (System.Action<string>)null : Log);
             for (var data = new byte[0]; !Over;)
             {
                 var received = carrier.Exchange(data, NetMQConnection.Slice, stop);

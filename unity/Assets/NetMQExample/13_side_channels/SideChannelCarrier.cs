@@ -3,8 +3,6 @@
 // An exchange is one frame, and either side sends one whenever it has something to say. An empty one says "I am here",
 // and is answered: so it is known whether the server is there.
 // The Python side is carrier.py; its server.py shows its use.
-// Take home: this file, NetMQConnection.cs and NetMQLifetime.cs, with SideChannel.cs, SideChannelMessages.cs and
-// SideChannelManager.cs.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
@@ -29,20 +27,20 @@ namespace NetMQExample.SideChannels
         private readonly Stopwatch heard = Stopwatch.StartNew(), said = new Stopwatch();
         private readonly NetMQConnection connection;
         private readonly string endpoint;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private readonly Action<string> report;
         private bool answered, away;
         private List<byte[]> frames;
 
         /// <summary>Connects, which succeeds even while no server is there.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5563</c>.</param>
-        /// <param name="patience">How long it may be silent.</param>
+        /// <param name="timeout">How long it may be silent.</param>
         /// <param name="report">Gets a line when it is silent for longer, and then the carrier goes on trying. Without
         /// it that ends with TimeoutException.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public SideChannelCarrier(string endpoint, TimeSpan patience, Action<string> report = null)
+        public SideChannelCarrier(string endpoint, TimeSpan timeout, Action<string> report = null)
         {
-            (this.endpoint, this.patience, this.report) = (endpoint, patience, report);
+            (this.endpoint, this.timeout, this.report) = (endpoint, timeout, report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
         }
 
@@ -73,10 +71,10 @@ namespace NetMQExample.SideChannels
                 heard.Restart();
                 (answered, away) = (true, false);
             }
-            else if (heard.Elapsed > patience && !away)
+            else if (heard.Elapsed > timeout && !away)
             {
                 var why = FormattableString.Invariant(
-                    $"no word from {endpoint} within {patience.TotalSeconds} s; is the server running?");
+                    $"no word from {endpoint} within {timeout.TotalSeconds} s; is the server running?");
                 if (report == null) throw new TimeoutException(why);
                 away = true;
                 report($"{why} It is tried again and again");

@@ -30,7 +30,7 @@ namespace NetMQExample.SideChannels
         {
             // A phone begins again when the game is back.
             Forget();
-            rounds = new SideChannelRounds(count, trouble, Patience * 2, Debug.Log);
+            rounds = new SideChannelRounds(count, trouble, Timeout * 2, Debug.Log);
             Application.logMessageReceived += Forward;
             base.Begin();
         }

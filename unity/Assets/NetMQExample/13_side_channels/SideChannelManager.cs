@@ -7,7 +7,7 @@
 //     4 bytes     how long the message is, int32, little-endian
 //     ...         the message, which only its channel understands
 //
-// The Python side is side_channel_manager.py. Take home: this file, SideChannel.cs and SideChannelMessages.cs.
+// The Python side is side_channel_manager.py.
 using System;
 using System.Collections.Generic;
 using System.IO;

@@ -3,7 +3,6 @@
 //     Academy.Instance.StatsRecorder.Add("score", 12.5f, StatAggregationMethod.Histogram);
 //
 // Bytes: string key, float32 value, int32 how to aggregate. The Python side is stats_side_channel.py.
-// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 
 namespace NetMQExample.SideChannels

@@ -1,7 +1,6 @@
 // Lesson 13, a channel of your own: Python's lines come to Unity's log, and Unity's errors go to Python.
 //
 // ML-Agents' documentation has such a channel, with this id. The Python side is in server.py.
-// Take home: this file, SideChannel.cs, SideChannelMessages.cs and SideChannelManager.cs.
 using System;
 
 namespace NetMQExample.SideChannels

@@ -2,7 +2,7 @@
 //
 //     SideChannelManager.Report = new Trouble(Debug.LogWarning).Report;
 //
-// The Python side is trouble.py. Take home: this file and NetMQLifetime.cs.
+// The Python side is trouble.py.
 using System;
 using Stopwatch = System.Diagnostics.Stopwatch;
 

@@ -4,8 +4,7 @@
 //     foreach (var news in client.Watch(client.Goal("picture", 100), stop))        or: client.Ask("status")
 //         report(news.Line);                                       client.Cancel() in between, on any thread
 //
-// Take home: this file and JobNews.cs, Message.cs and MessageJson.cs (lesson 05), NetMQConnection.cs and
-// NetMQLifetime.cs. The Python side is python/14_long_jobs/server.py, whose header says what the bytes are.
+// The Python side is python/14_long_jobs/server.py, whose header says what the bytes are.
 // Again and again it asks the same: a goal that is there is only watched. So it makes no difference what was
 // lost, and who was started again. What comes is the newest state; the last message is the result.
 using System;
@@ -27,7 +26,7 @@ namespace NetMQExample
 
         private readonly NetMQConnection connection;
         private readonly string endpoint;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private readonly int tries;
         private readonly Action<string> report;
         private int cancel;
@@ -36,17 +35,17 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5564</c>.</param>
         /// <param name="job">The job's id: a new one, or that of a job to come back to.</param>
-        /// <param name="patience">How long to wait for a word of the job before connecting anew.</param>
+        /// <param name="timeout">How long to wait for a word of the job before connecting anew.</param>
         /// <param name="tries">How often that may happen in a row before giving up.</param>
         /// <param name="report">Called, on the thread that watches, with a line to log about each trouble.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public JobClient(string endpoint, string job, TimeSpan patience, int tries, Action<string> report)
+        public JobClient(string endpoint, string job, TimeSpan timeout, int tries, Action<string> report)
         {
-            if (tries < 1 || patience <= TimeSpan.Zero)
-                throw new ArgumentException("tries must be 1 or more, and patience longer than 0 s");
+            if (tries < 1 || timeout <= TimeSpan.Zero)
+                throw new ArgumentException("tries must be 1 or more, and timeout longer than 0 s");
             if (!System.Text.RegularExpressions.Regex.IsMatch(job, "^[0-9A-Za-z][0-9A-Za-z-]{0,63}\\z"))
                 throw new ArgumentException("resume takes the id of a job, such as the one that leave-at prints");
-            (this.endpoint, Job, this.patience, this.tries, this.report) = (endpoint, job, patience, tries, report);
+            (this.endpoint, Job, this.timeout, this.tries, this.report) = (endpoint, job, timeout, tries, report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.Limit);
         }
 
@@ -84,8 +83,8 @@ namespace NetMQExample
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {
             var (silent, seq, since) = (0, -1L, Stopwatch.StartNew());
-            // Twice within its patience: work that has nothing to say for so long is no server that is away.
-            var again = patience / 2 < Again ? patience / 2 : Again;
+            // Twice within its timeout: work that has nothing to say for so long is no server that is away.
+            var again = timeout / 2 < Again ? timeout / 2 : Again;
             while (true)
             {
                 Send(request, stop);
@@ -104,8 +103,8 @@ namespace NetMQExample
                     seq = news.Seq;
                     if (end) yield break;
                 }
-                if (since.Elapsed < patience) continue;
-                var limit = FormattableString.Invariant($"{patience.TotalSeconds} s");
+                if (since.Elapsed < timeout) continue;
+                var limit = FormattableString.Invariant($"{timeout.TotalSeconds} s");
                 if (++silent == tries)
                     throw new TimeoutException($"no word of it from {endpoint} in {tries} tries of {limit}; "
                         + $"is the server running? Its id is {Job}");

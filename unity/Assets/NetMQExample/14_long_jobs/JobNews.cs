@@ -1,6 +1,6 @@
 // Lesson 14, what a message about a job says: read and put into words on the network thread, ready to be shown.
 //
-// Take home: this file, with Message.cs and MessageJson.cs of lesson 05 and NetMQLifetime.cs. The Python twin is
+// The Python twin is
 // progress.py.
 using System;
 using System.Collections.Generic;

@@ -21,7 +21,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("Cancel the job when so much is done; 0: never")] private int cancelAt = 0;
         [SerializeField, Min(0), Tooltip("Leave the job alone when so much is done; 0: never")] private int leaveAt = 0;
         [SerializeField, Tooltip("Have the server forget the job after its end")] private bool forget = false;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float patience = 1;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float timeout = 1;
         [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
         [SerializeField, Tooltip("With how much is done, from 0 to 1")] private Arrival<float> advanced = new();
         [SerializeField, Tooltip("With the result")] private Arrival<JobNews> ended = new();
@@ -48,7 +48,7 @@ namespace NetMQExample
         {
             newest = null;
             id ??= resume == "" ? JobClient.NewId() : resume;
-            using var mine = client = new JobClient(endpoint, id, Seconds(patience), tries, Log);
+            using var mine = client = new JobClient(endpoint, id, Seconds(timeout), tries, Log);
             Log($"asking {endpoint} for job {id}");
             foreach (var news in mine.Watch(resume == "" ? mine.Goal(kind, count, text) : mine.Ask("status"), stop))
             {

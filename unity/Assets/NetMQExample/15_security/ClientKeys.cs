@@ -3,7 +3,7 @@
 //     var keys = new ClientKeys("keys");          server.key there, and this client's own pair
 //     keys.Apply(socket);                         before Connect
 //
-// Take home: this file. It goes with any NetMQ socket that connects.
+// It goes with any NetMQ socket that connects.
 // The pair is made at the first start, and its secret key never leaves the machine: one that came with the game would
 // be the same in every copy, a password that everybody has. What ships is the server's public key: as text in a field,
 // or as server.key in the folder. The owner of the server then enrols this client's public key: client.key.

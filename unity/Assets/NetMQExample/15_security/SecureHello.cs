@@ -16,7 +16,7 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5565";
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 1;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 1;
         [SerializeField, Min(1), Tooltip("How often to send a request before giving up")] private int tries = 3;
         [SerializeField, Tooltip("The folder of the keys, in persistentDataPath")] private string keys = "keys";
         [SerializeField, Tooltip("The server's public key; if empty, that in server.key")]
@@ -36,7 +36,7 @@ namespace NetMQExample
                 Path.Combine(FromUpdate(() => Application.persistentDataPath), keys), serverKey);
             Log($"asking {endpoint}");
             using var requester = new SecureRequester(
-                endpoint, stranger ? own?.Stranger() : own, Seconds(patience), tries, Log);
+                endpoint, stranger ? own?.Stranger() : own, Seconds(timeout), tries, Log);
             for (var i = 1; i <= count; i++)
             {
                 var reply = requester.Request("Hello", stop);

@@ -1,9 +1,9 @@
 // Lesson 15, the client's side: a requester with keys, that says so when it is refused.
 //
-//     using var requester = new SecureRequester("tcp://127.0.0.1:5565", new ClientKeys("keys"), patience, 3, Log);
+//     using var requester = new SecureRequester("tcp://127.0.0.1:5565", new ClientKeys("keys"), timeout, 3, Log);
 //     requester.Request("Hello");        the reply, or TimeoutException
 //
-// Take home: this file and ClientKeys.cs, NetMQConnection.cs and NetMQLifetime.cs. The Python side is
+// The Python side is
 // python/15_security/server.py.
 // Bytes: UTF-8 text, one frame each way.
 // A refused client is told nothing: it is connected, and cut off in the handshake. NetMQ then tries again for ever and
@@ -28,7 +28,7 @@ namespace NetMQExample
         private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly ClientKeys keys;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private readonly int tries;
         private readonly Action<string> report;
         // It is never run: what the monitor reports is looked at here, between two slices of waiting.
@@ -41,15 +41,15 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while no server is there, or one that refuses.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5565</c>.</param>
         /// <param name="keys">Who this is, and which server; null speaks plain, which such a server refuses.</param>
-        /// <param name="patience">How long to wait for the reply to each try.</param>
+        /// <param name="timeout">How long to wait for the reply to each try.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
         /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public SecureRequester(string endpoint, ClientKeys keys, TimeSpan patience, int tries, Action<string> report)
+        public SecureRequester(string endpoint, ClientKeys keys, TimeSpan timeout, int tries, Action<string> report)
         {
-            if (tries < 1 || patience <= TimeSpan.Zero)
-                throw new ArgumentException("tries must be 1 or more, and patience longer than 0 s");
-            (this.endpoint, this.keys, this.patience) = (endpoint, keys, patience);
+            if (tries < 1 || timeout <= TimeSpan.Zero)
+                throw new ArgumentException("tries must be 1 or more, and timeout longer than 0 s");
+            (this.endpoint, this.keys, this.timeout) = (endpoint, keys, timeout);
             (this.tries, this.report) = (tries, report);
             // Before there is anything to close again.
             NetMQConnection.Check(endpoint);
@@ -88,7 +88,7 @@ namespace NetMQExample
         {
             (reply, trouble) = ("", ThrownOut);
             var sent = false;
-            foreach (var slice in NetMQConnection.Slices(patience, stop))
+            foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
                 // Without waiting: where this was refused already there is no connection to send on.
                 sent = sent || connection.TrySend(TimeSpan.Zero, stop, text);
@@ -99,7 +99,7 @@ namespace NetMQExample
                 stop.WaitHandle.WaitOne(Pause);
                 return false;
             }
-            trouble = FormattableString.Invariant($"no reply within {patience.TotalSeconds} s");
+            trouble = FormattableString.Invariant($"no reply within {timeout.TotalSeconds} s");
             return false;
         }
 

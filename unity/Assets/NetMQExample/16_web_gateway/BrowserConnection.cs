@@ -1,6 +1,4 @@
 // The browser's own WebSocket, for a WebGL build: C# calls the few functions of BrowserConnection.jslib.
-//
-// Take home: this file, BrowserConnection.jslib and IWebConnection.cs.
 #if UNITY_WEBGL && !UNITY_EDITOR
 using System.Runtime.InteropServices;
 

@@ -1,6 +1,4 @@
 // The WebSocket of .NET: no package and no DLL. What it waits for it waits for on the thread pool.
-//
-// Take home: this file and IWebConnection.cs.
 using System;
 using System.Collections.Concurrent;
 using System.IO;
@@ -88,9 +86,9 @@ namespace NetMQExample
                 socket.Options.Proxy = null;
                 // On Mono a connection that is given up before it has come about stays open until garbage is collected:
                 // it may come about first. A reload of scripts does not wait: their AppDomain takes it along.
-                using var patience = CancellationTokenSource.CreateLinkedTokenSource(Reload.Token);
-                using var stopped = stop.Token.Register(() => patience.CancelAfter(10000));
-                await socket.ConnectAsync(new Uri(address), patience.Token).ConfigureAwait(false);
+                using var timeout = CancellationTokenSource.CreateLinkedTokenSource(Reload.Token);
+                using var stopped = stop.Token.Register(() => timeout.CancelAfter(10000));
+                await socket.ConnectAsync(new Uri(address), timeout.Token).ConfigureAwait(false);
                 open = true;
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
                 closed ??= socket.CloseStatusDescription ?? "the other side has left";

@@ -17,7 +17,7 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
         [SerializeField, Tooltip("By Socket.IO in place of plain WebSocket")] private bool socketio = false;
         [SerializeField, Tooltip("The word that the gateway was given as --token")] private string token = "";
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float patience = 2.5f;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 2.5f;
         [SerializeField, Tooltip("Go on while another window has the focus; this is a setting of the whole game")]
         private bool runInBackground = true;
         [SerializeField, Tooltip("With each reply")] private UnityEvent<string> replied = new();
@@ -45,7 +45,7 @@ namespace NetMQExample
             string[] frames = null;
             try
             {
-                requester ??= WebRequester.To(endpoint, "hello", socketio, token, TimeSpan.FromSeconds(patience));
+                requester ??= WebRequester.To(endpoint, "hello", socketio, token, TimeSpan.FromSeconds(timeout));
                 if (asked == replies && asked++ < count) requester.Ask("Hello");
                 if (replies < count) requester.TryReceive(out frames);
             }

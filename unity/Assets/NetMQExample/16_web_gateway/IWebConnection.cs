@@ -1,6 +1,4 @@
 // A WebSocket that carries text: by .NET in the editor, in a player and in a terminal, by the browser in a WebGL build.
-//
-// Take home: this file, DotNetConnection.cs, and for WebGL BrowserConnection.cs and BrowserConnection.jslib.
 using System;
 
 namespace NetMQExample

@@ -4,8 +4,6 @@
 //     0{…}   the connection is there         40{"token":…}   we want to come in      40{…}   yes    44{…}   no
 //     421["hello","Hello"]   event 1         431["World"]   the reply to event 1
 //     2   are you there?                     3   yes
-//
-// Take home: this file, and those that WebRequester.cs names.
 using System;
 using Newtonsoft.Json;
 using Newtonsoft.Json.Linq;
@@ -23,9 +21,9 @@ namespace NetMQExample
         /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
         /// <param name="name">The server behind it, such as hello.</param>
         /// <param name="token">The word that the gateway was given as --token.</param>
-        /// <param name="patience">How long to wait for each reply.</param>
-        public SocketIORequester(string endpoint, string name, string token, TimeSpan patience)
-            : base(endpoint, patience) =>
+        /// <param name="timeout">How long to wait for each reply.</param>
+        public SocketIORequester(string endpoint, string name, string token, TimeSpan timeout)
+            : base(endpoint, timeout) =>
             (this.name, this.token) = (name, token);
 
         /// <inheritdoc/>

@@ -1,11 +1,10 @@
 // Asks one of the servers behind the gateway, without ever waiting: what WebSocket and Socket.IO have in common.
 //
-//     using var requester = new WebSocketRequester("http://127.0.0.1:5566", "hello", patience);
+//     using var requester = new WebSocketRequester("http://127.0.0.1:5566", "hello", timeout);
 //     requester.Ask("Hello");
 //     if (requester.TryReceive(out var frames)) …           once a frame, until it is true
 //
-// Take home: this file, WebSocketRequester.cs, SocketIORequester.cs, WebText.cs, IWebConnection.cs,
-// DotNetConnection.cs, and for WebGL BrowserConnection.cs with BrowserConnection.jslib. They need Newtonsoft.Json, and
+// They need Newtonsoft.Json, and
 // neither NetMQ nor a thread. The Python side is python/16_web_gateway/server.py.
 using System;
 using System.Diagnostics;
@@ -24,7 +23,7 @@ namespace NetMQExample
         private static readonly TimeSpan Pause = TimeSpan.FromSeconds(0.1);
         private readonly Stopwatch waited = new Stopwatch(), sinceTrouble = new Stopwatch();
         private readonly string endpoint;
-        private readonly TimeSpan patience;
+        private readonly TimeSpan timeout;
         private IWebConnection connection;
         private string[] asked, answer;
         private string trouble = "; is the server running?";
@@ -32,15 +31,15 @@ namespace NetMQExample
 
         /// <summary>Connects with the first request.</summary>
         /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
-        /// <param name="patience">How long to wait for each reply.</param>
+        /// <param name="timeout">How long to wait for each reply.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        protected WebRequester(string endpoint, TimeSpan patience)
+        protected WebRequester(string endpoint, TimeSpan timeout)
         {
             var parts = Regex.Match(endpoint ?? "", @"^https?://[^\s:/]+:([0-9]+)$");
             if (!ushort.TryParse(parts.Groups[1].Value, out var port) || port == 0)
                 throw new ArgumentException(
                     $"bad endpoint '{endpoint}': write it like http://127.0.0.1:PORT, PORT from 1 to 65535");
-            (this.endpoint, this.patience) = (endpoint, patience);
+            (this.endpoint, this.timeout) = (endpoint, timeout);
         }
 
         /// <summary>The one place that knows both kinds.</summary>
@@ -48,13 +47,13 @@ namespace NetMQExample
         /// <param name="name">The server behind it, such as hello.</param>
         /// <param name="socketIO">By Socket.IO in place of plain WebSocket.</param>
         /// <param name="token">The word that the gateway was given as --token.</param>
-        /// <param name="patience">How long to wait for each reply.</param>
+        /// <param name="timeout">How long to wait for each reply.</param>
         /// <returns>A requester, which connects with the first request.</returns>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public static WebRequester To(string endpoint, string name, bool socketIO, string token, TimeSpan patience)
+        public static WebRequester To(string endpoint, string name, bool socketIO, string token, TimeSpan timeout)
         {
-            if (socketIO) return new SocketIORequester(endpoint, name, token, patience);
-            return new WebSocketRequester(endpoint, name, token, patience);
+            if (socketIO) return new SocketIORequester(endpoint, name, token, timeout);
+            return new WebSocketRequester(endpoint, name, token, timeout);
         }
 
         /// <summary>Where the gateway listens for this kind, behind its <c>ws://host:port</c>.</summary>
@@ -89,7 +88,7 @@ namespace NetMQExample
                 sent = true;
                 Say(Write(asked));
             }
-            if (answer == null && waited.Elapsed > patience) throw GiveUp("");
+            if (answer == null && waited.Elapsed > timeout) throw GiveUp("");
             return (frames = answer) != null;
         }
 
@@ -133,13 +132,13 @@ namespace NetMQExample
             sinceTrouble.Restart();
         }
 
-        /// <summary>Why no patience would help, or that it has ended.</summary>
+        /// <summary>Why no timeout would help, or that it has ended.</summary>
         /// <param name="refused">What the gateway said.</param>
         /// <returns>What to throw.</returns>
         protected TimeoutException GiveUp(string refused)
         {
             Close();
-            var late = FormattableString.Invariant($"no reply from {endpoint} within {patience.TotalSeconds} s");
+            var late = FormattableString.Invariant($"no reply from {endpoint} within {timeout.TotalSeconds} s");
             return new TimeoutException(
                 refused == "" ? late + trouble : $"{endpoint} does not let this client in: {refused}");
         }

@@ -1,6 +1,4 @@
 // Lesson 16 over plain WebSocket: a request is one message, a JSON list of its frames, and so is its reply.
-//
-// Take home: this file, and those that WebRequester.cs names.
 using System;
 using Newtonsoft.Json;
 
@@ -13,9 +11,9 @@ namespace NetMQExample
         /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
         /// <param name="name">The server behind it, such as hello.</param>
         /// <param name="token">The word that the gateway was given as --token.</param>
-        /// <param name="patience">How long to wait for each reply.</param>
-        public WebSocketRequester(string endpoint, string name, string token, TimeSpan patience)
-            : base(endpoint, patience) =>
+        /// <param name="timeout">How long to wait for each reply.</param>
+        public WebSocketRequester(string endpoint, string name, string token, TimeSpan timeout)
+            : base(endpoint, timeout) =>
             Path = $"/ws/{name}?token={Uri.EscapeDataString(token)}";
 
         /// <inheritdoc/>

@@ -1,6 +1,4 @@
 // Text from the other side: read as JSON that may be anything, and shown in one line of a log.
-//
-// Take home: this file, with WebRequester.cs.
 using System.Globalization;
 using System.IO;
 using System.Text;

@@ -1,9 +1,7 @@
-// Lesson 17, the simulator: lesson 09's, which also says of which build it is. The twin of fleet_simulator.py.
+// Lesson 17, the simulator: lesson 09's, which also says of which build it is. In Python: fleet_simulator.py.
 //
 // An episode that was begun elsewhere is done again here, and must go the same way. So the hub takes simulators of one
 // build only; write another one wherever yours computes differently.
-// Take home: this file, with Simulator.cs, Simulation.cs and GymSpace.cs of lesson 09, and Message.cs and
-// MessageJson.cs of lesson 05.
 using System;
 using System.Threading;
 

@@ -1,11 +1,10 @@
-// Lesson 17, the hub is found: it tells its network once a second where it is. The twin of `find` in beacon.py.
+// Lesson 17, the hub is found: it tells its network once a second where it is. In Python: `find` in beacon.py.
 //
 //     HubFinder.Find(5567, "", TimeSpan.FromSeconds(30))        tcp://192.168.0.7:5567, or TimeoutException
 //
 // Bytes: a UDP datagram, `NMQX1 PORT FINGERPRINT` in ASCII; the address is the sender's. The fingerprint is the
 // beginning of the SHA-256 of the hub's public key, or `-` without keys. Anybody can send such a datagram: so a
 // simulator that has the hub's key passes over all others, and one without keys trusts its network.
-// Take home: this file.
 using System;
 using System.Diagnostics;
 using System.Globalization;
@@ -25,11 +24,11 @@ namespace NetMQExample
         /// <summary>Listens until a hub is heard that has this key.</summary>
         /// <param name="port">The UDP port that the hub tells it on.</param>
         /// <param name="serverKey">The hub's public key; empty without keys.</param>
-        /// <param name="patience">How long to listen.</param>
+        /// <param name="timeout">How long to listen.</param>
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>The hub's endpoint.</returns>
         /// <exception cref="TimeoutException">None was heard; the message says what to try.</exception>
-        public static string Find(int port, string serverKey, TimeSpan patience, CancellationToken stop = default)
+        public static string Find(int port, string serverKey, TimeSpan timeout, CancellationToken stop = default)
         {
             var (waited, own) = (Stopwatch.StartNew(), Fingerprint(serverKey));
             var why = "; is the hub started with --announce, on this network?";
@@ -42,7 +41,7 @@ namespace NetMQExample
                 throw new TimeoutException($"cannot listen on UDP port {port}: {e.Message}; give --endpoint instead");
             }
             var (datagram, sender) = (new byte[65_536], (EndPoint)new IPEndPoint(IPAddress.Any, 0));
-            while (waited.Elapsed < patience)
+            while (waited.Elapsed < timeout)
             {
                 stop.ThrowIfCancellationRequested();
                 if (!ear.Poll(20_000, SelectMode.SelectRead)) continue;
@@ -57,7 +56,7 @@ namespace NetMQExample
                         : $", only of another key, {address}; have both sides the same server.key?";
             }
             throw new TimeoutException(FormattableString.Invariant(
-                $"no hub was heard on UDP port {port} within {patience.TotalSeconds} s{why}"));
+                $"no hub was heard on UDP port {port} within {timeout.TotalSeconds} s{why}"));
         }
 
         private static string Fingerprint(string key)

@@ -1,6 +1,4 @@
 // Application 20 in Unity, one bone of an avatar: how it hangs in the T-pose, and how it turns with two landmarks.
-//
-// Take home: this file, with PoseAvatar.cs.
 using UnityEngine;
 
 namespace NetMQExample

@@ -1,6 +1,4 @@
 // Application 20 in Unity, which bones of a humanoid go with which landmarks, and where the trunk looks.
-//
-// Take home: this file, with PoseAvatar.cs.
 using UnityEngine;
 
 namespace NetMQExample

@@ -1,4 +1,4 @@
-// Application 20, which landmarks of MediaPipe's 33 belong together. Take home: this file.
+// Application 20, which landmarks of MediaPipe's 33 belong together.
 namespace NetMQExample
 {
     /// <summary>The lines of a skeleton, as pairs of landmarks.</summary>

@@ -1,6 +1,6 @@
 // Application 20, the newest pose of one person or hand: how many were skipped for it, and how late it is.
 //
-// Take home: this file and BodyPose.cs, with TopicListener.cs (lesson 03), NetMQConnection.cs and NetMQLifetime.cs. The
+// The
 // Python side is python/20_body_tracking/server.py.
 using System;
 using System.Diagnostics;
@@ -47,20 +47,20 @@ namespace NetMQExample
         public bool Restarted { get; private set; }
 
         /// <summary>Waits for a pose, and so not on Unity's main thread.</summary>
-        /// <param name="patience">How long to wait.</param>
+        /// <param name="timeout">How long to wait.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The newest one.</returns>
         /// <exception cref="TimeoutException">None came.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public BodyPose Receive(TimeSpan patience, CancellationToken stop = default)
+        public BodyPose Receive(TimeSpan timeout, CancellationToken stop = default)
         {
             BodyPose pose;
-            var end = clock.Elapsed + patience;
-            while ((pose = BodyPose.Parse(listener.Newest(patience, stop))) == null)
+            var end = clock.Elapsed + timeout;
+            while ((pose = BodyPose.Parse(listener.Newest(timeout, stop))) == null)
                 // However much of something else comes.
                 if (clock.Elapsed >= end)
                     throw new TimeoutException(FormattableString.Invariant(
-                        $"no pose from {endpoint} within {patience.TotalSeconds} s; is that this server?"));
+                        $"no pose from {endpoint} within {timeout.TotalSeconds} s; is that this server?"));
             // Numbers begin anew with each start of the server, and seconds where it is another computer's.
             Restarted = pose.Number < number;
             if (Restarted) ahead = double.PositiveInfinity;

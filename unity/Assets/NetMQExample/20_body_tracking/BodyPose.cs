@@ -1,7 +1,7 @@
 // Application 20, one pose of one person or hand: read from its message, turned into Unity's axes, and measured.
 //
 // Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
-// that MediaPipe numbers; without them nobody is there. `hand/left/` and `hand/right/` have 21. Take home: this file.
+// that MediaPipe numbers; without them nobody is there. `hand/left/` and `hand/right/` have 21.
 // It needs neither NetMQ nor UnityEngine. The Python side is python/20_body_tracking/server.py, whose header says more.
 using System;
 using System.Globalization;

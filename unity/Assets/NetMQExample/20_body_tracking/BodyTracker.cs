@@ -18,7 +18,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("left or right: a hand, and no person")] private string hand = "";
         [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 25;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float patience = 5;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float timeout = 5;
         [SerializeField, Min(1), Tooltip("Times in a row to wait without a pose")] private int tries = 20;
         [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<BodyPose> tracked = new();
 
@@ -62,7 +62,7 @@ namespace NetMQExample
             {
                 try
                 {
-                    newest = listener.Receive(Seconds(patience), stop);
+                    newest = listener.Receive(Seconds(timeout), stop);
                     if (listener.Restarted) Log($"{listener.Name}: the server was started again");
                     if (every > 0 && i % every == 0) Log(listener.Line(newest));
                     (i, lost) = (i + 1, 0);

@@ -1,4 +1,4 @@
-// Application 20, which landmarks of a hand's 21 belong together, as MediaPipe numbers them. Take home: this file.
+// Application 20, which landmarks of a hand's 21 belong together, as MediaPipe numbers them.
 namespace NetMQExample
 {
     /// <summary>The lines of a hand, as pairs of landmarks.</summary>

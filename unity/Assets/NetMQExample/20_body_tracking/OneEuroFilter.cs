@@ -3,7 +3,7 @@
 // The One Euro filter (Casiez, Roussel, Vogel 2012) is a low-pass filter whose cutoff frequency rises with the speed:
 // who stands still does not tremble, who moves is not followed late. An average of the last poses can be only one of
 // both. Added to it is a limit of speed: when the server is started again, or two persons are mixed up, the body gets
-// there within some frames and does not jump. Take home: this file. It needs neither NetMQ nor UnityEngine.
+// there within some frames and does not jump. It needs neither NetMQ nor UnityEngine.
 using System;
 
 namespace NetMQExample

@@ -1,8 +1,7 @@
 // Application 21, what a character has said so far: of a newer text only the end is new, however many were lost in
 // between.
 //
-// Take home: this file, with JobClient.cs and JobNews.cs (lesson 14), Message.cs and MessageJson.cs (lesson 05),
-// NetMQConnection.cs and NetMQLifetime.cs. The Python side is python/21_talking_character/server.py.
+// The Python side is python/21_talking_character/server.py.
 using System;
 using System.Text.RegularExpressions;
 using System.Threading;

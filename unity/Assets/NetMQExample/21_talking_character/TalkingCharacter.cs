@@ -19,7 +19,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("Who listens; none: the main camera")] private Transform player;
         [SerializeField, Min(0), Tooltip("How near one must be to listen")] private float earshot = 15;
         [SerializeField, Min(0), Tooltip("Walk away when so many words were said; 0: never")] private int leaveAfter;
-        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float patience = 1;
+        [SerializeField, Min(0.01f), Tooltip("Seconds to wait for a word of the job")] private float timeout = 1;
         [SerializeField, Min(1), Tooltip("How often to connect anew")] private int tries = 10;
         [SerializeField, Tooltip("With each sentence")] private Arrival<string> said = new();
 
@@ -64,7 +64,7 @@ namespace NetMQExample
         {
             while (!near) if (stop.WaitHandle.WaitOne(20)) return;
             var (speech, line, last) = (new Speech(), "", (JobNews)null);
-            using var mine = client = new JobClient(endpoint, JobClient.NewId(), Seconds(patience), tries, Log);
+            using var mine = client = new JobClient(endpoint, JobClient.NewId(), Seconds(timeout), tries, Log);
             Log($"asking {endpoint}: {NetMQLifetime.Printable(prompt)}");
             foreach (var news in mine.Watch(Speech.Ask(mine, prompt, count), Speech.LeaveAt(mine, stop)))
             {

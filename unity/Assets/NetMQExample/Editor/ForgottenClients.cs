@@ -10,7 +10,7 @@ namespace NetMQExample.Editor
     internal static class ForgottenClients
     {
         // What Stop has not waited for, such as a slow look-up of a host name, has ended by then, or nearly always.
-        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(2);
+        private static readonly TimeSpan Timeout = TimeSpan.FromSeconds(2);
         private static Stopwatch sinceStop;
         // Those of the editor itself, such as a window of the user's.
         private static int before;
@@ -30,7 +30,7 @@ namespace NetMQExample.Editor
         private static void Look()
         {
             var left = NetMQLifetime.Users - before;
-            if (left > 0 && sinceStop.Elapsed < Patience) return;
+            if (left > 0 && sinceStop.Elapsed < Timeout) return;
             EditorApplication.update -= Look;
             if (left <= 0) return;
             Debug.LogWarning($"NetMQ connections that are still open: {left}; call Dispose in OnDisable of the script "

@@ -14,7 +14,7 @@ namespace NetMQExample.Editor
     {
         // So many characters of the end are shown: a text field of the editor's takes no more than 65,535 vertices.
         private const int Shown = 8000;
-        private static readonly TimeSpan Patience = TimeSpan.FromSeconds(2);
+        private static readonly TimeSpan Timeout = TimeSpan.FromSeconds(2);
 
         // What a shell does with > on every system, in the same process: the one whose number is known. A program with
         // windows has no output to hand on in Windows, and then Python none that it could print to.
@@ -85,7 +85,7 @@ namespace NetMQExample.Editor
                 var process = Process.GetProcessById(int.Parse(parts[0], CultureInfo.InvariantCulture));
                 // Once it has ended, its number may be another one's. Systems know the time of birth to the second.
                 var apart = Born(process) - long.Parse(parts[parts.Length - 1], CultureInfo.InvariantCulture);
-                if (Born(process) > 0 && Math.Abs(apart) < Patience.Ticks) return new LessonServer(process, log);
+                if (Born(process) > 0 && Math.Abs(apart) < Timeout.Ticks) return new LessonServer(process, log);
             }
             catch (Exception e) when (e is IOException || e is UnauthorizedAccessException || e is FormatException
                 || e is OverflowException || e is ArgumentException || e is InvalidOperationException
@@ -121,7 +121,7 @@ namespace NetMQExample.Editor
         // Mono's WaitForExit does not wait for what another editor has started.
         private bool Ended()
         {
-            for (var waited = Stopwatch.StartNew(); Running && waited.Elapsed < Patience;) Thread.Sleep(20);
+            for (var waited = Stopwatch.StartNew(); Running && waited.Elapsed < Timeout;) Thread.Sleep(20);
             return !Running;
         }
 

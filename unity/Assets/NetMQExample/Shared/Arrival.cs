@@ -2,8 +2,6 @@
 //
 //     [SerializeField, Tooltip("With each reply")] private Arrival<string> replied = new();
 //     public event Action<string> Replied { add => replied.Raised += value; remove => replied.Raised -= value; }
-//
-// Take home: this file, with NetworkBehaviour.cs, whose Arrive raises it from the network thread.
 using System;
 using UnityEngine.Events;
 

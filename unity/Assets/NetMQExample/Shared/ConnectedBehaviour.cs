@@ -1,6 +1,4 @@
 // When a component may talk: while it is enabled, and on a phone while the game is in front.
-//
-// Take home: this file and ServerAddress.cs, with the component that derives from it.
 using System;
 using UnityEngine;
 
@@ -32,11 +30,11 @@ namespace NetMQExample
         protected abstract void End();
 
         /// <summary>What the inspector has as seconds.</summary>
-        /// <param name="patience">More than 0, and a day at the most.</param>
+        /// <param name="timeout">More than 0, and a day at the most.</param>
         /// <returns>The same.</returns>
-        protected static TimeSpan Seconds(float patience) => patience > 0 && patience <= 86400
-            ? TimeSpan.FromSeconds(patience)
-            : throw new ArgumentException($"patience must be more than 0 s and at most a day, not {patience}");
+        protected static TimeSpan Seconds(float timeout) => timeout > 0 && timeout <= 86400
+            ? TimeSpan.FromSeconds(timeout)
+            : throw new ArgumentException($"timeout must be more than 0 s and at most a day, not {timeout}");
 
         /// <summary>Logs why it has ended, and keeps it.</summary>
         /// <param name="why">Cause and cure.</param>

@@ -1,10 +1,8 @@
 // A socket as every client of this kit uses it: with a checked endpoint, limits, and waits that can be ended.
 //
 //     using var connection = new NetMQConnection("tcp://127.0.0.1:5551", () => new RequestSocket());
-//     connection.Send(patience, stop, "Hello");
-//     var frames = connection.Receive(patience, stop);
-//
-// Take home: this file and NetMQLifetime.cs, along with any client of this kit.
+//     connection.Send(timeout, stop, "Hello");
+//     var frames = connection.Receive(timeout, stop);
 using System;
 using System.Collections;
 using System.Collections.Generic;
@@ -67,21 +65,21 @@ namespace NetMQExample
         public static void Check(string endpoint) => Connect(null, endpoint);
 
         /// <summary>The time to wait, cut into slices; between two of them <paramref name="stop"/> is heard.</summary>
-        /// <param name="patience">How long to wait; zero gives one slice, of zero.</param>
+        /// <param name="timeout">How long to wait; zero gives one slice, of zero.</param>
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>What to give to a method of NetMQ's that takes a timeout, until it succeeds.</returns>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        public static IEnumerable<TimeSpan> Slices(TimeSpan patience, CancellationToken stop)
+        public static IEnumerable<TimeSpan> Slices(TimeSpan timeout, CancellationToken stop)
         {
             var waited = Stopwatch.StartNew();
             do
             {
                 stop.ThrowIfCancellationRequested();
-                var left = Math.Clamp((patience - waited.Elapsed).TotalMilliseconds, 0, Slice.TotalMilliseconds);
+                var left = Math.Clamp((timeout - waited.Elapsed).TotalMilliseconds, 0, Slice.TotalMilliseconds);
                 // Whole ones: NetMQ waits for ever when it is asked to wait for less than a millisecond.
                 yield return TimeSpan.FromMilliseconds((int)left);
             }
-            while (waited.Elapsed < patience);
+            while (waited.Elapsed < timeout);
         }
 
         /// <summary>Shows a message to whoever looks. The compiler leaves out the calls, with all that is made for
@@ -92,16 +90,16 @@ namespace NetMQExample
         public void Show(bool sent, IEnumerable frames) => Seen?.Invoke(endpoint, sent, frames);
 
         /// <summary>Sends a message, and waits when there is no connection to send on.</summary>
-        /// <param name="patience">How long to wait for a connection.</param>
+        /// <param name="timeout">How long to wait for a connection.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <param name="frames">Its frames, sent as UTF-8.</param>
         /// <returns>False if it was not sent.</returns>
-        public bool TrySend(TimeSpan patience, CancellationToken stop, params string[] frames)
+        public bool TrySend(TimeSpan timeout, CancellationToken stop, params string[] frames)
         {
             var message = new NetMQMessage();
             // Without the encoding, NetMQ makes a question mark of every character that is not ASCII.
             foreach (var frame in frames) message.Append(frame, Encoding.UTF8);
-            foreach (var slice in Slices(patience, stop))
+            foreach (var slice in Slices(timeout, stop))
             {
                 if (!Socket.TrySendMultipartMessage(slice, message)) continue;
                 Show(true, frames);
@@ -111,14 +109,14 @@ namespace NetMQExample
         }
 
         /// <summary>Waits for a message.</summary>
-        /// <param name="patience">How long to wait.</param>
+        /// <param name="timeout">How long to wait.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <param name="frames">Its frames, as text. However many there are, they are one message.</param>
         /// <returns>False if none came.</returns>
-        public bool TryReceive(TimeSpan patience, CancellationToken stop, out List<string> frames)
+        public bool TryReceive(TimeSpan timeout, CancellationToken stop, out List<string> frames)
         {
             frames = null;
-            foreach (var slice in Slices(patience, stop))
+            foreach (var slice in Slices(timeout, stop))
             {
                 if (!Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
                 Show(false, frames);
@@ -129,15 +127,15 @@ namespace NetMQExample
 
         /// <summary>Sends as <see cref="TrySend"/> does.</summary>
         /// <exception cref="TimeoutException">It was not sent.</exception>
-        public void Send(TimeSpan patience, CancellationToken stop, params string[] frames)
+        public void Send(TimeSpan timeout, CancellationToken stop, params string[] frames)
         {
-            if (!TrySend(patience, stop, frames)) throw Silence(patience);
+            if (!TrySend(timeout, stop, frames)) throw Silence(timeout);
         }
 
         /// <summary>Receives as <see cref="TryReceive"/> does.</summary>
         /// <exception cref="TimeoutException">No message came.</exception>
-        public List<string> Receive(TimeSpan patience, CancellationToken stop) =>
-            TryReceive(patience, stop, out var frames) ? frames : throw Silence(patience);
+        public List<string> Receive(TimeSpan timeout, CancellationToken stop) =>
+            TryReceive(timeout, stop, out var frames) ? frames : throw Silence(timeout);
 
         /// <summary>Closes the socket, with what it has not sent yet.</summary>
         public void Close()
@@ -165,8 +163,8 @@ namespace NetMQExample
             return socket;
         }
 
-        private TimeoutException Silence(TimeSpan patience) => new TimeoutException(FormattableString.Invariant(
-            $"no reply from {endpoint} within {patience.TotalSeconds} s; is the server running?"));
+        private TimeoutException Silence(TimeSpan timeout) => new TimeoutException(FormattableString.Invariant(
+            $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
 
         private static void Connect(NetMQSocket socket, string endpoint)
         {

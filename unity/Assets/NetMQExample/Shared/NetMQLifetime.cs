@@ -1,8 +1,6 @@
 // What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, and a Stop that does not
 // freeze.
 //
-// Take home: this file and NetMQConnection.cs, along with any client of this kit.
-//
 // NetMQ keeps one set of background threads per process. NetMQConfig.Cleanup() ends it, and with it every other
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
 // counted, and the last one to leave cleans up.
@@ -118,11 +116,11 @@ namespace NetMQExample
 
         // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never
         // ends is waited for once.
-        private static bool Cleaned(int patience)
+        private static bool Cleaned(int timeout)
         {
             while (cleaning != null)
             {
-                var rest = patience - cleaning.ElapsedMilliseconds;
+                var rest = timeout - cleaning.ElapsedMilliseconds;
                 if (rest <= 0) return false;
                 // It lets go of the lock meanwhile.
                 Monitor.Wait(Gate, (int)rest);

@@ -2,7 +2,7 @@
 // Talk, which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the
 // scene.
 //
-// Take home: this file, with Arrival.cs, ConnectedBehaviour.cs and NetMQLifetime.cs. For a component of your own,
+// For a component of your own,
 // derive from it; an Update of its own overrides this one, and calls base.Update().
 using System;
 using System.Collections.Concurrent;
@@ -114,14 +114,14 @@ namespace NetMQExample
         }
 
         /// <summary>Does what the network thread has next for Update.</summary>
-        /// <param name="patience">For how many milliseconds to wait for it; a frame takes that much longer.</param>
+        /// <param name="timeout">For how many milliseconds to wait for it; a frame takes that much longer.</param>
         /// <returns>False if there is nothing.</returns>
-        protected bool DoNext(int patience)
+        protected bool DoNext(int timeout)
         {
             // One that could not begin has no run. And a listener may have disabled the component in this very frame:
             // it has heard enough.
             if (run == null || run.Stop.IsCancellationRequested) return false;
-            if (!run.ForUpdate.TryTake(out var action, patience)) return false;
+            if (!run.ForUpdate.TryTake(out var action, timeout)) return false;
             action();
             return true;
         }

@@ -4,7 +4,7 @@
 //     MyGame.exe --endpoint tcp://192.168.1.20:5554                this Play's endpoint, whatever the scene says
 //     MyGame.exe --ViewRecorder.endpoint tcp://192.168.1.20:5562   that of one class, whatever the others have
 //
-// Take home: this file, with ConnectedBehaviour.cs. Without asset and option the fields of the components count.
+// Without asset and option the fields of the components count.
 using System;
 using System.Linq;
 using System.Text.RegularExpressions;

@@ -11,7 +11,7 @@ namespace NetMQExample.Tests
     /// <summary>Answers each request, or publishes, until it is disposed.</summary>
     public sealed class InProcessServer : IDisposable
     {
-        private static readonly TimeSpan Patience = TimeSpan.FromMilliseconds(10);
+        private static readonly TimeSpan Timeout = TimeSpan.FromMilliseconds(10);
         private readonly ManualResetEventSlim listening = new ManualResetEventSlim();
         private readonly Thread thread;
         private volatile bool stopped;
@@ -31,7 +31,7 @@ namespace NetMQExample.Tests
             new InProcessServer(() => new RouterSocket(), socket =>
             {
                 var request = new NetMQMessage();
-                if (!socket.TryReceiveMultipartMessage(Patience, ref request)) return;
+                if (!socket.TryReceiveMultipartMessage(Timeout, ref request)) return;
                 var envelope = new NetMQMessage();
                 envelope.Append(request.Pop());
                 // A REQ socket puts an empty frame in front of what it asks; lesson 13's asks an empty frame.
@@ -47,7 +47,7 @@ namespace NetMQExample.Tests
             return new InProcessServer(() => new PublisherSocket(), socket =>
             {
                 socket.SendFrame(text(++number));
-                Thread.Sleep(Patience);
+                Thread.Sleep(Timeout);
             });
         }
 
