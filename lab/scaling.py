@@ -36,7 +36,7 @@ from lab import machine
 
 LESSONS = "05_messages", "09_environment", "10_many_agents", "15_security", "17_many_machines"
 sys.path += [str(ROOT / "python" / name) for name in LESSONS]
-from messages import Array, Message, read  # noqa: E402
+from netmq_example.messages import Array, Message, read  # noqa: E402
 
 COUNTS, TEAM, TOGETHER, STEP = (1, 2, 4, 8, 16, 32, 64), 8, 16, 0.01
 KEPT, PICTURE, ASIDE = ROOT / "lab" / "scaling.json", ROOT / "img" / "17_scaling.svg", ROOT / ".build" / "bench"
@@ -89,8 +89,9 @@ class Team(threading.Thread):
     def run(self) -> None:
         import gymnasium
         import numpy as np
-        import vector  # noqa: F401, it registers the vector environments.
-        from fleet import FleetSocket
+
+        import netmq_example.envs  # noqa: F401, it registers the vector environments.
+        from netmq_example.fleet.trainer import FleetSocket
 
         with FleetSocket(self.endpoint, "CartPole", self.areas) as socket:
             envs = gymnasium.make_vec("NetMQExample/CartPole-v0", self.areas, socket=socket, wait=120.0)
@@ -103,8 +104,8 @@ class Team(threading.Thread):
 
 def measure(count: int, wait: float, work: float, seconds: float) -> float:
     """Steps a second of so many simulators behind one hub."""
-    from cart_pole import CartPole
-    from fleet_simulator import FleetSimulator
+    from netmq_example.fleet.simulator import FleetSimulator
+    from netmq_example.worlds.cart_pole import CartPole
 
     hello = [bytes(frame) for frame in FleetSimulator(CartPole(), "1").hello().frames()]
     server = ROOT / "python" / "17_many_machines" / "server.py"

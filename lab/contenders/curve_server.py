@@ -8,8 +8,8 @@ from pathlib import Path
 import zmq
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "python" / "15_security"))
-import keys
-from allow_list import AllowList
+from netmq_example.security import keys
+from netmq_example.security.allow_list import AllowList
 
 # The client has its keys from there.
 FOLDER = Path(__file__).resolve().parents[2] / ".build" / "lab_keys"

@@ -22,7 +22,8 @@ sys.path += [str(ROOT / "python" / lesson) for lesson in ("05_messages", "09_env
 
 import gymnasium  # noqa: E402
 import numpy as np  # noqa: E402
-import vector  # noqa: E402, F401, it registers the environments.
+
+import netmq_example.envs  # noqa: E402, F401, it registers the environments.
 
 
 def make(name: str) -> Any:

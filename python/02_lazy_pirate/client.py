@@ -11,10 +11,13 @@ import contextlib
 import functools
 import re
 import sys
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from lazy_pirate import LazyPirate
+
+from netmq_example.lazy_pirate import LazyPirate
 
 ENDPOINT = "tcp://127.0.0.1:5552"
 

@@ -22,9 +22,12 @@ import re
 import signal
 import sqlite3
 import sys
+from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from journal import Journal
+
+from netmq_example.journal import Journal
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5552", zmq.ROUTER, 65_536
 

@@ -13,10 +13,13 @@ import argparse
 import re
 import sys
 import time
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from topic_listener import TopicListener
+
+from netmq_example.topic_listener import TopicListener
 
 ENDPOINT = "tcp://127.0.0.1:5553"
 

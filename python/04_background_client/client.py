@@ -12,9 +12,11 @@ import contextlib
 import re
 import sys
 import time
+from pathlib import Path
 from socket import getaddrinfo
 
-from background_client import BackgroundClient
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.background_client import BackgroundClient
 
 ENDPOINT = "tcp://127.0.0.1:5554"
 

@@ -10,10 +10,13 @@ import argparse
 import re
 import sys
 import time
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from messages import LIMIT, Array, Message, MessageError, read
+
+from netmq_example.messages import LIMIT, Array, Message, MessageError, read
 
 ENDPOINT = "tcp://127.0.0.1:5555"
 

@@ -17,9 +17,12 @@ import re
 import signal
 import sys
 import traceback
+from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from messages import LIMIT, Array, Message, MessageError, read
+
+from netmq_example.messages import LIMIT, Array, Message, MessageError, read
 
 # Above the limit of messages.py a sender is told so. Above this one libzmq takes no more of it and hangs up.
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5555", zmq.REP, 4 * LIMIT

@@ -11,10 +11,13 @@ import itertools
 import re
 import sys
 from contextlib import closing
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from many_requester import ManyRequester
+
+from netmq_example.many_requester import ManyRequester
 
 ENDPOINT = "tcp://127.0.0.1:5556"
 

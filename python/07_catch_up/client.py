@@ -11,10 +11,13 @@ import argparse
 import re
 import sys
 import time
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from pose_subscriber import PoseSubscriber
+
+from netmq_example.pose_stream import PoseSubscriber
 
 ENDPOINT = "tcp://127.0.0.1:5557"
 

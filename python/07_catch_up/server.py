@@ -18,9 +18,12 @@ import re
 import signal
 import sys
 import time
+from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from publisher import Publisher
+
+from netmq_example.pose_stream import Publisher
 
 # What subscribers send, subscriptions and requests, is short.
 ENDPOINT, LARGEST = "tcp://127.0.0.1:5557", 1000

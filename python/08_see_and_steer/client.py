@@ -12,13 +12,16 @@ import argparse
 import re
 import sys
 import time
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 from drive import Drive
-from driver_client import DriverClient, GaveUp
 from keyboard import Keyboard
-from world import CAMERAS, STEP, DrawnCamera, Road
+
+from netmq_example.camera.client import DriverClient, GaveUp
+from netmq_example.worlds.road_car import CAMERAS, STEP, DrawnCamera, Road
 
 ENDPOINT = "tcp://127.0.0.1:5558"
 

@@ -1,8 +1,8 @@
 """Lesson 08, the drive: the car's side of the lesson in Python, as Drive.cs, DriverClient.cs and Shot.cs are in C#.
 
-    client.send(drive.message(…))       pictures, with their number and what the car does
-    drive.apply(client.receive(…))      driver_client.py; now the action's age is known
-    drive.step()                        0.02 s later
+client.send(drive.message(…))       pictures, with their number and what the car does
+drive.apply(client.receive(…))      driver_client.py; now the action's age is known
+drive.step()                        0.02 s later
 """
 
 import sys
@@ -12,13 +12,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from action import Action
-from pictures import encode
-from world import STEP, Car, Road
-
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from messages import Array, Message
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.camera.client import Action
+from netmq_example.camera.pictures import encode
+from netmq_example.messages import Array, Message
+from netmq_example.worlds.road_car import STEP, Car, Road
 
 # Steps without an action, after which the car brakes: half a second.
 TIMEOUT_STEPS = 25

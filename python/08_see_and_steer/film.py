@@ -13,8 +13,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from driver import main_camera
-from recorded import recorded
+
+from netmq_example.camera.recording import recorded
 
 try:
     from PIL import Image, ImageDraw

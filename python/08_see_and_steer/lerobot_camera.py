@@ -16,13 +16,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from driver import follow_road
-from messages import LIMIT, Message, MessageError, read
-from pictures import check_values, encode, pictures
+
+from netmq_example.camera.pictures import check_values, encode, pictures
+from netmq_example.messages import LIMIT, Message, MessageError, read
 
 UNITY, LEROBOT = "tcp://127.0.0.1:5558", "tcp://127.0.0.1:5555"
 

@@ -16,14 +16,12 @@ import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from action import Action
-from driver_client import DriverClient, GaveUp
-from recorded import ANSWERED, recorded
 
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from messages import Array, Message
+from netmq_example.camera.client import Action, DriverClient, GaveUp
+from netmq_example.camera.recording import ANSWERED, recorded
+from netmq_example.messages import Array, Message
 
 ENDPOINT = "tcp://127.0.0.1:5558"
 

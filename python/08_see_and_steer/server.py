@@ -23,15 +23,14 @@ import traceback
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from driver import follow_road, main_camera
-from messages import LIMIT, Message, MessageError, read
-from pictures import pictures
-from recorder import Recorder
 from train import load
+
+from netmq_example.camera.pictures import pictures
+from netmq_example.camera.recording import Recorder
+from netmq_example.messages import LIMIT, Message, MessageError, read
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5558", zmq.REP, 4 * LIMIT
 

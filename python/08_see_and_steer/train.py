@@ -16,13 +16,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
-
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
 from driver import keep_speed, main_camera
-from messages import MessageError
-from recorded import recorded
+
+from netmq_example.camera.recording import recorded
+from netmq_example.messages import MessageError
 
 # The upper part of a picture is sky. The rest is cut into so many parts, with three colours each.
 SKY, ROWS, COLUMNS = 0.3, 12, 32

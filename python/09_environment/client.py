@@ -11,14 +11,16 @@ import argparse
 import re
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 try:
-    from cart_pole import CartPole
-    from environment_client import EnvironmentClient
-    from road_car import RoadCar
-    from simulation import Simulation
-    from simulator import Simulator
+    from netmq_example.simulation.simulation import Simulation
+    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+    from netmq_example.worlds.cart_pole import CartPole
+    from netmq_example.worlds.road_car import RoadCar
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let kit.py run 9 do it")
 except KeyboardInterrupt:

@@ -1,5 +1,4 @@
-"""Lesson 09, the learning curve: how long the pole stays up, generation by generation.
-"""
+"""Lesson 09, the learning curve: how long the pole stays up, generation by generation."""
 
 
 def plot(means: list[float], goal: float, most: float, path: str) -> None:

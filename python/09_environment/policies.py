@@ -1,5 +1,4 @@
-"""Lesson 09, the policies: written by hand. At home train yours.
-"""
+"""Lesson 09, the policies: written by hand. At home train yours."""
 
 from collections.abc import Callable
 from typing import Any

@@ -14,15 +14,18 @@ import re
 import signal
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
 try:
-    import environment  # noqa: F401, it registers the environments.
     import gymnasium
-    from messages import LIMIT, MessageError
     from policies import by_hand
+
+    import netmq_example.envs  # noqa: F401, it registers the environments.
+    from netmq_example.messages import LIMIT, MessageError
 except KeyboardInterrupt:
     # gymnasium takes a second.
     sys.exit()

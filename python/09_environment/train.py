@@ -14,12 +14,15 @@ import signal
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 try:
-    import environment  # noqa: F401, it registers the environments.
     import gymnasium
     import learning_curve
-    from cross_entropy import GOAL, STEPS, play, train
-    from messages import MessageError
+
+    import netmq_example.envs  # noqa: F401, it registers the environments.
+    from netmq_example.cross_entropy import GOAL, STEPS, play, train
+    from netmq_example.messages import MessageError
 except KeyboardInterrupt:
     sys.exit("stopped")
 

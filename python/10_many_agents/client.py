@@ -13,14 +13,14 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
-# In its own lesson's folder; at home they lie beside this file.
-sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 try:
-    from agents import AgentSimulator
-    from areas import AreaSimulator
-    from cart_pole import CartPole
-    from environment_client import EnvironmentClient
-    from pursuit import Pursuit
+    from netmq_example.simulation.agents import AgentSimulator
+    from netmq_example.simulation.areas import AreaSimulator
+    from netmq_example.simulation.simulator import EnvironmentClient
+    from netmq_example.worlds.cart_pole import CartPole
+    from netmq_example.worlds.pursuit import Pursuit
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 10 installs it")
 except KeyboardInterrupt:

@@ -1,5 +1,4 @@
-"""Lesson 10, the players: written by hand, and as PettingZoo and Gymnasium play everywhere. At home train yours.
-"""
+"""Lesson 10, the players: written by hand, and as PettingZoo and Gymnasium play everywhere. At home train yours."""
 
 from collections.abc import Iterator
 from typing import Any

@@ -16,16 +16,19 @@ import re
 import signal
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
 try:
     import gymnasium
-    import vector  # noqa: F401, it registers the vector environments.
-    from messages import LIMIT, MessageError
-    from parallel import ZmqParallelEnv
     from players import balance, play
+
+    import netmq_example.envs  # noqa: F401, it registers the vector environments.
+    from netmq_example.envs.parallel_env import ZmqParallelEnv
+    from netmq_example.messages import LIMIT, MessageError
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium and pettingzoo; kit.py run 10 installs them")
 except KeyboardInterrupt:

@@ -12,12 +12,12 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "09_environment"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 try:
-    from coin_car import CoinCar
-    from environment_client import EnvironmentClient
-    from scene_simulator import SceneSimulator
+    from netmq_example.simulation.scene import SceneSimulator
+    from netmq_example.simulation.simulator import EnvironmentClient
+    from netmq_example.worlds.coin_car import CoinCar
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 11 installs it")
 except KeyboardInterrupt:

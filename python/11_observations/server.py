@@ -14,15 +14,18 @@ import re
 import signal
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
 try:
     import gymnasium
-    import observations  # noqa: F401, it registers the environment.
     from collector import ACTION, play, seen_space
-    from messages import LIMIT, MessageError
+
+    from netmq_example.envs import unity_env as observations  # noqa: F401, it registers the environment.
+    from netmq_example.messages import LIMIT, MessageError
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 11 installs it")
 except KeyboardInterrupt:

@@ -12,12 +12,15 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 try:
-    from film_view import FilmView
     from self_driving import SelfDriving, scaled
-    from view_sender import ViewSender
+
+    from netmq_example.video.view_sender import FilmView, ViewSender
 except KeyboardInterrupt:
     # numpy takes a while.
     sys.exit("stopped")

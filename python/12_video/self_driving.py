@@ -7,11 +7,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 
-# The world is lesson 08's.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "08_see_and_steer"))
-from world import CURVATURE, GRASS, HEIGHT, TARMAC, WIDTH, Car, DrawnCamera, Road
+from netmq_example.worlds.road_car import CURVATURE, GRASS, HEIGHT, TARMAC, WIDTH, Car, DrawnCamera, Road
 
 # It aims at a point of the road some 6 m ahead, and drives at 8 m/s.
 AHEAD, SPEED = 40, 8.0

@@ -23,12 +23,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
 try:
-    from film_writer import check_new
-    from films import Films
-    from messages import LIMIT, Message, MessageError
+    from netmq_example.messages import LIMIT, Message, MessageError
+    from netmq_example.video.film_writer import check_new
+    from netmq_example.video.films import Films
 except KeyboardInterrupt:
     # numpy takes a while.
     sys.exit()

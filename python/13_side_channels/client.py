@@ -11,12 +11,15 @@ Bytes: as in server.py. To copy: client_carrier.py.
 import argparse
 import re
 import sys
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from client_carrier import ClientCarrier
 from rounds import TROUBLES, Rounds
-from side_channel import LARGEST_EXCHANGE
+
+from netmq_example.side_channel.carrier import ClientCarrier
+from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE
 
 ENDPOINT = "tcp://127.0.0.1:5563"
 

@@ -10,22 +10,24 @@ They need gymnasium.
 
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-from environment_parameters_channel import EnvironmentParametersChannel
-from side_channel_manager import SideChannelManager
-from stats_side_channel import StatsSideChannel
-from unity_channels import EnvironmentParameters, StatsRecorder
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.side_channel.unity_channels import EnvironmentParameters, StatsRecorder
 
 try:
     # The first of them makes lesson 09's folder known.
-    from step_carrier import SideChannelSimulator, carry  # isort: skip
+    from netmq_example.envs.side_channels import SideChannelSimulator, carry  # isort: skip
     import numpy as np
-    from environment import ZmqEnv
-    from environment_client import EnvironmentClient
     from gymnasium.spaces import Box, Discrete
-    from simulation import Simulation
-    from simulator import Simulator
+
+    from netmq_example.envs.gym_env import ZmqEnv
+    from netmq_example.simulation.simulation import Simulation
+    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let kit.py run 9 do it")
 

@@ -1,21 +1,30 @@
-"""Lesson 13, a simulation that uses its channels: the C# version is SideChannelRounds.cs, with the same lines and numbers.
+"""Lesson 13, a simulation that uses its channels; in C# SideChannelRounds.cs, with the same lines and numbers.
 
 In each round it draws its parameters, records statistics and sets a property; the server's property says that it has
 seen that.
 """
 
 import struct
+import sys
 import time
 import uuid
 from collections.abc import Callable
+from pathlib import Path
 
-from float_properties_channel import FloatPropertiesChannel
-from raw_bytes_channel import RawBytesChannel
-from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException
-from side_channel_manager import SideChannelManager
-from stats_side_channel import StatsAggregationMethod
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from trouble import Trouble
-from unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
+
+from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.side_channel.side_channel import (
+    IncomingMessage,
+    OutgoingMessage,
+    SideChannel,
+    UnitySideChannelException,
+)
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod
+from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
 
 # What goes wrong on command.
 TROUBLES = ("none", "unknown", "cut", "throw")

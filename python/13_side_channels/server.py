@@ -14,14 +14,17 @@ import re
 import signal
 import sys
 import uuid
+from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from carrier import Carrier
-from engine_configuration_channel import EngineConfigurationChannel
-from environment_parameters_channel import EnvironmentParametersChannel
-from side_channel import LARGEST_EXCHANGE, IncomingMessage, OutgoingMessage, SideChannel
-from side_channel_manager import SideChannelManager
 from trainer import PrintedStats, SeenRounds, report
+
+from netmq_example.side_channel.carrier import Carrier
+from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE, IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5563", zmq.ROUTER, LARGEST_EXCHANGE
 

@@ -1,10 +1,14 @@
-"""Lesson 13, what the server does with what it hears: prints it, and says that it has seen a round.
-"""
+"""Lesson 13, what the server does with what it hears: prints it, and says that it has seen a round."""
 
-from float_properties_channel import FloatPropertiesChannel
-from side_channel import IncomingMessage
-from stats_side_channel import StatsSideChannel
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from trouble import Trouble
+
+from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.side_channel.side_channel import IncomingMessage
+from netmq_example.side_channel.stats_side_channel import StatsSideChannel
 
 
 class PrintedStats(StatsSideChannel):

@@ -1,7 +1,7 @@
 """Lesson 13, trouble: what went wrong, in a line a second at the most.
 
-    report = Trouble(print)
-    report("unknown channel")                                       trouble: unknown channel (and 300 more)
+report = Trouble(print)
+report("unknown channel")                                       trouble: unknown channel (and 300 more)
 """
 
 import time

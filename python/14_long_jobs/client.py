@@ -13,12 +13,14 @@ import contextlib
 import functools
 import re
 import sys
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from job_client import JobClient, new_id
-from messages import Message, MessageError
-from progress import Progress, share, words
+
+from netmq_example.jobs.client import JobClient, Progress, new_id, share, words
+from netmq_example.messages import Message, MessageError
 
 ENDPOINT = "tcp://127.0.0.1:5564"
 

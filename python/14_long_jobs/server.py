@@ -21,11 +21,13 @@ import re
 import signal
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from job_journal import Journal
-from jobs import Jobs
-from verbs import exchange
+
+from netmq_example.jobs.jobs import Jobs, exchange
+from netmq_example.jobs.journal import Journal
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5564", zmq.ROUTER, 65_536
 

@@ -16,8 +16,10 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from secure_requester import ClientKeys, SecureRequester
+
+from netmq_example.security.requester import ClientKeys, SecureRequester
 
 ENDPOINT = "tcp://127.0.0.1:5565"
 

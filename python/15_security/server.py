@@ -20,9 +20,11 @@ import signal
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from allow_list import AllowList
-from keys import example
+
+from netmq_example.security.allow_list import AllowList
+from netmq_example.security.keys import example
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5565", zmq.REP, 65_536
 

@@ -10,11 +10,14 @@ import argparse
 import asyncio
 import re
 import sys
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 try:
-    from socketio_requester import SocketIORequester
-    from web_requester import WebSocketRequester
+    from netmq_example.web.requester import WebSocketRequester
+    from netmq_example.web.socketio_requester import SocketIORequester
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; kit.py run 16 installs them")
 except KeyboardInterrupt:

@@ -1,11 +1,12 @@
-"""Lesson 16, the gateway's options: what is wrong with an address, a folder of keys or a time is said at once.
-"""
+"""Lesson 16, the gateway's options: what is wrong with an address, a folder of keys or a time is said at once."""
 
 import argparse
 import re
 import sys
 from pathlib import Path
 from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 
 def address(text: str) -> str:
@@ -28,7 +29,7 @@ def keys(folder: str) -> Any:
     """Lesson 15's ClientKeys: a gateway is one client, whoever comes through it."""
     # In its own lesson's folder; at home it lies beside this file.
     sys.path.append(str(Path(__file__).resolve().parents[1] / "15_security"))
-    from secure_requester import ClientKeys
+    from netmq_example.security.requester import ClientKeys
 
     try:
         return ClientKeys(Path(folder))

@@ -21,16 +21,17 @@ import signal
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq.asyncio
 
 try:
-    import over_socketio
-    import over_websocket
     from aiohttp import web
-    from browser_socket import BrowserSocket, Listener, Requester, more_files
-    from door import Door
     from gateway_options import address, behind, keys, seconds
-    from gateway_port import listen
+
+    from netmq_example.web import socketio as over_socketio
+    from netmq_example.web import websocket as over_websocket
+    from netmq_example.web.browser_socket import BrowserSocket, Listener, Requester, more_files
+    from netmq_example.web.door import Door, listen
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs aiohttp and python-socketio; kit.py run 16 installs them")
 except KeyboardInterrupt:

@@ -26,12 +26,12 @@ import signal
 import socket
 import sys
 import threading
+from pathlib import Path
 
-from arrows import Arrows
-from fates import FATES, Trouble
-from passing import Link
-from tap_page import Page
-from tap_recording import file, write
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.tap.arrows import Arrows, file, write
+from netmq_example.tap.page import Page
+from netmq_example.tap.passing import FATES, Link, Trouble
 
 ENDPOINT = "tcp://127.0.0.1:5666"
 NUMBERS = itertools.count(1)

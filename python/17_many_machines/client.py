@@ -16,12 +16,12 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
-# In its own lesson's folder; at home they lie beside this file.
-sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment")]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 try:
-    from cart_pole import CartPole
-    from environment_client import EnvironmentClient
-    from fleet_simulator import FleetSimulator, way_to_hub
+    from netmq_example.fleet.simulator import FleetSimulator, way_to_hub
+    from netmq_example.simulation.simulator import EnvironmentClient
+    from netmq_example.worlds.cart_pole import CartPole
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 17 installs it")
 except KeyboardInterrupt:

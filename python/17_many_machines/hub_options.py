@@ -1,5 +1,4 @@
-"""Lesson 17, what the hub is told: seconds, a place to announce itself at, and the keys of whom it lets in.
-"""
+"""Lesson 17, what the hub is told: seconds, a place to announce itself at, and the keys of whom it lets in."""
 
 import argparse
 import functools
@@ -8,11 +7,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "15_security"))
-from allow_list import AllowList
+from netmq_example.security.allow_list import AllowList
 
 
 def keys_for(

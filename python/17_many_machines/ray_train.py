@@ -18,6 +18,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 # Otherwise Ray tells its makers how it is used.
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
 # In their own lesson's folder; at home they lie beside this file.
@@ -26,7 +28,8 @@ sys.path.append(str(ENVIRONMENT))
 try:
     import gymnasium
     import ray
-    from cross_entropy import STEPS, Episode, play, train
+
+    from netmq_example.cross_entropy import STEPS, Episode, play, train
 except ImportError as error:
     sys.exit(f"{error}: Ray's part of this lesson needs gymnasium and ray; pip install gymnasium ray")
 except KeyboardInterrupt:

@@ -23,16 +23,14 @@ import signal
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-
-# In its own lesson's folder; at home they lie beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "05_messages"))
-from beacon import Beacon
-from board import Board
-from hub import Hub
 from hub_options import keys_for, place, receive, seconds
-from messages import LIMIT
-from upkeep import tick
+
+from netmq_example.fleet.beacon import Beacon
+from netmq_example.fleet.board import Board
+from netmq_example.fleet.hub import Hub, tick
+from netmq_example.messages import LIMIT
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5567", zmq.ROUTER, 4 * LIMIT
 

@@ -13,16 +13,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
 # In its own lesson's folder; at home they lie beside this file.
 LESSONS = "05_messages", "09_environment", "10_many_agents", "15_security"
-sys.path += [str(Path(__file__).resolve().parents[1] / name) for name in LESSONS]
 try:
     import gymnasium
     import numpy as np
-    import vector  # noqa: F401, it registers the vector environments.
-    from fleet import FleetSocket
-    from messages import MessageError
-    from secure_requester import ClientKeys
+
+    import netmq_example.envs  # noqa: F401, it registers the vector environments.
+    from netmq_example.fleet.trainer import FleetSocket
+    from netmq_example.messages import MessageError
+    from netmq_example.security.requester import ClientKeys
 except ImportError as error:
     sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 17 installs it")
 except KeyboardInterrupt:

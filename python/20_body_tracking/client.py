@@ -12,10 +12,13 @@ import argparse
 import re
 import sys
 import time
+from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from body_listener import LANDMARKS, BodyListener, BodyPose
+
+from netmq_example.body.listener import LANDMARKS, BodyListener, BodyPose
 
 ENDPOINT = "tcp://127.0.0.1:5570"
 # MediaPipe's numbers.

@@ -21,9 +21,11 @@ import sys
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from camera import watch
-from people import Landmark, Pictures, SourceError, play, read
+
+from netmq_example.body.camera import watch
+from netmq_example.body.people import Landmark, Pictures, SourceError, play, read
 
 # What listeners send are subscriptions, and those are short.
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5570", zmq.PUB, 1000

@@ -7,9 +7,11 @@ A recording of your own: write it with `write`.
 """
 
 import math
+import sys
 from pathlib import Path
 
-from people import Landmark, write
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.body.people import Landmark, write
 
 RATE, SECONDS = 30, 3
 # A place in metres from the middle of the hips: forward, to the person's left, up.

@@ -14,13 +14,12 @@ import sys
 from pathlib import Path
 from socket import getaddrinfo
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from speech import Speech
 
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "14_long_jobs"))
-from job_client import JobClient, new_id
-from messages import MessageError
+from netmq_example.jobs.client import JobClient, new_id
+from netmq_example.messages import MessageError
+from netmq_example.talk.speech import Speech
 
 ENDPOINT = "tcp://127.0.0.1:5571"
 

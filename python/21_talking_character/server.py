@@ -18,16 +18,14 @@ import signal
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "14_long_jobs"))
-from job_journal import Journal
-from jobs import Jobs
-from ollama_talk import ollama, ollama_talk
 from small_talk import seconds, small_talk
-from verbs import exchange
-from work import KINDS, Kind
+
+from netmq_example.jobs.jobs import Jobs, exchange
+from netmq_example.jobs.journal import Journal
+from netmq_example.jobs.work import KINDS, Kind
+from netmq_example.talk.ollama import ollama, ollama_talk
 
 ENDPOINT, SOCKET, LARGEST = "tcp://127.0.0.1:5571", zmq.ROUTER, 65_536
 

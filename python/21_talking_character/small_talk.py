@@ -1,6 +1,6 @@
 """Application 21, words without a model: a keeper of a bridge, who says the same to the same prompt and seed.
 
-    for step in small_talk(100, b"", "Who are you?", delay=0.05, seed=0): ...
+for step in small_talk(100, b"", "Who are you?", delay=0.05, seed=0): ...
 """
 
 import re
@@ -11,9 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from zlib import crc32
 
-# In its own lesson's folder; at home it lies beside this file.
-sys.path.append(str(Path(__file__).resolve().parents[1] / "14_long_jobs"))
-from work import Step
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.jobs.work import Step
 
 OPENINGS = ("Good evening, traveller.", "Mind the third plank!", "Ah, a voice in the fog.", "You again?")
 TALES = (

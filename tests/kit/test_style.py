@@ -25,11 +25,11 @@ from tests.programs import ROOT, finished
 LONGER = {
     "python/01_request_reply/client.py": 62,
     "python/02_lazy_pirate/server.py": 65,
-    "python/04_background_client/background_client.py": 85,
+    "python/netmq_example/background_client.py": 85,
     "python/04_background_client/server.py": 65,
     # The whole standard: what one takes home of it is one file.
     "python/05_messages/client.py": 66,
-    "python/05_messages/messages.py": 86,
+    "python/netmq_example/messages.py": 86,
     "python/05_messages/server.py": 67,
     "python/06_many_in_flight/server.py": 86,
     "python/07_catch_up/client.py": 62,
@@ -50,14 +50,14 @@ LONGER = {
     "python/15_security/client.py": 64,
     "python/15_security/server.py": 71,
     # What can be wrong with a key, or with its file, is named here for all who read it.
-    "python/15_security/keys.py": 92,
+    "python/netmq_example/security/keys.py": 92,
     # A person or a hand, with one client; and where the server finds them.
     "python/20_body_tracking/client.py": 62,
     "python/20_body_tracking/server.py": 68,
     # What the other components have from Shared, which needs NetMQ.
     "unity/Assets/NetMQExample/16_web_gateway/HelloWeb.cs": 62,
     # The rules of a job are one thing.
-    "python/14_long_jobs/jobs.py": 89,
+    "python/netmq_example/jobs/jobs.py": 89,
 }
 
 

@@ -53,7 +53,7 @@ def make():
     """gymnasium.make, and what it made is closed at the end of the test."""
     gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
     sys.path += [str(ROOT / "python" / folder) for folder in ("09_environment", "05_messages")]
-    import environment  # noqa: F401
+    import netmq_example.envs  # noqa: F401
 
     made = []
 

@@ -301,7 +301,7 @@ def test_a_far_server_answers(kind, serve, start, client_command):
 # Runs inside the lesson's folder, where `from background_client import BackgroundClient` finds the class to copy.
 IN_PYTHON = """
 import sys
-from background_client import BackgroundClient
+from netmq_example.background_client import BackgroundClient
 ends = []
 client = BackgroundClient(sys.argv[1], timeout=20)
 """

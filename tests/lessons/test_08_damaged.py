@@ -17,10 +17,12 @@ pytest.importorskip("PIL", reason="to record needs Pillow: pip install pillow")
 KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
-from messages import Array, Message, read  # noqa: E402
-from recorded import recorded  # noqa: E402
-from recorder import MOST, Recorder  # noqa: E402
-
+from netmq_example.camera.recording import (  # noqa: E402
+    MOST,
+    Recorder,
+    recorded,
+)
+from netmq_example.messages import Array, Message, read  # noqa: E402
 from tests.lessons.conftest import ask  # noqa: E402
 
 

@@ -23,8 +23,8 @@ KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
 world = pytest.importorskip("world", reason="lesson 08 needs numpy: pip install numpy")
-from messages import Message as Message  # noqa: E402
-from messages import read as read  # noqa: E402
+from netmq_example.messages import Message as Message  # noqa: E402
+from netmq_example.messages import read as read  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_terminal = pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])

@@ -14,8 +14,8 @@ from tests.programs import ROOT
 
 sys.path += [str(ROOT / "python" / "08_see_and_steer"), str(ROOT / "python" / "05_messages")]
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
-import pictures  # noqa: E402
-from messages import Array, Message, MessageError  # noqa: E402
+from netmq_example.camera import pictures  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 
 
 def jpeg(width, height, name="JPEG", mode="RGB"):

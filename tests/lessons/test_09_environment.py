@@ -24,8 +24,8 @@ from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402
 
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
-import environment  # noqa: E402, F401
-import messages  # noqa: E402
+import netmq_example.envs  # noqa: E402, F401
+from netmq_example import messages  # noqa: E402
 
 # The state of seed 7, as float32; and what is seen 25 steps later, of right and left in turn.
 GOLDEN_START = ["-0x1.6901820000000p-7", "-0x1.8bd8d60000000p-5", "0x1.484d9c0000000p-5", "0x1.0fbef80000000p-7"]

@@ -26,11 +26,11 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install num
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
-from cart_pole import CartPole  # noqa: E402
-from messages import Message, MessageError, read  # noqa: E402
-from simulation import draws  # noqa: E402
-from simulator import Simulator  # noqa: E402
-from spaces import to_array  # noqa: E402
+from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.simulation.simulation import draws  # noqa: E402
+from netmq_example.simulation.simulator import Simulator  # noqa: E402
+from netmq_example.spaces import to_array  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 

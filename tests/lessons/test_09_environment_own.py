@@ -25,12 +25,12 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install num
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
-from cart_pole import CartPole  # noqa: E402
-from messages import Message, MessageError, read  # noqa: E402
-from road_car import RoadCar  # noqa: E402
-from simulator import Simulator  # noqa: E402
-from simulators import Simulators  # noqa: E402
-from spaces import to_array  # noqa: E402
+from netmq_example.envs.connection import Simulators  # noqa: E402
+from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.simulation.simulator import Simulator  # noqa: E402
+from netmq_example.spaces import to_array  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
 CLIENT = [str(PYTHON), str(LESSON / "client.py"), "--timeout", "30"]
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")

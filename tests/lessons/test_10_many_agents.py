@@ -24,11 +24,12 @@ from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-import vector  # noqa: E402, F401
-from infos import InfoQueue, pack, unpack  # noqa: E402
-from launched import game  # noqa: E402
-from parallel import ZmqParallelEnv  # noqa: E402
 from players import policy  # noqa: E402
+
+import netmq_example.envs  # noqa: E402, F401
+from netmq_example.envs.connection import game  # noqa: E402
+from netmq_example.envs.parallel_env import ZmqParallelEnv  # noqa: E402
+from netmq_example.spaces import InfoQueue, pack, unpack  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Unity's scene of this lesson has agents; areas are for terminals.
@@ -109,10 +110,10 @@ def test_areas_are_what_gymnasiums_own_vector_makes_of_as_many_environments(mode
 def test_infos_of_a_simulation_come_from_each_area(vectors, launch):
     """The car says how many metres it has come; a road is left sooner or later."""
     sys.path.append(str(ROOT / "python" / "08_see_and_steer"))
-    from areas import AreaSimulator
-    from messages import Message, read
-    from road_car import RoadCar
-    from spaces import to_array
+    from netmq_example.messages import Message, read
+    from netmq_example.simulation.areas import AreaSimulator
+    from netmq_example.spaces import to_array
+    from netmq_example.worlds.road_car import RoadCar
 
     simulator = AreaSimulator([RoadCar(), RoadCar()])
     lots = [to_array([1, 1], np.uint8), to_array([1, 2], np.int64)]
@@ -235,9 +236,9 @@ def test_infos_go_both_ways(kind, pursuit):
 
 
 def test_a_game_hears_and_says_at_any_time():
-    from agents import AgentSimulator
-    from messages import Message, read
-    from pursuit import Pursuit
+    from netmq_example.messages import Message, read
+    from netmq_example.simulation.agents import AgentSimulator
+    from netmq_example.worlds.pursuit import Pursuit
 
     class Talkative(Pursuit):
         def on_info(self, agent, info):
@@ -303,8 +304,8 @@ def test_else_it_stands_still(kind, pursuit):
 
 def test_what_the_clock_has_seen_is_made_up_for():
     """With the actions from before, and those of a step only in the tick that is due."""
-    from pursuit import Pursuit
-    from real_time import RealTime
+    from netmq_example.simulation.simulation import RealTime
+    from netmq_example.worlds.pursuit import Pursuit
 
     class Counted(Pursuit):
         def apply(self, actions):

@@ -16,15 +16,18 @@ pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip instal
 
 KEY = "10_many_agents"
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-import vector  # noqa: E402, F401
-from agents import AgentSimulator  # noqa: E402
-from areas import AreaSimulator  # noqa: E402
-from cart_pole import CartPole  # noqa: E402
-from infos import pack, unpack  # noqa: E402
-from messages import EXACT, MessageError, read  # noqa: E402
-from parallel import ZmqParallelEnv  # noqa: E402
-from pursuit import Pursuit  # noqa: E402
-from spaces import to_array  # noqa: E402
+import netmq_example.envs  # noqa: E402, F401
+from netmq_example.envs.parallel_env import ZmqParallelEnv  # noqa: E402
+from netmq_example.messages import EXACT, MessageError, read  # noqa: E402
+from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
+from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
+from netmq_example.spaces import (  # noqa: E402
+    pack,
+    to_array,
+    unpack,
+)
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 
 
 @pytest.fixture

@@ -20,14 +20,17 @@ from gymnasium import spaces  # noqa: E402
 
 KEY = "11_observations"
 sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-import fit  # noqa: E402
-import observations  # noqa: E402
-import tree  # noqa: E402
-import unity_agents  # noqa: E402
-from messages import Message, MessageError, read  # noqa: E402
-from scene_agent import Agent, Obs  # noqa: E402
-from scene_simulator import SceneSimulator  # noqa: E402
-from unity_parallel import UnityParallelEnv  # noqa: E402
+from netmq_example import spaces as tree  # noqa: E402
+from netmq_example.envs import merge as fit  # noqa: E402
+from netmq_example.envs import unity_env as observations  # noqa: E402
+from netmq_example.envs import unity_env as unity_agents  # noqa: E402
+from netmq_example.envs.unity_parallel_env import UnityParallelEnv  # noqa: E402
+from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.simulation.scene import (  # noqa: E402
+    Agent,
+    Obs,
+    SceneSimulator,
+)
 
 ONE = spaces.Box(-9, 9, (2,), np.float32)
 

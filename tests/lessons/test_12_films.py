@@ -21,12 +21,14 @@ Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip ins
 from tests.lessons.test_12_video import is_whole, shown  # noqa: E402
 
 sys.path += [str(ROOT / "python" / folder) for folder in ("12_video", "05_messages")]
-from film_view import FilmView  # noqa: E402
-from film_writer import open_film  # noqa: E402
-from films import Films  # noqa: E402
-from game import Lost  # noqa: E402
-from messages import Array, Message, MessageError  # noqa: E402
-from view_sender import ViewSender  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError  # noqa: E402
+from netmq_example.video.film_writer import open_film  # noqa: E402
+from netmq_example.video.films import Films  # noqa: E402
+from netmq_example.video.game import Lost  # noqa: E402
+from netmq_example.video.view_sender import (
+    FilmView,
+    ViewSender,
+)
 
 each_format = pytest.mark.parametrize("end", [".gif", ".png", ".webp"])
 needs_ffmpeg = pytest.mark.skipif(not shutil.which("ffprobe"), reason="MP4 needs ffmpeg: apt install ffmpeg")

@@ -22,11 +22,10 @@ from tests.lessons.test_12_video import KEY, filmer, shown
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
 sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "05_messages")]
-import mp4_film
-from film_view import FilmView
-from films import Films
-from messages import Array, Message, MessageError, read
-from view_sender import ViewSender
+from netmq_example.messages import Array, Message, MessageError, read
+from netmq_example.video import film_writer as mp4_film
+from netmq_example.video.films import Films
+from netmq_example.video.view_sender import FilmView, ViewSender
 
 
 class Peer:

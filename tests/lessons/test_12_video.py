@@ -19,8 +19,9 @@ Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip ins
 
 KEY = "12_video"
 sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "05_messages")]
-from messages import Array, Message, read  # noqa: E402
 from self_driving import SelfDriving, scaled  # noqa: E402
+
+from netmq_example.messages import Array, Message, read  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_terminal = pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])

@@ -29,12 +29,12 @@ KEY = "13_side_channels"
 PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
-from carrier import Carrier  # noqa: E402
-from engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
-from float_properties_channel import FloatPropertiesChannel  # noqa: E402
-from raw_bytes_channel import RawBytesChannel  # noqa: E402
-from side_channel_manager import SideChannelManager  # noqa: E402
-from unity_channels import EnvironmentParameters  # noqa: E402
+from netmq_example.side_channel.carrier import Carrier  # noqa: E402
+from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
+from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel  # noqa: E402
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel  # noqa: E402
+from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
+from netmq_example.side_channel.unity_channels import EnvironmentParameters  # noqa: E402
 
 
 @pytest.fixture(scope="session")

@@ -24,17 +24,30 @@ from tests.unity.test_unity_play import needs_mono
 KEY = "13_side_channels"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
-from engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
-from environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
-from float_properties_channel import FloatPropertiesChannel  # noqa: E402
-from raw_bytes_channel import RawBytesChannel  # noqa: E402
-from raw_side_channel import SideChannel as RawSideChannel  # noqa: E402
 from rounds import StringLogChannel  # noqa: E402
-from samplers import gaussian, multi_range_uniform, uniform  # noqa: E402
-from side_channel import IncomingMessage, OutgoingMessage, SideChannel, UnitySideChannelException  # noqa: E402
-from side_channel_manager import SideChannelManager  # noqa: E402
-from stats_side_channel import StatsAggregationMethod, StatsSideChannel  # noqa: E402
-from unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe  # noqa: E402
+
+from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
+from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel  # noqa: E402
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel  # noqa: E402
+from netmq_example.side_channel.raw_side_channel import SideChannel as RawSideChannel  # noqa: E402
+from netmq_example.side_channel.side_channel import (  # noqa: E402
+    IncomingMessage,
+    OutgoingMessage,
+    SideChannel,
+    UnitySideChannelException,
+)
+from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
+from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel  # noqa: E402
+from netmq_example.side_channel.unity_channels import (  # noqa: E402  # noqa: E402
+    EngineSettings,
+    EnvironmentParameters,
+    StatsRecorder,
+    describe,
+    gaussian,
+    multi_range_uniform,
+    uniform,
+)
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / f"{KEY}.json").read_text(encoding="utf-8"))
 LOG, STRANGER = uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"), uuid.UUID("00112233-4455-6677-8899-aabbccddeeff")

@@ -25,16 +25,16 @@ MOON = f"""
 import sys
 sys.path += [{str(ROOT / "python" / "09_environment")!r}, {str(ROOT / "python" / KEY)!r}]
 import numpy as np
-from environment_client import EnvironmentClient
-from environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.simulation.simulator import EnvironmentClient
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from gymnasium.spaces import Box, Discrete
-from messages import MessageError
-from side_channel import OutgoingMessage
-from side_channel_manager import SideChannelManager
-from simulation import Simulation
-from simulator import Simulator
-from stats_side_channel import StatsSideChannel
-from step_carrier import SideChannelSimulator
+from netmq_example.messages import MessageError
+from netmq_example.side_channel.side_channel import OutgoingMessage
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.simulation.simulation import Simulation
+from netmq_example.simulation.simulator import Simulator
+from netmq_example.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.envs.side_channels import SideChannelSimulator
 
 class Parameters(EnvironmentParametersChannel):
     gravity = 9.75
@@ -59,12 +59,12 @@ class Moon(Simulation):
 parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
 if "--areas" in sys.argv:
     sys.path.append({str(ROOT / "python" / "10_many_agents")!r})
-    from areas import AreaSimulator
+    from netmq_example.simulation.areas import AreaSimulator
     simulator = AreaSimulator([Moon(), Moon()])
 if "--lesson-10" in sys.argv:
     sys.path.append({str(ROOT / "python" / "10_many_agents")!r})
-    from agent_simulation import AgentSimulation
-    from agents import AgentSimulator
+    from netmq_example.simulation.simulation import AgentSimulation
+    from netmq_example.simulation.agents import AgentSimulator
 
     class Game(AgentSimulation):
         name, dt, agents, moon = "Moon", 0.02, dict(a=(Moon.observation, Moon.action)), Moon()
@@ -81,8 +81,8 @@ if "--lesson-10" in sys.argv:
 if "--lesson-11" in sys.argv:
     sys.path.append({str(ROOT / "python" / "11_observations")!r})
     from typing import Annotated
-    from scene_agent import Agent, Obs
-    from scene_simulator import SceneSimulator
+    from netmq_example.simulation.scene import Agent, Obs
+    from netmq_example.simulation.scene import SceneSimulator
 
     class Lander(Agent, Moon):
         gravity: Annotated[float, Obs()] = 0.0
@@ -103,11 +103,11 @@ def moon(tmp_path):
     """moon(*words): an environment that launches such a simulator, and its channels."""
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
     sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "09_environment", "05_messages")]
-    from environment import ZmqEnv
-    from environment_parameters_channel import EnvironmentParametersChannel
-    from side_channel_manager import SideChannelManager
-    from stats_side_channel import StatsSideChannel
-    from step_carrier import carry
+    from netmq_example.envs.gym_env import ZmqEnv
+    from netmq_example.envs.side_channels import carry
+    from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+    from netmq_example.side_channel.side_channel_manager import SideChannelManager
+    from netmq_example.side_channel.stats_side_channel import StatsSideChannel
 
     (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
     made = []
@@ -175,7 +175,7 @@ def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
 
 def test_areas_of_lesson_10_carry_them_as_well(moon, tmp_path):
     sys.path.append(str(ROOT / "python" / "10_many_agents"))
-    from vector import ZmqVectorEnv
+    from netmq_example.envs.vector_env import ZmqVectorEnv
 
     words = PYTHON, tmp_path / "moon.py", "--areas"
     env, parameters, stats, said = moon(*words, kind=ZmqVectorEnv, num_envs=2)
@@ -192,8 +192,8 @@ def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
     from gymnasium.spaces import Box, Dict, Discrete
 
     sys.path += [str(ROOT / "python" / folder) for folder in ("10_many_agents", "11_observations")]
-    from parallel import ZmqParallelEnv
-    from unity_parallel import UnityParallelEnv
+    from netmq_example.envs.parallel_env import ZmqParallelEnv
+    from netmq_example.envs.unity_parallel_env import UnityParallelEnv
 
     def scene(name, launch):
         return UnityParallelEnv(name, {"a": Dict(gravity=Box(0, 100, (1,)))}, {"a": Discrete(9)}, launch=launch)
@@ -211,7 +211,7 @@ def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
 def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
     gymnasium = pytest.importorskip("gymnasium")
     sys.path.append(str(ROOT / "python" / KEY))
-    from step_carrier import carry
+    from netmq_example.envs.side_channels import carry
 
     envs = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make("CartPole-v1")])
     with pytest.raises(TypeError, match=r"^SyncVectorEnv is not of lessons 09 to 11: carry where each environment"):
@@ -219,7 +219,7 @@ def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
 
 
 def test_a_simulator_without_side_channels_is_named_with_the_cure(moon, tmp_path):
-    from messages import MessageError
+    from netmq_example.messages import MessageError
 
     env, parameters, _, _ = moon(PYTHON, tmp_path / "moon.py", "--without")
     for _ in range(2):

@@ -29,15 +29,15 @@ from tests.programs import ROOT, steady_endpoint
 KEY = "13_side_channels"
 sys.path.insert(0, str(ROOT / "python" / KEY))
 
-import peer as one_peer  # noqa: E402
-from carrier import Carrier  # noqa: E402
-from engine_configuration_channel import EngineConfigurationChannel  # noqa: E402
-from environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
-from float_properties_channel import MOST, FloatPropertiesChannel  # noqa: E402
-from raw_bytes_channel import RawBytesChannel  # noqa: E402
-from side_channel import LARGEST_EXCHANGE, MOST_BYTES, UnitySideChannelException  # noqa: E402
-from side_channel_manager import SideChannelManager  # noqa: E402
-from stats_side_channel import StatsSideChannel  # noqa: E402
+from netmq_example.side_channel import carrier as one_peer  # noqa: E402
+from netmq_example.side_channel.carrier import Carrier  # noqa: E402
+from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel  # noqa: E402
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
+from netmq_example.side_channel.float_properties_channel import MOST, FloatPropertiesChannel  # noqa: E402
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel  # noqa: E402
+from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE, MOST_BYTES, UnitySideChannelException  # noqa: E402
+from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
+from netmq_example.side_channel.stats_side_channel import StatsSideChannel  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 PROPERTIES = FloatPropertiesChannel().channel_id

@@ -21,7 +21,7 @@ from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read,
 from tests.programs import LIMIT, ROOT, Mark, finds_processes
 
 sys.path.append(str(ROOT / "python" / "05_messages"))
-from messages import Array
+from netmq_example.messages import Array
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 
@@ -235,7 +235,7 @@ RACE = f"""
 import sys
 import threading
 sys.path.insert(0, {str(ROOT / "python" / KEY)!r})
-from job_journal import Journal
+from netmq_example.jobs.journal import Journal
 journal = Journal(sys.argv[1])
 threading.Event().wait(600)
 """

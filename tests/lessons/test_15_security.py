@@ -19,8 +19,8 @@ from tests.conftest import CLIENTS, PYTHON
 from tests.programs import ROOT, finished, steady_endpoint
 
 sys.path.append(str(ROOT / "python" / "15_security"))
-import keys
-from allow_list import AllowList
+from netmq_example.security import keys
+from netmq_example.security.allow_list import AllowList
 
 KEY = "15_security"
 FOLDER = ROOT / "python" / KEY

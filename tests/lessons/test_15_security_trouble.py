@@ -16,8 +16,8 @@ from tests.lessons.test_15_security import FOLDER, KEY, ask, ran
 from tests.programs import LIMIT, finished
 
 sys.path.append(str(FOLDER))
-import keys
-from allow_list import AllowList
+from netmq_example.security import keys
+from netmq_example.security.allow_list import AllowList
 
 NO_KEY = "keys.py makes keys, and server.key is a copy of the server's"
 TAKEN = "is there, and is never overwritten; rotate makes a new pair, revoke frees a name"

@@ -22,10 +22,10 @@ from tests.programs import ROOT, free_port
 LESSON = ROOT / "python" / "16_web_gateway"
 sys.path.append(str(LESSON))
 aiohttp = pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
-from arrows import MOST, MOST_BYTES, Arrows  # noqa: E402
-from fates import Trouble  # noqa: E402
-from tap_page import Page  # noqa: E402
-from zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
+from netmq_example.tap.arrows import MOST, MOST_BYTES, Arrows  # noqa: E402
+from netmq_example.tap.page import Page  # noqa: E402
+from netmq_example.tap.passing import Trouble  # noqa: E402
+from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
 
 
 @pytest.fixture

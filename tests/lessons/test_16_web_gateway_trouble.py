@@ -277,9 +277,7 @@ def test_a_full_gateway_is_not_a_wrong_token(kind, socketio_too, start, client_c
     assert ("browsers are here already" if socketio_too else "503") in client.output, client.output
 
 
-@pytest.mark.parametrize(
-    "words", [["--endpoint", f"http://{'a' * 70}:0"], ["--timeout", "0"]], ids=["host", "timeout"]
-)
+@pytest.mark.parametrize("words", [["--endpoint", f"http://{'a' * 70}:0"], ["--timeout", "0"]], ids=["host", "timeout"])
 def test_wrong_words_of_the_gateway(words, start):
     program = start(PYTHON, FOLDER / "server.py", "--endpoint", "http://127.0.0.1:0", "--token", "x", *words)
     assert program.wait() == 2 and "Traceback" not in program.output

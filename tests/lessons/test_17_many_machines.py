@@ -18,15 +18,15 @@ np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: pip install num
 KEY = "17_many_machines"
 FOLDERS = ("05_messages", "09_environment", "10_many_agents", "15_security", KEY)
 sys.path += [str(ROOT / "python" / folder) for folder in FOLDERS]
-import episode  # noqa: E402
-import keys  # noqa: E402
-import messages  # noqa: E402
-import upkeep  # noqa: E402
-import vector  # noqa: E402, F401
-from cart_pole import CartPole  # noqa: E402
-from fleet import FleetSocket  # noqa: E402
-from hub import Hub  # noqa: E402
-from simulation import draws  # noqa: E402
+import netmq_example.envs  # noqa: E402, F401
+from netmq_example import messages  # noqa: E402
+from netmq_example.fleet import batch as episode  # noqa: E402
+from netmq_example.fleet import hub as upkeep  # noqa: E402
+from netmq_example.fleet.hub import Hub  # noqa: E402
+from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
+from netmq_example.security import keys  # noqa: E402
+from netmq_example.simulation.simulation import draws  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 ID = "NetMQExample/CartPole-v0"

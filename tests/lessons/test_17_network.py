@@ -267,8 +267,8 @@ def test_when_the_hub_is_killed_all_are_back_within_2_s(machines, hub, simulator
 JOIN_AND_LEAVE = """
 import sys, zmq
 sys.path += sys.argv[3:]
-from cart_pole import CartPole
-from fleet_simulator import FleetSimulator
+from netmq_example.worlds.cart_pole import CartPole
+from netmq_example.fleet.simulator import FleetSimulator
 for _ in range(int(sys.argv[2])):
     with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
         socket.linger, socket.rcvtimeo = 0, 20_000

@@ -19,7 +19,7 @@ from tests.lessons.test_17_many_machines import KEY
 from tests.programs import ROOT, free_port
 
 sys.path.append(str(ROOT / "python/05_messages"))
-import messages
+from netmq_example import messages
 
 Array, Message = messages.Array, messages.Message
 # What a trainer with one area sends.

@@ -21,9 +21,11 @@ from tests.programs import ROOT, steady_endpoint
 KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
-import body_listener  # noqa: E402
-import camera  # noqa: E402
-import people  # noqa: E402
+from netmq_example.body import (
+    camera,
+    people,
+)
+from netmq_example.body import listener as body_listener  # noqa: E402
 
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = pytest.mark.parametrize("kind", ["python", "csharp"])

@@ -21,7 +21,7 @@ from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, PATIENT, ROOT, finished, free_port
 
 sys.path.append(str(ROOT / "python" / "15_security"))
-import keys
+from netmq_example.security import keys
 
 KEYS = [lesson.key for lesson in lessons()]
 each_lesson = pytest.mark.parametrize("key", KEYS)

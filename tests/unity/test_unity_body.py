@@ -19,8 +19,8 @@ from tests.unity.test_unity_play import RUNTIMES, needs_mono
 LESSON = ROOT / "python" / "20_body_tracking"
 SCRIPTS = ROOT / "unity" / "Assets" / "NetMQExample" / "20_body_tracking"
 sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
-import body_listener  # noqa: E402
-import people  # noqa: E402
+from netmq_example.body import listener as body_listener  # noqa: E402
+from netmq_example.body import people  # noqa: E402
 
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)

@@ -30,7 +30,7 @@ from kitlib.setup import dotnet
 from tests.programs import LIMIT, ROOT, Program, steady_port, two_ports
 
 sys.path.append(str(ROOT / "python" / "15_security"))
-import keys
+from netmq_example.security import keys
 
 # All waits of a Stop share 200 ms. A busy machine wakes it later than that, now and then much later. A wait that they
 # do not share makes every Stop longer, and one for a reply takes more than a second.

@@ -18,7 +18,7 @@ from tests.programs import ROOT, finds_processes
 LESSON = ROOT / "python" / "16_web_gateway"
 sys.path.append(str(LESSON))
 pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
-from tap_recording import BEGIN, END, HTML  # noqa: E402
+from netmq_example.tap.arrows import BEGIN, END, HTML  # noqa: E402
 
 # One browser for all, and pages that need the processor for themselves.
 pytestmark = pytest.mark.xdist_group("chromium")

@@ -14,8 +14,8 @@ import zmq
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
 sys.path.append(str(ROOT / "python" / "05_messages"))
-from messages import Message as Message
-from messages import read as read
+from netmq_example.messages import Message as Message
+from netmq_example.messages import read as read
 
 KEY = "14_long_jobs"
 

@@ -2,7 +2,7 @@
 //
 // It says hello with the simulation's name, spaces and dt; then it answers reset, step and render, until close. Each
 // try to connect has a new socket.
-// The Python side is python/09_environment/environment.py.
+// The Python side is python/netmq_example/envs/gym_env.py.
 // Trouble: stop the Python program while it steps, and start it again.
 using System;
 using System.Collections.Generic;

@@ -4,7 +4,7 @@
 // lives, in the order of the hello. The answer's "infos" name these agents; its arrays are rewards float64 [n],
 // terminated and truncated uint8 [n], and what each of them sees. Whoever is over then has no part in the next step.
 // An info brings infos for agents, and takes back in "told" what the game had to say, as each answer does.
-// The Python side is python/10_many_agents/parallel.py.
+// The Python side is python/netmq_example/envs/parallel_env.py.
 // Trouble: stop the Python program in a game, and start it again.
 using System;
 using System.Collections.Generic;

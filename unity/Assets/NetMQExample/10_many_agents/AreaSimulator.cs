@@ -4,7 +4,7 @@
 // a third array is the state in which they all begin. A request to step has the actions, [N, …]; with a mask and seeds
 // after them some areas are reset in place of stepped. So it is Python alone that decides who begins anew. The answer
 // has the observations [N, …], rewards float64 [N], terminated and truncated uint8 [N], whatever was asked.
-// The Python side is python/10_many_agents/vector.py.
+// The Python side is python/netmq_example/envs/vector_env.py.
 // Trouble: start it with another number of areas than num_envs.
 using System;
 using System.Collections.Generic;

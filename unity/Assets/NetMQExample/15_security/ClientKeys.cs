@@ -7,7 +7,7 @@
 // The pair is made at the first start, and its secret key never leaves the machine: one that came with the game would
 // be the same in every copy, a password that everybody has. What ships is the server's public key: as text in a field,
 // or as server.key in the folder. The owner of the server then enrols this client's public key: client.key.
-// The files are those of python/15_security/keys.py.
+// The files are those of python/netmq_example/security/keys.py.
 using System;
 using System.IO;
 using System.Runtime.InteropServices;

@@ -1,0 +1,102 @@
+"""Application 20, persons and hands in front of a webcam: MediaPipe finds them, and nothing else here needs it.
+
+pip install mediapipe opencv-python     and a model: MODELS says where it is
+python python/20_body_tracking/server.py --camera --model pose_landmarker_lite.task
+python python/20_body_tracking/server.py --camera --hands hand_landmarker.task          their hands as well
+"""
+
+import contextlib
+import math
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from netmq_example.body.people import LANDMARKS, Hands, Landmark, People, SourceError
+
+MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision"
+# Where a person is in the picture, from 0 to 1; None before that is known.
+Place = tuple[float, float] | None
+
+
+def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> Iterator[tuple[People, Hands]]:
+    """The persons of each of the webcam's pictures, each always in the same place of the list; and with a model for
+    them the hands."""
+    try:
+        import cv2
+        import mediapipe
+    except ImportError as error:
+        cure = f"{sys.executable} -m pip install mediapipe opencv-python"
+        raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
+    webcam = cv2.VideoCapture(device)
+    places: list[Place] = [None] * persons
+    start, milliseconds = time.monotonic(), -1
+    with contextlib.ExitStack() as stack:
+        bodies = stack.enter_context(landmarker(mediapipe, "Pose", model, num_poses=persons))
+        fingers = stack.enter_context(landmarker(mediapipe, "Hand", hands, num_hands=2)) if hands else None
+        while True:
+            there, picture = webcam.read()
+            if not there:
+                raise SourceError(
+                    f"webcam {device} gives no picture: is it plugged in, or does another program use it?"
+                )
+            # OpenCV has blue first.
+            colours = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+            image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=colours)
+            # MediaPipe wants each picture later than the one before.
+            milliseconds = max(milliseconds + 1, int(1000 * (time.monotonic() - start)))
+            people, places = in_order(bodies.detect_for_video(image, milliseconds), places)
+            yield people, read_hands(fingers.detect_for_video(image, milliseconds)) if fingers else {}
+
+
+def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
+    """MediaPipe's PoseLandmarker or HandLandmarker."""
+    if not model.is_file():
+        raise SourceError(f"there is no model {model.name!r:.80}: take one from {MODELS}, and name it with its option")
+    vision = mediapipe.tasks.vision
+    base = mediapipe.tasks.BaseOptions(model_asset_path=str(model))
+    made = getattr(vision, f"{kind}LandmarkerOptions")(
+        base_options=base, running_mode=vision.RunningMode.VIDEO, **options
+    )
+    try:
+        return getattr(vision, f"{kind}Landmarker").create_from_options(made)
+    except (RuntimeError, ValueError) as error:
+        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {error!s:.80}") from None
+
+
+def in_order(result: Any, places: list[Place]) -> tuple[People, list[Place]]:
+    """MediaPipe lists the persons in any order: who is nearest to a place of the picture before, is its person."""
+    people: People = [[] for _ in places]
+    after = list(places)
+    bodies, pictures = result.pose_world_landmarks, result.pose_landmarks
+    # The middle of the hips. Of world landmarks it is always 0.
+    middles = [((marks[23].x + marks[24].x) / 2, (marks[23].y + marks[24].y) / 2) for marks in pictures]
+    free, new = set(range(len(places))), set(range(len(bodies)))
+    # The nearest pair first: whoever has just come in must not take the place of one who stands still.
+    pairs = [(distance(middles[i], places[person]), person, i) for person in free for i in new]
+    for _, person, i in sorted(pairs):
+        if person in free and i in new:
+            free.remove(person)
+            new.remove(i)
+            people[person], after[person] = read_landmarks(bodies[i]), middles[i]
+    return people, after
+
+
+def distance(place: tuple[float, float], before: Place) -> float:
+    # A place that nobody had yet is taken before one that is far from where its person was.
+    return math.dist(place, before) if before else 0.3
+
+
+def read_landmarks(body: Any) -> list[Landmark]:
+    return [(mark.x, mark.y, mark.z, mark.visibility) for mark in body[:LANDMARKS]]
+
+
+def read_hands(result: Any) -> Hands:
+    """A left and a right one. In place of a visibility, which hands have not, is how sure it is which of both it is."""
+    hands: Hands = {"hand/left": [], "hand/right": []}
+    # Of two left hands the surest one: it comes last.
+    found = zip(result.handedness, result.hand_world_landmarks, strict=True)
+    for sides, hand in sorted(found, key=lambda one: one[0][0].score):
+        hands[f"hand/{sides[0].category_name.lower()}"] = [(mark.x, mark.y, mark.z, sides[0].score) for mark in hand]
+    return hands

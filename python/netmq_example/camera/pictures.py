@@ -1,0 +1,120 @@
+"""Lesson 08, the pictures of a message: uint8 [height, width, 3] by the cameras' names, with the top row first.
+
+A message of kind `frame` has an array for each camera that its value `cameras` names: raw pixels, with `bottom_up` the
+lowest row first and with alpha where the graphics card adds it, or a JPEG file. What does not fit is refused by name.
+The C# side is Shot.cs. It needs numpy, and for JPEG Pillow.
+"""
+
+import io
+import re
+import sys
+import warnings
+from typing import Any
+
+from netmq_example.messages import LIMIT, Array, Message, MessageError
+
+try:
+    import numpy as np
+except ImportError:
+    sys.exit("this lesson needs numpy: pip install numpy, or let kit.py run 8 do it")
+
+try:
+    from PIL import Image
+
+    # Its parts for the usual formats. At the first picture they would take long enough to make actions old.
+    Image.preinit()
+except ImportError:
+    Image = None  # type: ignore[assignment]
+
+CAMERAS = ("center", "left,right", "left,center,right")
+VALUES: dict[str, tuple[type, ...]] = {"frame": (int,), "run": (str,), "manual": (bool,)}
+VALUES |= dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), (int, float))
+MOST_SCANS, MOST_PARTS, MOST_PIXELS = 20, 200, 65_500
+# What it thinks of a peer's file is nothing for this terminal.
+warnings.filterwarnings("ignore", module="PIL")
+# What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
+# of JPEG that no camera writes are left out: some are ten times as slow to decode.
+PART = re.compile(rb"\xff[\xc0-\xc2\xc4\xdb-\xef\xfe](..)", re.DOTALL)
+
+
+def pictures(frame: Message) -> dict[str, Any]:
+    """What each camera saw; MessageError says why there is nothing to see."""
+    check_values(frame)
+    cameras, encoding = frame.values.get("cameras"), frame.values.get("encoding")
+    if cameras not in CAMERAS:
+        raise MessageError("bad-cameras", f"cameras must be {' or '.join(CAMERAS)}, not {cameras!a:.40}")
+    names = str(cameras).split(",")
+    if len(names) != len(frame.arrays):
+        raise MessageError("bad-cameras", f"{len(names)} cameras, {cameras}, but {len(frame.arrays)} pictures")
+    if encoding not in ("raw", "jpeg"):
+        raise MessageError("bad-encoding", f"encoding must be raw or jpeg, not {encoding!a:.40}")
+    seen = [from_jpeg(array) if encoding == "jpeg" else from_raw(array, frame) for array in frame.arrays]
+    if len(sizes := {picture.shape for picture in seen}) > 1:
+        raise MessageError("bad-shape", f"pictures of one moment have one size, not {sorted(sizes)}")
+    return dict(zip(names, seen, strict=True))
+
+
+def check_values(frame: Message) -> None:
+    """Refuse a frame without its number, drive or telemetry: a driver and the recorder take them as they are."""
+    if frame.kind != "frame":
+        raise MessageError("unknown-kind", f"kind {frame.kind!a:.40} is not frame")
+    for name, kinds in VALUES.items():
+        if type(frame.values.get(name)) not in kinds:
+            raise MessageError("wrong-type", f"a frame needs the value '{name}', of type {kinds[-1].__name__}")
+    if frame.values["frame"] != frame.id:
+        raise MessageError("wrong-frame", f"the id is {frame.id}, but the value 'frame' {frame.values['frame']}")
+
+
+def from_raw(array: Array, frame: Message) -> Any:
+    """Without a copy: cutting off and turning over make views of the memory in which ZeroMQ received the bytes."""
+    shape = array.shape
+    if array.dtype != "uint8" or len(shape) != 3 or shape[2] not in (3, 4) or 0 in shape or max(shape) > MOST_PIXELS:
+        raise MessageError("bad-shape", f"a picture is uint8 [height, width, 3 or 4], not {array.dtype} {[*shape]}")
+    pixels = array.numpy()[:, :, :3]
+    return pixels[::-1] if frame.values.get("bottom_up") is True else pixels
+
+
+def from_jpeg(array: Array) -> Any:
+    if array.dtype != "uint8" or len(array.shape) != 1:
+        raise MessageError("bad-shape", f"a JPEG file is uint8 [bytes], not {array.dtype} {[*array.shape]}")
+    return decode(bytes(array.data))
+
+
+def encode(picture: Any) -> bytes:
+    """A JPEG file of a picture with its top row first."""
+    if Image is None:
+        sys.exit("JPEG needs Pillow: pip install pillow, or let kit.py run 8 do it")
+    file = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(picture)).save(file, "JPEG", quality=90)
+    return file.getvalue()
+
+
+def decode(file: bytes) -> Any:
+    """The pixels of a JPEG file, top row first."""
+    if Image is None:
+        raise MessageError("no-pillow", "JPEG needs Pillow: pip install pillow")
+    check(file)
+    try:
+        with Image.open(io.BytesIO(file), formats=["JPEG"]) as image:
+            # Its size is known before it is decoded: a small file can claim to be an enormous picture.
+            if image.width * image.height * 3 <= LIMIT:
+                return np.asarray(image.convert("RGB"))
+    # Pillow raises whatever its decoders meet.
+    except Exception as error:
+        raise MessageError("bad-jpeg", f"this is no JPEG picture: {error!s:.60}") from None
+    raise MessageError("too-big", f"a JPEG picture of {image.width} x {image.height} pixels is over the limit")
+
+
+def check(file: bytes) -> None:
+    """Refuse a file that would be slow to decode by what it announces: each scan costs a pass over the whole picture.
+
+    A camera's file has one scan, or some ten for a picture that gets sharper while it loads, after some twenty parts.
+    """
+    at, parts = 2, 0
+    while (part := PART.match(file, at)) and parts < MOST_PARTS:
+        at, parts = at + 2 + int.from_bytes(part[1], "big"), parts + 1
+    # In the pixels' data 0xff is never followed by 0xda: what looks like a scan is one.
+    if part or file.count(b"\xff\xda", at) > MOST_SCANS:
+        raise MessageError("too-big", f"a JPEG picture of over {MOST_SCANS} scans or {MOST_PARTS} parts is refused")
+    if file[at : at + 2] != b"\xff\xda":
+        raise MessageError("bad-jpeg", "this is no JPEG picture: its parts are not in order")

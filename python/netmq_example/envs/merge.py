@@ -1,0 +1,258 @@
+"""Lesson 11, fitting: a value as something of its space, or an error that says where.
+
+    fitted(space, value, "'car'@")      a fresh copy, cast to the space's dtype; what does not fit is refused:
+                                        'car'@['speed']: float32 [3] is not in Box(0.0, 1.0, (2,), float32)
+
+A sequence has at most 50,000 items, unless it is one stack of numbers.
+
+Lesson 11, merging: a value goes into the observations where a locator says.
+
+    observations = {"car": {"speed": np.zeros(2, np.float32), "seen": ["a bus"]}}
+    appended = set()                                             for each message a new one
+    merge(observations, parse("car@.speed(0) = $[1]"), [3, 4], appended)    speed: [4, 0]
+    merge(observations, parse("car@.seen[]"), "a tree", appended)           seen: ["a tree"]; the first one clears it
+    merge(observations, parse("car@.seen[]"), "a dog", appended)            seen: ["a tree", "a dog"]
+
+What is there says of which kind a value must be, such as float32. It is cast to that, but never to another number. An
+observation that was given out is not changed: another one takes its place. Whether the whole fits its space, the space
+can say. It needs numpy.
+
+Lesson 11, the beginning: what a space has before anything was seen, and never a sample.
+
+    empty(space, "'car'@")              zeros as near as the space has them, "", (), no nodes
+    warn({"car": space}, locators)       names what stays so, when values go to the places of these locators alone
+
+All of Gymnasium's fundamental and composite spaces but OneOf: of another one it says where it is.
+It needs gymnasium.
+"""
+
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.spaces import GraphInstance, Space
+from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
+
+from netmq_example.locator import APPEND, Locator, LocatorError, Path, quoted, spelled
+from netmq_example.messages import MessageError
+
+# Items, of whatever kind, that are looked at one by one.
+MOST = 50_000
+NUMBERS = (bool, int, float, np.generic, np.ndarray)
+# What indexing and casting raise.
+REASONS = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RecursionError)
+
+
+def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: set[str]) -> None:
+    """To all places of a locator or, with a LocatorError, to none."""
+    new, known = dict(observations), set(appended)
+    for mapping in locator.mappings:
+        try:
+            if not mapping.absolute:
+                raise ValueError("it names no agent")
+            part = reduce(lambda whole, step: whole[step], mapping.source, value)
+            for agent in filter(mapping.names, observations) if mapping.everyone else mapping.agents:
+                place = f"{quoted(agent)}@{spelled(mapping.destination)}"
+                new[agent] = placed(new[agent], mapping.destination, part, place not in known)
+                known.add(place)
+        except REASONS as error:
+            said = f"there is no {error}" if isinstance(error, KeyError) else str(error)
+            raise LocatorError(f"{str(mapping)[:100]}: {' '.join(said.split())[:200]}") from None
+    observations.update(new)
+    appended |= known
+
+
+def placed(old: Any, path: Path, value: Any, first: bool) -> Any:
+    """A copy of what is there, with the value at the end of the path."""
+    if not path:
+        return like(old, value)
+    step, rest = path[0], path[1:]
+    if step is APPEND:
+        return one_more(old, value, first)
+    if isinstance(old, dict):
+        return {**old, step: placed(old[step], rest, value, first)}
+    if isinstance(old, np.ndarray):
+        array = old.copy()
+        array[step] = placed(array[step], rest, value, first)
+        return array
+    if type(old) not in (list, tuple):
+        raise TypeError(f"{type(old).__name__} has no {spelled((step,))}")
+    items = list(old)
+    items[step] = placed(items[step], rest, value, first)  # type: ignore[index]
+    if len(items) != len(old):
+        raise ValueError(f"there would be {len(items)} items and not {len(old)}")
+    return type(old)(items)
+
+
+def one_more(old: Any, value: Any, first: bool) -> Any:
+    """A sequence of whatever kind, stacked ones too; the first value of a message clears what the last one left."""
+    if isinstance(old, np.ndarray):
+        item = like(np.empty(old.shape[1:], old.dtype), value)
+        return np.concatenate([old[:0] if first else old, item[None]])
+    if type(old) not in (list, tuple):
+        raise TypeError(f"{type(old).__name__} is no sequence")
+    return type(old)([*(() if first else old), like(old[0], value) if old else value])
+
+
+def like(old: Any, value: Any) -> Any:
+    """The value as what is there."""
+    if isinstance(old, NUMBERS):
+        array = cast(np.asarray(old), value)
+        return array if isinstance(old, np.ndarray) else array[()] if isinstance(old, np.generic) else array.item()
+    if isinstance(old, str):
+        return "" if value is None else str(value)
+    if isinstance(old, dict):
+        return {**old, **{key: like(old[key], part) for key, part in dict(value).items()}}
+    # Not isinstance: the parts of a graph are a named tuple, and it is taken as it is.
+    if type(old) not in (list, tuple):
+        return value
+    if isinstance(value, str | bytes | dict):
+        raise TypeError(f"{type(value).__name__} is no {type(old).__name__}")
+    if isinstance(value, np.ndarray) and value.shape[:1] > (MOST,):
+        # Nobody takes so many one by one.
+        return value
+    # A sequence can become longer, and its items are of one kind.
+    kinds = old if len(old) == len(value) else [*old[:1]] * len(value)
+    return type(old)(like(kind, part) for kind, part in zip(kinds, value, strict=True)) if old else type(old)(value)
+
+
+def cast(old: Any, value: Any) -> Any:
+    given = np.asarray(value)
+    if given.dtype.kind == "O":
+        # Among numbers null is NaN.
+        given = given.astype(np.float64)
+    if given.dtype.kind not in "biuf":
+        raise TypeError(f"{value!r:.40} is no number")
+    with np.errstate(over="raise", invalid="raise"):
+        array = given.astype(old.dtype)
+    # Of numbers with a fraction it is only their precision that may change.
+    if (old.dtype.kind != "f" or given.dtype.kind != "f") and not np.array_equal(array, given):
+        raise ValueError(f"{value!r:.40} would become another number as {old.dtype}")
+    # A single number is the same whether it is a number, or an array of one.
+    return array.reshape(old.shape) if array.size == old.size == 1 else array
+
+
+def empty(space: Space[Any], where: str) -> Any:
+    match space:
+        case spaces.Box():
+            return np.asarray(np.clip(np.zeros(space.shape, space.dtype), space.low, space.high))
+        case spaces.Discrete():
+            return space.start
+        case spaces.Text():
+            return space.character_list[0] * space.min_length if space.min_length else ""
+        case spaces.Dict():
+            return {key: empty(part, where + spelled((key,))) for key, part in space.items()}
+        case spaces.Tuple():
+            return tuple(empty(part, f"{where}[{at}]") for at, part in enumerate(space))
+        case spaces.Sequence():
+            empty(space.feature_space, f"{where}[]")
+            # Also where it is stacked: fitted stacks what is handed out.
+            return ()
+        case spaces.Graph():
+            nodes: Any = create_empty_array(space.node_space, 0)
+            return GraphInstance(nodes, None, None)
+        case spaces.MultiDiscrete():
+            return space.start.copy()
+        case spaces.MultiBinary():
+            return np.zeros(space.shape, space.dtype)
+    raise ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have, but OneOf")
+
+
+def warn(observations: dict[str, Space[Any]], locators: list[Locator]) -> None:
+    """Of what stays empty, because none of these locators goes there."""
+    for agent, space in observations.items():
+        paths = [one.destination for locator in locators for one in locator.mappings if one.names(agent)]
+        for path in unwritten(space, paths):
+            place = f"{quoted(agent)}@{spelled(path)}"
+            warnings.warn(f"nothing writes {place}: is there such a member in C#? It stays as it is", stacklevel=3)
+
+
+def unwritten(space: Space[Any], paths: list[Path], at: Path = ()) -> Iterator[Path]:
+    """Keys, also of dicts in dicts, in which nothing arrives. Who gets a part of something gets something."""
+    if not any(path[: len(at)] == at for path in paths):
+        yield at
+    elif isinstance(space, spaces.Dict) and at not in paths:
+        for key, part in space.items():
+            yield from unwritten(part, paths, (*at, key))
+
+
+def fitted(space: Space[Any], value: Any, where: str) -> Any:
+    fit: Any = value
+    match space:
+        case spaces.Dict() if isinstance(value, dict) and value.keys() == space.keys():
+            return {key: fitted(part, value[key], where + spelled((key,))) for key, part in space.items()}
+        case spaces.Tuple() if isinstance(value, list | tuple) and len(value) == len(space):
+            return tuple(fitted(part, value[at], f"{where}[{at}]") for at, part in enumerate(space))
+        case spaces.Sequence() if isinstance(value, Iterable) and not isinstance(value, str):
+            return sequence(space, value, where)
+        case spaces.Graph() if isinstance(value, GraphInstance):
+            fit = graph(space, value, where)
+        case spaces.Text() if isinstance(value, str):
+            pass
+        case spaces.Dict() | spaces.Tuple() | spaces.Sequence() | spaces.Graph() | spaces.Text():
+            raise misfit(space, value, where)
+        case _:
+            try:
+                fit = cast(np.empty(space.shape or (), space.dtype), value)
+            except REASONS:
+                raise misfit(space, value, where) from None
+            fit = fit[()] if isinstance(space, spaces.Discrete) else fit
+    if fit not in space:
+        raise misfit(space, value, where)
+    return fit
+
+
+def sequence(space: spaces.Sequence, value: Any, where: str) -> Any:
+    """All its items at once where they are numbers: one by one they would take twenty times as long."""
+    feature: Any = space.feature_space
+    try:
+        # A dict of stacked arrays is a stack as well.
+        items = iterate(space.stacked_feature_space, value) if isinstance(value, dict) and space.stack else value
+        items = items if isinstance(items, np.ndarray) else list(items)
+        count, numbers = len(items), None
+    except REASONS:
+        raise misfit(space, value, where) from None
+    if count and isinstance(feature, spaces.Box | spaces.Discrete | spaces.MultiBinary | spaces.MultiDiscrete):
+        with suppress(*REASONS):
+            numbers = cast(np.empty(0, feature.dtype), items)
+            # The shape first: a space of so many items may be larger than the memory.
+            fits = numbers.shape == (count, *(feature.shape or ())) and numbers in batch_space(feature, count)
+            numbers = numbers if fits else None
+    if space.stack and numbers is not None:
+        return numbers
+    if count > MOST:
+        raise MessageError("too-many", f"{where}: {count} items, but at most {MOST}, or a stack of numbers that fit")
+    if numbers is not None:
+        return tuple(numbers[at] if isinstance(feature, spaces.Discrete) else numbers[at, ...] for at in range(count))
+    # Or one of them is wrong, and this says which.
+    parts = tuple(fitted(feature, item, f"{where}[{at}]") for at, item in enumerate(items))
+    return stacked(feature, parts) if space.stack else parts
+
+
+def stacked(feature: Space[Any], items: tuple[Any, ...]) -> Any:
+    """Items as a stack: an array with one dimension more, or a dict of such."""
+    room: Any = create_empty_array(feature, len(items))
+    return concatenate(feature, items, room) if items else room
+
+
+def graph(space: spaces.Graph, value: GraphInstance, where: str) -> GraphInstance:
+    def stack(part: Space[Any] | None, items: Any, name: str) -> Any:
+        if items is None or part is None:
+            return None
+        return fitted(spaces.Sequence(part, stack=True), items, f"{where}.{name}")
+
+    try:
+        links = None if value.edge_links is None else cast(np.empty(0, np.int32), value.edge_links)
+    except REASONS:
+        raise misfit(space, value, where) from None
+    nodes = stack(space.node_space, value.nodes, "nodes")
+    return GraphInstance(nodes, stack(space.edge_space, value.edges, "edges"), links)
+
+
+def misfit(space: Space[Any], value: Any, where: str) -> MessageError:
+    shown = f"{value.dtype} {list(value.shape)}" if isinstance(value, np.ndarray) else type(value).__name__
+    return MessageError("not-in-space", f"{where}: {shown} {' '.join(repr(value).split())[:60]} is not in {space}")

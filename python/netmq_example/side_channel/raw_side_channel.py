@@ -1,0 +1,23 @@
+"""Lesson 13, the raw layout: channels as ML-Agents had them early in 2020, where a message was bytes and nothing else.
+
+The exchange is the same, and such a channel talks to any other. Only a text had no length in front of it then: it was
+the whole message. A class from that time derives from this SideChannel.
+"""
+
+from abc import abstractmethod
+
+from netmq_example.side_channel.side_channel import Channel
+
+
+class SideChannel(Channel):
+    """One conversation in bytes."""
+
+    @abstractmethod
+    def on_message_received(self, data: bytes) -> None:
+        """A message of the other side's channel with the same id."""
+
+    def process_message(self, message: bytes) -> None:
+        self.on_message_received(message)
+
+    def queue_message_to_send(self, data: bytes | bytearray) -> None:
+        self.queue_bytes(data)

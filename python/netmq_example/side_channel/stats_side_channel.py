@@ -1,0 +1,37 @@
+"""Lesson 13, statistics: numbers that Unity wants to see beside the trainer's own. From Unity to Python.
+
+Bytes: string key, float32 value, int32 how to aggregate. The C# side is StatsRecorder.cs.
+"""
+
+import uuid
+from enum import IntEnum
+
+from netmq_example.side_channel.side_channel import IncomingMessage, SideChannel, UnitySideChannelException
+
+
+class StatsAggregationMethod(IntEnum):
+    """What to make of the values that came for one key."""
+
+    AVERAGE = 0
+    MOST_RECENT = 1
+    SUM = 2
+    HISTOGRAM = 3
+
+
+EnvironmentStats = dict[str, list[tuple[float, StatsAggregationMethod]]]
+
+
+class StatsSideChannel(SideChannel):
+    def __init__(self) -> None:
+        super().__init__(uuid.UUID("a1d8f7b7-cec8-50f9-b78b-d3e165a78520"))
+        self.stats: EnvironmentStats = {}
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        key, value, method = msg.read_string(), msg.read_float32(), msg.read_int32()
+        if method not in list(StatsAggregationMethod):
+            raise UnitySideChannelException(f"statistics are aggregated by 0 to 3, not by {method}")
+        self.stats.setdefault(key, []).append((value, StatsAggregationMethod(method)))
+
+    def get_and_reset_stats(self) -> EnvironmentStats:
+        stats, self.stats = self.stats, {}
+        return stats

@@ -1,0 +1,181 @@
+"""Lesson 13, Unity's halves in Python: the channels of a simulation that is written in Python, as client.py.
+
+What ML-Agents has in C# alone: settings and parameters are received, statistics are sent.
+
+Lesson 13, samplers: numbers drawn by chance, the same for the same seed in Python and C#. In C#: Samplers.cs.
+
+Unity's own are drawn by System.Random, so the same seed gives others there, spread in the same way.
+"""
+
+import math
+import struct
+from collections.abc import Callable, Iterator
+from itertools import islice
+
+from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, UnitySideChannelException
+from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
+
+Sampler = Callable[[], float]
+
+
+def draws(seed: int) -> Iterator[float]:
+    """Numbers from 0 to 1, the same in every language: SplitMix64 (Steele, Lea and Flood, 2014)."""
+    mask = 2**64 - 1
+    while True:
+        seed = seed + 0x9E3779B97F4A7C15 & mask
+        bits = (seed ^ seed >> 30) * 0xBF58476D1CE4E5B9 & mask
+        bits = (bits ^ bits >> 27) * 0x94D049BB133111EB & mask
+        yield ((bits ^ bits >> 31) >> 11) / 2**53
+
+
+def to_float32(value: float) -> float:
+    """Infinity where it is too large, as C# makes of it."""
+    try:
+        return float(struct.unpack("f", struct.pack("f", value))[0])
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+def uniform(low: float, high: float, seed: int) -> Sampler:
+    check(low, high)
+    chance = draws(seed)
+    return lambda: to_float32(low + next(chance) * (high - low))
+
+
+def gaussian(mean: float, st_dev: float, seed: int) -> Sampler:
+    """The sum of twelve numbers from 0 to 1 is bell-shaped with deviation 1, and needs no logarithm: those of two
+    systems differ in the last bit.
+    """
+    check(mean, st_dev)
+    chance = draws(seed)
+
+    def draw() -> float:
+        total = -6.0
+        # One by one: sum() of Python 3.12 makes up for what is lost in rounding, and C# does not.
+        for number in islice(chance, 12):
+            total += number
+        return to_float32(mean + st_dev * total)
+
+    return draw
+
+
+def multi_range_uniform(bounds: list[float], seed: int) -> Sampler:
+    """From several intervals, `[low, high, low, high, ...]`: a longer one is hit more often."""
+    check(*bounds)
+    intervals = list(zip(bounds[::2], bounds[1::2], strict=True)) if len(bounds) % 2 == 0 else []
+    if not intervals or any(low > high for low, high in intervals):
+        raise UnitySideChannelException("ranges are pairs of a lower and a higher number")
+    length = 0.0
+    for low, high in intervals:
+        length += high - low
+    chance = draws(seed)
+
+    def draw() -> float:
+        at = next(chance) * length
+        for low, high in intervals:
+            if at <= high - low:
+                break
+            at -= high - low
+        return to_float32(min(low + at, high))
+
+    return draw
+
+
+def check(*numbers: float) -> None:
+    if not all(map(math.isfinite, numbers)):
+        raise UnitySideChannelException("a sampler takes numbers, not NaN or infinity")
+
+
+def describe(name: str, values: tuple[float, ...]) -> str:
+    """A setting in words: `engine: time scale 2.0`."""
+    return f"engine: {name} " + " x ".join(
+        f"{value:.1f}" if isinstance(value, float) else f"{value}" for value in values
+    )
+
+
+class EngineSettings(EngineConfigurationChannel):
+    """Hands each setting to `apply`, with its name and what it is to be."""
+
+    def __init__(self, apply: Callable[[str, tuple[float, ...]], None]) -> None:
+        super().__init__()
+        self.apply = apply
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        kind = msg.read_int32()
+        if kind not in list(self.ConfigurationType):
+            raise UnitySideChannelException(f"engine settings are 0 to 4, not {kind}: are both sides of one release?")
+        values: tuple[float, ...]
+        if kind == self.ConfigurationType.SCREEN_RESOLUTION:
+            values = (msg.read_int32(), msg.read_int32())
+            if min(values) <= 0:
+                raise UnitySideChannelException(f"a screen of {values[0]} x {values[1]}")
+        elif kind == self.ConfigurationType.TIME_SCALE:
+            scale = msg.read_float32()
+            if not math.isfinite(scale):
+                raise UnitySideChannelException("a time scale that is no number")
+            # As Unity's half does: no slower than time is.
+            values = (max(scale, 1.0),)
+        else:
+            values = (msg.read_int32(),)
+        self.apply(self.ConfigurationType(kind).name.lower().replace("_", " "), values)
+
+
+class EnvironmentParameters(EnvironmentParametersChannel):
+    """The parameters that came, each a number or a sampler."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.parameters: dict[str, Sampler] = {}
+        self.callbacks: dict[str, Callable[[float], None]] = {}
+
+    def get_with_default(self, key: str, default_value: float) -> float:
+        """Of a sampler each call draws another number."""
+        return self.parameters[key]() if key in self.parameters else default_value
+
+    def register_callback(self, key: str, action: Callable[[float], None]) -> None:
+        """One for each key, called when a number comes for it, and not for a sampler."""
+        self.callbacks[key] = action
+
+    def keys(self) -> list[str]:
+        return list(self.parameters)
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        key, kind = msg.read_string(), msg.read_int32()
+        if kind == self.EnvironmentDataTypes.SAMPLER:
+            self.parameters[key] = self.sampler(msg)
+        elif kind == self.EnvironmentDataTypes.FLOAT:
+            value = msg.read_float32()
+            self.parameters[key] = lambda: value
+            if key in self.callbacks:
+                self.callbacks[key](value)
+        else:
+            raise UnitySideChannelException(
+                f"parameters are of type 0 or 1, not {kind}: are both sides of one release?"
+            )
+
+    def sampler(self, msg: IncomingMessage) -> Sampler:
+        seed, kind = msg.read_int32(), msg.read_int32()
+        if kind == self.SamplerTypes.MULTIRANGEUNIFORM:
+            return multi_range_uniform(msg.read_float32_list(), seed)
+        if kind not in list(self.SamplerTypes):
+            raise UnitySideChannelException(f"samplers are 0 to 2, not {kind}: are both sides of one release?")
+        first, second = msg.read_float32(), msg.read_float32()
+        return uniform(first, second, seed) if kind == self.SamplerTypes.UNIFORM else gaussian(first, second, seed)
+
+
+class StatsRecorder(StatsSideChannel):
+    """Sends what the trainer is to show."""
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        raise UnitySideChannelException("statistics came from Python, which is to receive them")
+
+    def add(
+        self, key: str, value: float, aggregation_method: StatsAggregationMethod = StatsAggregationMethod.AVERAGE
+    ) -> None:
+        msg = OutgoingMessage()
+        msg.write_string(key)
+        msg.write_float32(value)
+        msg.write_int32(aggregation_method)
+        self.queue_message_to_send(msg)

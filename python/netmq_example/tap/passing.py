@@ -1,0 +1,138 @@
+"""Lesson 16, passing on: two TCP connections, and whole messages from one to the other, or what trouble makes of them.
+
+One thread for each direction of each connection: it receives, shows, sends, and waits where the receiver does not
+read, so that backpressure reaches the sender. A message that is late makes those behind it late, as on a real line.
+
+Lesson 16, trouble for a message: dropped, a second late, passed on twice, or its connection cut.
+
+Planned for message N when the tap starts, or asked for in the page for the next one.
+"""
+
+import contextlib
+import socket
+import threading
+import time
+from dataclasses import dataclass, field
+
+from netmq_example.tap.arrows import Arrows
+from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take
+
+FATES = ("drop", "delay", "double", "cut")
+
+
+@dataclass
+class Trouble:
+    """Messages are counted from 1, both ways together; `way` is up, to the server, down, or empty for both."""
+
+    planned: dict[int, str] = field(default_factory=dict)
+    asked: str = ""
+    way: str = ""
+    # Each message is late by so many seconds: slow enough for an eye.
+    slow: float = 0
+    number: int = 0
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def ask(self, fate: str, way: str) -> None:
+        """For the next message; nothing takes the wish back."""
+        with self.lock:
+            self.asked, self.way = fate, way
+
+    def state(self) -> dict[str, str | float]:
+        return {"asked": self.asked, "slow": self.slow}
+
+    def of_next(self, way: str) -> str:
+        with self.lock:
+            self.number += 1
+            if self.asked and self.way in ("", way):
+                fate, self.asked = self.asked, ""
+                return fate
+            return self.planned.get(self.number, "")
+
+
+# A longer message than any lesson has, which would fill the memory.
+LARGEST = 300 * 1024 * 1024
+# Who heartbeats says so every second, and what kind of sockets they are is said by itself.
+UNSEEN = (b"PING", b"PONG", b"READY")
+
+
+@dataclass
+class Link:
+    """One client's connection and ours to the server."""
+
+    number: int
+    arrows: Arrows
+    trouble: Trouble
+    types: dict[str, str] = field(default_factory=dict)
+
+    def run(self, client: socket.socket, host: str, port: int) -> None:
+        with client:
+            try:
+                server = socket.create_connection((host, port), timeout=2)
+            except (OSError, UnicodeError):
+                # The client connects again, as it does where nobody listens.
+                return self.arrows.add(self.number, "", None, f"no server at {host}:{port}")
+            with server:
+                for each in (client, server):
+                    each.settimeout(None)
+                    # Otherwise a small message may wait for the next one.
+                    each.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                down = threading.Thread(target=self.pass_on, args=(server, client, "down"), daemon=True)
+                down.start()
+                self.pass_on(client, server, "up")
+                down.join()
+        return self.arrows.add(self.number, "", None, "closed")
+
+    def pass_on(self, source: socket.socket, target: socket.socket, way: str) -> None:
+        """Until one side closes. Then the other is told, and may still say what it has to say."""
+        how = socket.SHUT_RDWR
+        try:
+            self.greet(source, target, way)
+            buffer = bytearray()
+            while chunk := source.recv(65536):
+                buffer += chunk
+                while piece := take(buffer, LARGEST):
+                    self.pass_piece(piece, target, way)
+            how = socket.SHUT_WR
+        except NotZeroMQ as error:
+            self.arrows.add(self.number, way, None, f"closed by the tap: {error}")
+        except OSError:
+            # One of them is gone, or was cut.
+            pass
+        for each in (source, target):
+            if each is target or how == socket.SHUT_RDWR:
+                with contextlib.suppress(OSError):
+                    each.shutdown(how)
+
+    def greet(self, source: socket.socket, target: socket.socket, way: str) -> None:
+        """Each side says its half only when it has heard a part of the other's: so this is passed on as it comes."""
+        greeting = b""
+        while len(greeting) < GREETING and (part := source.recv(GREETING - len(greeting))):
+            target.sendall(part)
+            greeting += part
+        if way == "up" and greeting and (kind := mechanism(greeting)) != "NULL":
+            self.arrows.add(self.number, "", None, f"opened: {kind}")
+
+    def pass_piece(self, piece: Piece, target: socket.socket, way: str) -> None:
+        """Here the message is in our hands."""
+        fate = ""
+        if piece.command:
+            self.see_command(piece, way)
+        else:
+            fate = self.trouble.of_next(way)
+            self.arrows.add(self.number, way, piece, fate)
+            if late := self.trouble.slow + (fate == "delay"):
+                time.sleep(late)
+        if fate == "cut":
+            raise ConnectionAbortedError
+        if fate != "drop":
+            target.sendall(piece.raw)
+        if fate == "double":
+            target.sendall(piece.raw)
+
+    def see_command(self, piece: Piece, way: str) -> None:
+        if piece.name == b"READY" and len(self.types) < 2:
+            self.types[way] = socket_type(piece.frames[0])
+            if len(self.types) == 2:
+                self.arrows.add(self.number, "", None, f"opened: {self.types['up']} to {self.types['down']}")
+        elif piece.name not in UNSEEN:
+            self.arrows.add(self.number, way, piece)

@@ -1,0 +1,111 @@
+"""Lesson 12, the game as Python sees it: one at a time, at the other end of a ROUTER socket.
+
+A game says `hello` with its views. One that is gone is noticed within a second, because a ROUTER socket can say that it
+has no way to a peer.
+"""
+
+import math
+import re
+import time
+from collections.abc import Callable
+from typing import Any
+
+import zmq
+
+from netmq_example.messages import LIMIT, Message, MessageError, read, take
+
+# Seconds of silence after which it is asked whether it is there.
+SILENCE = 1.0
+# A view's name becomes the name of a file.
+NAME = re.compile(r"[A-Za-z0-9_ -]{1,40}")
+
+
+class Lost(ConnectionError):
+    """There is no game, or it is gone."""
+
+
+def bound(endpoint: str) -> zmq.Socket[bytes]:
+    # libzmq itself would listen on port 99999 - 65536 without a word.
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", endpoint, re.ASCII)
+    if not port or int(port[1].replace("*", "0")) > 65535:
+        raise ValueError(f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5562, port 0 to 65535")
+    socket = zmq.Context().socket(zmq.ROUTER)
+    # Who announces more than the largest message is disconnected before it is in memory.
+    socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 4 * LIMIT, 200
+    try:
+        socket.bind(endpoint)
+    except zmq.ZMQError as error:
+        socket.context.destroy()
+        cure = "if another program films there, end it, or take another port here and in the game"
+        raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
+    return socket
+
+
+class Game:
+    """Make it anywhere; after that it belongs to one thread. `lost` is called when the game is gone."""
+
+    def __init__(self, socket: zmq.Socket[bytes], lost: Callable[[], None]) -> None:
+        self.socket, self.lost = socket, lost
+        # To send to a peer that is gone is then an error, and not silence.
+        socket.router_mandatory = True
+        self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
+        self.peer, self.heard = b"", 0.0
+        # How many came so far, and the views of the one that is there with their largest width and height.
+        self.count, self.views = 0, dict[str, tuple[int, int]]()
+
+    def receive(self) -> Message | None:
+        """The next message of the game; None if nothing came for a moment, or nothing that matters."""
+        if not self.socket.poll(20):
+            if self.peer and time.monotonic() > self.heard + SILENCE:
+                self.heard = time.monotonic()
+                if not self.send("alive"):
+                    self.forget()
+            return None
+        frames: list[Any] = self.socket.recv_multipart(copy=False)
+        peer = bytes(frames.pop(0))
+        try:
+            message = read(frames)
+            if message.kind == "hello":
+                self.greet(peer, message)
+            elif peer == self.peer:
+                self.heard = time.monotonic()
+                return message
+            else:
+                raise MessageError("unknown-peer", "say hello again", message.id)
+        except MessageError as error:
+            self.refuse(peer, error)
+        return None
+
+    def greet(self, peer: bytes, hello: Message) -> None:
+        if self.peer and self.send("alive"):
+            raise MessageError("busy", "there is a game already: one at a time")
+        names = take(hello.values, "views", str).split(",")
+        sizes = hello.arrays[0] if hello.arrays else None
+        if not sizes or (sizes.dtype, sizes.shape) != ("int32", (len(names), 2)) or not all(map(NAME.fullmatch, names)):
+            raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
+        views = {name: (width, height) for name, (width, height) in zip(names, sizes.numpy().tolist(), strict=True)}
+        if len(views) < len(names) or not all(min(one) > 0 and 3 * math.prod(one) <= LIMIT for one in views.values()):
+            raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
+        self.forget()
+        self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
+        # Said last: by then it can be filmed. One that is gone already is forgotten with the first silence.
+        self.send("welcome", hello.id)
+
+    def forget(self) -> None:
+        self.peer, self.views = b"", {}
+        self.lost()
+
+    def send(self, kind: str, id: int = 0, values: dict[str, Any] | None = None, peer: bytes = b"") -> bool:
+        """False if there is no way to it any more."""
+        # A game hangs up on what it cannot read: MessageError says so before it is sent.
+        read(frames := Message(kind, id, values or {}).frames())
+        try:
+            self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
+        except zmq.ZMQError:
+            # What has come from it is heard; with the first silence it is forgotten.
+            self.heard = -math.inf
+            return False
+        return True
+
+    def refuse(self, peer: bytes, error: MessageError) -> None:
+        self.send("error", error.id, {"code": error.code, "text": error.text}, peer)

@@ -1,0 +1,117 @@
+"""Lesson 16 over Socket.IO (protocol 5, that of its clients 3 and 4): the name of an event is the name of a server.
+
+    socket.emit("hello", "Hello", world => …)          the callback gets the frames of the answer
+    socket.emit("poses", "pose/", newest => …)         or, if there is none, {error: why}
+
+A text is a frame, and so are bytes. Who sends bytes is answered with bytes.
+"""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Any
+
+import socketio
+from aiohttp import web
+from engineio.payload import Payload
+
+from netmq_example.web.browser_socket import LARGEST, BrowserSocket
+from netmq_example.web.door import Door, let_go
+
+# So many requests of one browser may wait, and so many answers for it. Socket.IO itself has no limit.
+MOST = 64
+
+
+class Browser:
+    """One connection, and a ZeroMQ socket for each server that it has asked for something."""
+
+    def __init__(self) -> None:
+        self.sockets: dict[str, tuple[BrowserSocket, asyncio.Lock]] = {}
+        self.waiting, self.inside = 0, ExitStack()
+
+    def close(self) -> None:
+        self.inside.close()
+        for socket, _ in self.sockets.values():
+            socket.close()
+
+
+def attach(app: web.Application, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
+    # With more than 16 requests at once by HTTP, python-socketio would drop them all without a word.
+    Payload.max_decode_packets = LARGEST
+    # What it reports are the mistakes of strangers, each with a traceback.
+    noise = logging.getLogger("noise")
+    noise.setLevel(logging.CRITICAL)
+    # The door has looked at the Origin. A browser that was not heard for both times is not there any more.
+    server = socketio.AsyncServer(
+        async_mode="aiohttp",
+        cors_allowed_origins="*",
+        max_http_buffer_size=LARGEST,
+        ping_interval=10,
+        ping_timeout=10,
+        engineio_logger=noise,
+    )
+    browsers: dict[str, Browser] = {}
+
+    async def come_in(sid: str, environ: Any = None, auth: Any = None, *_: Any) -> None:
+        # A browser may send an event of this name, too, when it is here already.
+        if sid in browsers:
+            return
+        token = auth.get("token") if isinstance(auth, dict) else None
+        if why := door.refusal(token) or door.full():
+            raise socketio.exceptions.ConnectionRefusedError(why)
+        browsers[sid] = Browser()
+        browsers[sid].inside.enter_context(door.entered("Socket.IO"))
+
+    async def leave(sid: str, *_: Any) -> None:
+        if sid in browsers:
+            browsers.pop(sid).close()
+
+    async def asked(name: str, sid: str, *frames: Any) -> Any:
+        # What was asked before it left may be read after that.
+        if not (browser := browsers.get(sid)):
+            return await server.disconnect(sid)
+        unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
+        if unread > MOST or browser.waiting == MOST:
+            print(f"let a browser go: {MOST} of its requests, or answers for it, wait", flush=True)
+            # At once, so that this is said once.
+            await leave(sid)
+            await server.disconnect(sid)
+            return {"error": "too many requests at once"}
+        if name not in names:
+            return {"error": f"behind the gateway there are {', '.join(names)}, no {name!r:.40}"}
+        socket, turn = browser.sockets.setdefault(name, (opened(name), asyncio.Lock()))
+        browser.waiting += 1
+        try:
+            # A ZeroMQ socket has one request under way.
+            async with turn:
+                if sid not in browsers:
+                    # A socket that is opened now nobody would close.
+                    return None
+                return answer(frames, await socket.ask([to_bytes(frame) for frame in frames]))
+        except (TimeoutError, ValueError) as error:
+            return {"error": str(error)}
+        finally:
+            browser.waiting -= 1
+
+    server.on("connect", come_in)
+    server.on("disconnect", leave)
+    # Whatever it is called: a name that nobody has is to be answered, too.
+    server.on("*", asked)
+    server.attach(app)
+
+    at_home = server.manager.eio_sid_from_sid
+    server.start_background_task(let_go, server.eio.sockets, lambda: {at_home(sid, "/") for sid in browsers})
+
+
+def to_bytes(frame: Any) -> bytes:
+    if not isinstance(frame, str | bytes):
+        raise ValueError("a frame is a text or bytes")
+    return frame.encode(errors="replace") if isinstance(frame, str) else frame
+
+
+def answer(asked: tuple[Any, ...], frames: list[bytes]) -> Any:
+    """A tuple: to Socket.IO those are several arguments of the callback, and a list would be one."""
+    if any(isinstance(frame, bytes) for frame in asked):
+        return tuple(frames)
+    return tuple(frame.decode(errors="replace") for frame in frames)

@@ -1,0 +1,51 @@
+"""Lesson 16, the same requester over Socket.IO."""
+
+import asyncio
+from typing import Any
+
+import socketio
+
+from netmq_example.web.requester import REFUSED, WebRequester
+
+
+class SocketIORequester(WebRequester):
+    """A request is an event of the server's name, and its reply is the acknowledgement."""
+
+    client: Any = None
+
+    async def connect(self) -> None:
+        # We try again ourselves: the requests that its own reconnection has lost nobody would hear of.
+        self.client, self.gone, said = socketio.AsyncClient(reconnection=False), asyncio.Event(), list[Any]()
+        gone = self.gone
+        self.client.on("disconnect", lambda *_: gone.set())
+        # What only another than a gateway says ends a task of Socket.IO, and the event loop hears of it. It also hears,
+        # without an exception, that Socket.IO has not closed what an earlier try opened.
+        asyncio.get_running_loop().set_exception_handler(lambda _, what: gone.set() if "exception" in what else None)
+        self.client.on("connect_error", said.append)
+        try:
+            await self.client.connect(self.endpoint, auth={"token": self.token}, transports=["websocket"])
+        except socketio.exceptions.ConnectionError:
+            if "token" in str(said):
+                raise PermissionError(REFUSED.format(self.endpoint)) from None
+            raise ConnectionError(said[0] if said else "it does not answer") from None
+
+    async def ask(self, *texts: str) -> Any:
+        asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.timeout))
+        gone = asyncio.create_task(self.gone.wait())
+        try:
+            await asyncio.wait([asked, gone], return_when=asyncio.FIRST_COMPLETED)
+            if not asked.done():
+                raise ConnectionError("the gateway has left")
+            answer = asked.result()
+        except socketio.exceptions.SocketIOError as error:
+            raise ConnectionError(str(error)) from None
+        finally:
+            asked.cancel()
+            gone.cancel()
+        # One frame comes alone, several as a list, none as nothing.
+        return [answer] if isinstance(answer, str) else [] if answer is None else answer
+
+    async def close(self) -> None:
+        if self.client:
+            await self.client.disconnect()
+        self.client, self.connected = None, False

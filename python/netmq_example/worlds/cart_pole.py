@@ -1,0 +1,76 @@
+"""Lesson 09, the world: a pole on a cart, pushed left or right. In C#: CartPole.cs.
+
+The equations are those of Gymnasium's CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same
+state, the same actions lead to the same states. Sine and cosine differ in their last bit from one system to the next,
+so two systems agree to many digits and not to all. At home your own simulation takes its place.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+
+from netmq_example.messages import MessageError
+from netmq_example.simulation.simulation import Simulation
+
+GRAVITY, FORCE, CART, POLE, HALF_LENGTH = 9.8, 10.0, 1.0, 0.1, 0.5
+# The episode is over when the cart leaves the track, in metres, or the pole falls: 12 degrees.
+TRACK, FALL = 2.4, 12 * 2 * math.pi / 360
+WIDTH, HEIGHT, SCALE = 300, 200, 60
+
+
+class CartPole(Simulation):
+    name, dt, size = "CartPole", 0.02, 4
+    action = Discrete(2)
+
+    def __init__(self) -> None:
+        # Twice as far as an episode goes, so that its last observation is in the space as well. Any finite speed: of
+        # an infinite one Gymnasium's checker warns.
+        any_speed = np.finfo(np.float32).max
+        most = np.array([2 * TRACK, any_speed, 2 * FALL, any_speed], np.float32)
+        self.observation = Box(-most, most, dtype=np.float32)
+        self.place = self.speed = self.angle = self.turning = 0.0
+
+    def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
+        low, high = options.get("low", -0.05), options.get("high", 0.05)
+        if isinstance(low, str) or isinstance(high, str):
+            raise MessageError("bad-option", "low and high are numbers, between which an episode begins")
+        drawn = [low + (high - low) * next(chance) for _ in range(4)]
+        self.place, self.speed, self.angle, self.turning = state or drawn
+
+    def apply(self, action: Any) -> None:
+        sine, cosine = math.sin(self.angle), math.cos(self.angle)
+        push = (FORCE if action == 1 else -FORCE) + POLE * HALF_LENGTH * (self.turning * self.turning) * sine
+        forward = push / (CART + POLE)
+        around = (GRAVITY * sine - cosine * forward) / (
+            HALF_LENGTH * (4 / 3 - POLE * (cosine * cosine) / (CART + POLE))
+        )
+        forward -= POLE * HALF_LENGTH * around * cosine / (CART + POLE)
+        self.place += self.dt * self.speed
+        self.speed += self.dt * forward
+        self.angle += self.dt * self.turning
+        self.turning += self.dt * around
+
+    def observe(self) -> Any:
+        return np.array([self.place, self.speed, self.angle, self.turning], np.float32)
+
+    def judge(self) -> dict[str, Any]:
+        over = abs(self.place) > TRACK or abs(self.angle) > FALL
+        return {"reward": 1.0, "terminated": over, "truncated": False}
+
+    def render(self) -> Any:
+        picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+
+        def fill(x: float, y: float, width: int, height: int, colour: tuple[int, int, int]) -> None:
+            """A rectangle around a place in pixels, y upwards; what is outside is left out."""
+            left, top = int(x) - width // 2, HEIGHT - int(y) - height // 2
+            picture[max(0, top) : max(0, top + height), max(0, left) : max(0, left + width)] = colour
+
+        middle = WIDTH / 2 + SCALE * self.place
+        fill(WIDTH / 2, 50, WIDTH, 2, (0, 0, 0))
+        fill(middle, 50, 50, 30, (40, 60, 90))
+        for along in range(2 * SCALE):
+            fill(middle + along * math.sin(self.angle), 60 + along * math.cos(self.angle), 6, 6, (200, 140, 80))
+        return picture
