@@ -1,0 +1,62 @@
+"""Rules that many classes share for what they are given. ValueError says in one line what is wrong with it.
+
+self.timeout = check.seconds("timeout", timeout)
+self.tries = check.count("tries", tries)
+"""
+
+import math
+import re
+from typing import Any
+
+DAY = 86_400
+
+
+def seconds(name: str, value: Any, least: float = 0.0) -> float:
+    """A number of seconds, more than `least` and at most a day."""
+    if is_number(value) and least < value <= DAY:
+        return float(value)
+    raise ValueError(f"{name} takes seconds, more than {least:g} and at most a day, not {value!r:.40}")
+
+
+def seconds_or_none(name: str, value: Any) -> float:
+    """A number of seconds that may be 0, at most a day."""
+    if is_number(value) and 0 <= value <= DAY:
+        return float(value)
+    raise ValueError(f"{name} takes seconds, 0 or more and at most a day, not {value!r:.40}")
+
+
+def count(name: str, value: Any, least: int = 1, most: int = 2**31 - 1) -> int:
+    """A whole number from `least` to `most`."""
+    if is_number(value) and int(value) == value and least <= value <= most:
+        return int(value)
+    raise ValueError(f"{name} takes a whole number from {least} to {most}, not {value!r:.40}")
+
+
+def is_number(value: Any) -> bool:
+    """Also one of numpy's; NaN, infinity and a bool are none."""
+    if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
+        return False
+    try:
+        return math.isfinite(float(value))
+    except (TypeError, ValueError, OverflowError):
+        return False
+
+
+def text(name: str, value: Any) -> str:
+    """A text that is not empty."""
+    if isinstance(value, str) and value:
+        return value
+    raise ValueError(f"{name} takes a text that is not empty, not {value!r:.40}")
+
+
+def endpoint(value: Any, example: str, lowest_port: int = 1) -> str:
+    """Where to connect or, with 0 as the lowest port, to bind. libzmq takes port 99999 as 34463, without an error.
+
+    What is not of TCP, such as ipc:// and inproc://, is left to libzmq.
+    """
+    if isinstance(value, str) and re.match(r"(?!tcp:)[a-z]+://.", value):
+        return value
+    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", value, re.ASCII) if isinstance(value, str) else None
+    if port and lowest_port <= int(port[1].replace("*", "0")) <= 65535:
+        return str(value)
+    raise ValueError(f"bad endpoint '{value!s:.80}': write it like {example}, port {lowest_port} to 65535")

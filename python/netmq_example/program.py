@@ -1,0 +1,232 @@
+"""What every program of this kit does besides its lesson: options, limits, the ready line, Ctrl-C. It needs only pyzmq.
+
+    def main() -> None:
+        options = server_options(__doc__, "tcp://127.0.0.1:5551").parse_args()
+        with listening(zmq.REP, options) as socket:             binds, and prints: listening on tcp://127.0.0.1:5551
+            while True:
+                socket.send_multipart(receive(socket))
+
+    run(main)
+
+A client has client_options, connected and run(main, stopped="stopped"). Shared/NetMQConnection.cs is its C# version.
+"""
+
+import argparse
+import contextlib
+import functools
+import math
+import re
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from socket import getaddrinfo
+from typing import Any, TypeVar
+
+import zmq
+
+from netmq_example import check
+from netmq_example.errors import GaveUp
+
+Context = zmq.Context[zmq.Socket[bytes]]
+Socket = zmq.Socket[bytes]
+T = TypeVar("T")
+
+# The longest wait in one piece, in milliseconds: on Windows Ctrl-C is heard only between two waits.
+SLICE_MS = 200
+# The largest frame of a text message, in bytes. A peer that announces a larger one is disconnected before it arrives.
+LARGEST_BYTES = 65_536
+LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
+
+
+def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
+    """The options of every server. `about` is the program's docstring, whose first line its --help shows."""
+    parser = argparse.ArgumentParser(description=(about or "").partition("\n")[0])
+    parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
+    parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
+    return parser
+
+
+def client_options(about: str, endpoint: str, timeout: float) -> argparse.ArgumentParser:
+    """The options of every client. `timeout` is the default of --timeout, in seconds."""
+    parser = argparse.ArgumentParser(description=about)
+    parser.add_argument("--endpoint", type=client_endpoint(endpoint), default=endpoint, help="the server")
+    parser.add_argument("--timeout", type=positive_seconds, default=timeout, help="seconds to wait for each reply")
+    return parser
+
+
+@contextlib.contextmanager
+def listening(
+    kind: int,
+    options: argparse.Namespace,
+    largest: int = LARGEST_BYTES,
+    prepare: Callable[[Context, Socket], object] | None = None,
+    endpoint: str = "",
+    word: str = "listening",
+) -> Iterator[Socket]:
+    """A bound socket of this kind, such as zmq.REP, and the ready line.
+
+    `prepare` gets the context and the socket before it listens, as a lesson with keys needs it. A second socket has its
+    own `endpoint`, and another `word` in its line.
+    """
+    endpoint = endpoint or options.endpoint
+    if not (LOOPBACK.match(endpoint) or options.open_to_anyone or getattr(options, "keys", None)):
+        print(f"'{endpoint}' lets anyone in: lesson 15 has keys, --open-to-anyone has none", file=sys.stderr)
+        sys.exit(2)
+    with zmq.Context() as context, context.socket(kind) as socket:
+        limit(socket, largest)
+        socket.rcvtimeo = SLICE_MS
+        if prepare:
+            prepare(context, socket)
+        try:
+            socket.bind(endpoint)
+        except zmq.ZMQError as error:
+            cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
+            sys.exit(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}")
+        print(f"{word} on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        yield socket
+
+
+@contextlib.contextmanager
+def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYTES) -> Iterator[Socket]:
+    """A connected socket of this kind. TimeoutError says that nothing came, or that there was nowhere to send to."""
+    print(f"asking {options.endpoint}", flush=True)
+    with zmq.Context() as context, context.socket(kind) as socket:
+        limit(socket, largest)
+        # Sending does not wait: libzmq would take for sent what it has lost with a broken connection.
+        socket.rcvtimeo, socket.sndtimeo = SLICE_MS, 0
+        socket.connect(options.endpoint)
+        try:
+            yield socket
+        except zmq.Again:
+            within = f"within {options.timeout:g} s"
+            raise TimeoutError(f"no reply from {options.endpoint} {within}; is the server running?") from None
+
+
+def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
+    """The limits of every socket: what nobody fetched goes at the end, and no frame may fill the memory."""
+    socket.linger = 0
+    socket.maxmsgsize = largest
+
+
+def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:
+    """The frames of the next message; zmq.Again if none comes within `timeout` seconds."""
+    end = time.monotonic() + timeout
+    while True:
+        try:
+            return socket.recv_multipart()
+        except zmq.Again:
+            if time.monotonic() >= end:
+                raise
+
+
+def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
+    """What `answer` makes of a request. A mistake in it is reported to both sides, and ends neither."""
+    try:
+        return answer(request.decode(errors="replace")).encode()
+    except Exception as error:
+        traceback.print_exc()
+        return f"error: {error!r}".encode()
+
+
+def printable(text: str, most: int = 200) -> str:
+    """What a peer sent, fit for one line of a terminal: no control characters, and so many characters at most."""
+    return "".join(c if c.isprintable() else "?" for c in text[:most]) + ("…" if len(text) > most else "")
+
+
+def show(text: str) -> None:
+    """Print a line at once, also into a pipe, and whatever a peer has put into it."""
+    print(printable(text), flush=True)
+
+
+# The types of options
+
+
+def seconds(text: str) -> float:
+    """From 0 to a day."""
+    return option(check.seconds_or_none, text, float)
+
+
+def positive_seconds(text: str) -> float:
+    """More than 0, at most a day."""
+    return option(check.seconds, text, float)
+
+
+def whole(text: str) -> int:
+    """A whole number, 0 or more."""
+    return option(functools.partial(check.count, least=0), text, int)
+
+
+def at_least_one(text: str) -> int:
+    """A whole number, 1 or more."""
+    return option(check.count, text, int)
+
+
+def option(rule: Callable[[str, Any], T], text: str, kind: Callable[[str], Any]) -> T:
+    """A text that keeps to this rule of check.py. argparse itself names the option."""
+    try:
+        value: Any = kind(text)
+    except ValueError:
+        value = text
+    try:
+        return rule("it", value)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def server_endpoint(example: str) -> Callable[[str], str]:
+    """The type of an endpoint to bind: port 0 and * stand for a free port."""
+    return lambda text: checked(text, example, lowest_port=0)
+
+
+def client_endpoint(example: str) -> Callable[[str], str]:
+    """The type of an endpoint to connect to. Its host must be known: libzmq would wait for one that does not exist."""
+
+    def known(text: str) -> str:
+        host = checked(text, example, lowest_port=1).removeprefix("tcp://").rpartition(":")[0]
+        try:
+            getaddrinfo(host, None)
+        except (OSError, UnicodeError):
+            raise argparse.ArgumentTypeError(f"bad endpoint '{text}': unknown host '{host}'; check it") from None
+        return text
+
+    return known
+
+
+def checked(text: str, example: str, lowest_port: int) -> str:
+    if not text.startswith("tcp://"):
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {example}")
+    try:
+        return check.endpoint(text, example, lowest_port)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+# The beginning and the end
+
+
+@contextlib.contextmanager
+def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
+    """Around the imports of large packages. One that is missing is named with its cure, and Ctrl-C is heard already."""
+    try:
+        yield
+    except ImportError as error:
+        sys.exit(f"{error}: this lesson needs {needs}")
+    except KeyboardInterrupt:
+        sys.exit(stopped)
+
+
+def run(main: Callable[[], None], stopped: str | None = None) -> None:
+    """Run a program to its end. Ctrl-C ends a server with code 0, and a client with `stopped` and code 1."""
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
+    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
+    if stopped is None:
+        # SIGTERM, which kill and process managers send, ends a server as Ctrl-C does; on Windows that is SIGBREAK.
+        signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
+    try:
+        main()
+    except (TimeoutError, GaveUp) as error:
+        sys.exit(f"gave up: {printable(str(error), most=1000)}")
+    except KeyboardInterrupt:
+        sys.exit(stopped)
