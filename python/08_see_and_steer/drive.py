@@ -5,14 +5,11 @@ drive.apply(client.receive(…))      driver_client.py; now the action's age is 
 drive.step()                        0.02 s later
 """
 
-import sys
 import time
 import uuid
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from netmq_example.camera.client import Action
 from netmq_example.camera.pictures import encode
 from netmq_example.messages import Array, Message

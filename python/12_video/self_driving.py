@@ -3,11 +3,8 @@
 Both sides give the same pictures, to the last byte. At home your own game takes its place.
 """
 
-import sys
-from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 
 from netmq_example.worlds.road_car import CURVATURE, GRASS, HEIGHT, TARMAC, WIDTH, Car, DrawnCamera, Road

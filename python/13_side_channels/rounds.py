@@ -5,13 +5,10 @@ seen that.
 """
 
 import struct
-import sys
 import time
 import uuid
 from collections.abc import Callable
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from trouble import Trouble
 
 from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel

@@ -1,9 +1,5 @@
 """Lesson 13, what the server does with what it hears: prints it, and says that it has seen a round."""
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from trouble import Trouble
 
 from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel

@@ -6,8 +6,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 
 def address(text: str) -> str:
     """Where browsers come to."""

@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
 from netmq_example.security.allow_list import AllowList

@@ -4,14 +4,11 @@ for step in small_talk(100, b"", "Who are you?", delay=0.05, seed=0): ...
 """
 
 import re
-import sys
 import time
 from argparse import ArgumentTypeError
 from collections.abc import Iterator
-from pathlib import Path
 from zlib import crc32
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from netmq_example.jobs.work import Step
 
 OPENINGS = ("Good evening, traveller.", "Mind the third plank!", "Ah, a voice in the fog.", "You again?")

@@ -5,8 +5,6 @@ The last part breaks a copy of each page and sees that the checks notice.
 
 from __future__ import annotations
 
-import ast
-import contextlib
 import dataclasses
 import json
 import os
@@ -665,96 +663,7 @@ def test_the_bars_of_a_plot_are_as_long_as_their_numbers(name):
     assert [length / max(lengths) for length in lengths] == pytest.approx([v / max(values) for v in values], abs=0.01)
 
 
-# What only somebody who changes the kit meets.
-MAINTAINING = {"guide.py", "pictures.py", "terminal_picture.py", "meta.py", "release.py"}
-# What a server says that was told to make trouble.
-ON_PURPOSE = {": left without a reply", "thrown on purpose"}
-ENDS = {"KitError", "sys.exit", "TimeoutError", "SourceError", "WorkError", "UnitySideChannelException"}
-
-
-def error_texts():
-    """The longest piece of each text that ends kit.py or a program of a lesson, or says why something was not done. One
-    about a wrong word explains itself."""
-    found = {}
-    for path in [*ROOT.glob("kitlib/**/*.py"), *ROOT.glob("python/*/*.py")]:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) in ENDS:
-                constants = [
-                    part.value for said in node.args for part in ast.walk(said) if isinstance(part, ast.Constant)
-                ]
-                texts = [text for text in constants if isinstance(text, str) and " " in text]
-                if texts and path.name not in MAINTAINING and texts[-1] not in ON_PURPOSE:
-                    found[max(texts, key=len).strip(" ;:\n")] = path.name
-    return [pytest.param(text, id=f"{name}: {text}") for text, name in found.items()]
-
-
-@pytest.mark.parametrize("text", error_texts())
-def test_every_error_is_in_troubleshooting(text):
-    # On Windows that is the Microsoft Store: kitlib writes `py` there, and a lesson neither.
-    assert "python3 kit.py" not in text
-    assert text in re.sub(r"\s+", " ", (GUIDE / "troubleshooting.md").read_text(encoding="utf-8"))
-
-
 # From here on: what the checks above would notice.
-
-
-def changed_words(text):
-    """The text with one word changed, for a word at its beginning, in its middle and at its end; not in a comment."""
-    code = re.sub(r"(#|//).*", lambda comment: " " * len(comment[0]), text)
-    words = list(re.finditer(r"[A-Za-z]{3,}", code))
-    for found in [words[0], words[len(words) // 2], words[-1]]:
-        yield text[: found.start()] + found[0][::-1].swapcase() + text[found.end() :]
-
-
-def pasted(block):
-    """A reader's copy of the file, in which the definition was replaced by the text of the page."""
-    path, name = block.source.split()
-    text = (ROOT / path).read_text(encoding="utf-8")
-    return (pasted_python if path.endswith(".py") else pasted_csharp)(text, name, block.body)
-
-
-def pasted_python(text, name, body):
-    """The module with another definition in the place of one; it is found by the parser, and not by its lines."""
-    tree = ast.parse(text)
-    for parent in ast.walk(tree):
-        if not isinstance(parent, ast.Module | ast.ClassDef):
-            continue
-        for place, node in enumerate(parent.body):
-            if getattr(node, "name", "") == name:
-                parent.body[place : place + 1] = ast.parse(body).body
-                return ast.unparse(tree)
-    raise AssertionError(f"no {name}")
-
-
-def pasted_csharp(text, name, body):
-    """The file with all that belongs to a declaration replaced: from the end of what stands above it to its own end.
-
-    Comments go, as they mean nothing to the compiler, and so does the space between words.
-    """
-    code = re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE)
-    modifiers = r"(?:public|private|internal|protected)"
-    declared = re.search(rf"^[^\n=;(]*\b{modifiers}\b[^\n=;(]*\b{name}\b", code, re.MULTILINE)
-    above = max(code.rfind(end, 0, declared.start()) for end in ";{}") + 1
-    end, depth = declared.end(), 0
-    while depth or code[end - 1] not in ";}":
-        depth += {"{": 1, "}": -1}.get(code[end], 0)
-        end += 1
-    return " ".join((code[:above] + "\n" + re.sub(r"^\s*//.*\n", "", body, flags=re.MULTILINE) + code[end:]).split())
-
-
-def as_it_is(block):
-    text = (ROOT / block.source.split()[0]).read_text(encoding="utf-8")
-    if block.language == "python":
-        return ast.unparse(ast.parse(text))
-    return " ".join(re.sub(r"^\s*//.*\n", "", text, flags=re.MULTILINE).split())
-
-
-@of("excerpt")
-def test_an_excerpt_pasted_over_its_definition_gives_the_same_file(block):
-    assert pasted(block) == as_it_is(block)
-    for body in changed_words(block.body):
-        with contextlib.suppress(SyntaxError):
-            assert pasted(dataclasses.replace(block, body=body)) != as_it_is(block)
 
 
 PYTHON_DEFINITIONS = '''

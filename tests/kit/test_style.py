@@ -20,44 +20,9 @@ from kitlib.unity.install import NETMQ
 from tests.programs import ROOT, finished
 
 # Files whose idea does not fit, and may not grow either.
-# The background client asks again by itself: what one takes home of lesson 04 is one file. A pool of threads takes its
-# room in lesson 06, and lesson 07's server binds two sockets.
 LONGER = {
-    "python/01_request_reply/client.py": 62,
-    "python/02_lazy_pirate/server.py": 65,
-    "python/netmq_example/background_client.py": 85,
-    "python/04_background_client/server.py": 65,
-    # The whole standard: what one takes home of it is one file.
-    "python/05_messages/client.py": 66,
-    "python/netmq_example/messages.py": 86,
-    "python/05_messages/server.py": 67,
-    "python/06_many_in_flight/server.py": 86,
-    "python/07_catch_up/client.py": 62,
-    # Ten options, which the C# client has as well.
-    "python/08_see_and_steer/client.py": 75,
-    # What is recorded, and by whom it is driven, is chosen here.
-    "python/08_see_and_steer/server.py": 81,
-    "python/07_catch_up/server.py": 66,
-    # What it needs takes seconds to import: what is missing, and Ctrl-C, are said in a line.
-    "python/10_many_agents/server.py": 69,
-    # Ctrl-C while it imports is no traceback; and the game's loop stands beside its thread for the network.
-    "python/12_video/client.py": 65,
-    # What is filmed is chosen here, and trouble by a slow disk.
-    "python/12_video/server.py": 86,
-    # Ten options, which the C# client has as well.
-    "python/14_long_jobs/client.py": 76,
-    # Four options more: which keys, and three ways to be refused. And its keys, before it listens.
-    "python/15_security/client.py": 64,
-    "python/15_security/server.py": 71,
-    # What can be wrong with a key, or with its file, is named here for all who read it.
-    "python/netmq_example/security/keys.py": 92,
-    # A person or a hand, with one client; and where the server finds them.
-    "python/20_body_tracking/client.py": 62,
-    "python/20_body_tracking/server.py": 68,
     # What the other components have from Shared, which needs NetMQ.
     "unity/Assets/NetMQExample/16_web_gateway/HelloWeb.cs": 62,
-    # The rules of a job are one thing.
-    "python/netmq_example/jobs/jobs.py": 89,
 }
 
 
@@ -84,7 +49,7 @@ MYPY = [
     ["kit.py", *sorted((ROOT / "kitlib").rglob("*.py")), *sorted((ROOT / "lab").glob("*.py"))],
     sorted((ROOT / "lab" / "contenders").glob("*.py")),
     # One folder at a time: every lesson has a server.py, and to mypy they would be one module.
-    *(sorted(folder.glob("*.py")) for folder in sorted((ROOT / "python").iterdir()) if any(folder.glob("*.py"))),
+    *(sorted(folder.rglob("*.py")) for folder in sorted((ROOT / "python").iterdir()) if any(folder.glob("*.py"))),
     sorted((ROOT / "tests").rglob("*.py")),
 ]
 
@@ -134,10 +99,10 @@ def csharp_lines(text):
 def limit(path, text):
     """How many lines of code a lesson's file has at the most."""
     if path.suffix == ".py":
-        # Four lines of each server keep it on this machine, unless it is told.
-        return {"server.py": 64, "client.py": 60}.get(path.name, 80)
+        first = path.name in ("server.py", "client.py") and path.parent.name[0].isdigit()
+        return 45 if first else 200
     if path.parent.name == "csharp-console":
-        return 40
+        return 45
     return 60 if re.search(r"class \w+ : \w+Behaviour\b", text) and "abstract class" not in text else 200
 
 
@@ -145,7 +110,8 @@ PACKAGE = "unity/Assets/NetMQExample"
 LESSON_FILES = [
     path
     for tree in (
-        "python/[0-9][0-9]_*/*.py",
+        "python/*/*.py",
+        "python/netmq_example/*/*.py",
         "unity/Assets/NetMQExample/[0-9SE][0-9hd]*/*.cs",
         "csharp-console/[0-9]*.cs",
     )
@@ -161,30 +127,6 @@ def test_a_lesson_stays_short(path):
     assert [line for line in text.splitlines() if len(line) > 120] == []
 
 
-# 07's server has two sockets, 15's and 17's have keys, and 16's a port of the web.
-OWN_MAIN = [(7, "server.py", "main"), (15, "server.py", "main"), (16, "server.py", "main"), (17, "server.py", "main")]
-
-# What all servers need, and all clients, is repeated in each, so that one file is enough to take home.
-COMMON = re.compile(r"^# From here on all \w+ of this kit are the same.*\n", re.MULTILINE)
-
-
-@pytest.mark.parametrize("name", ["server.py", "client.py"])
-def test_what_is_repeated_is_the_same_everywhere(name):
-    """Each function below that comment; a client's `main` has its own options."""
-    known = {}
-    for lesson in lessons():
-        text = (lesson.python / name).read_text(encoding="utf-8")
-        common = COMMON.split(text)
-        assert len(common) == 2, f"{lesson.key}: the comment that begins the common part"
-        for node in ast.parse(common[1]).body:
-            key = getattr(node, "name", "the end")
-            own = (name, key) == ("client.py", "main") or (lesson.number, name, key) in OWN_MAIN
-            if not own:
-                assert ast.get_source_segment(common[1], node) == known.setdefault(
-                    key, ast.get_source_segment(common[1], node)
-                ), f"{lesson.key}: {key}"
-
-
 @pytest.mark.parametrize("lesson", lessons(), ids=lambda lesson: lesson.key)
 def test_a_lesson_is_whole(lesson):
     """The same key in every tree."""
@@ -196,21 +138,67 @@ def test_a_lesson_is_whole(lesson):
     assert (ROOT / "tests" / "lessons" / f"test_{lesson.key}.py").exists()
 
 
-def test_no_two_lessons_have_a_module_or_a_class_of_one_name():
-    """A reader takes home files of several lessons into one folder, and Unity has all classes in one assembly."""
-    modules, classes = {}, {}
+def test_no_two_lessons_have_a_class_of_one_name():
+    """Unity has all of them in one assembly."""
+    classes = {}
     for lesson in lessons():
-        for path in lesson.python.glob("*.py"):
-            # Programs, which nobody imports.
-            if path.name not in ("server.py", "client.py", "train.py"):
-                modules.setdefault(path.stem.lower(), set()).add(lesson.key)
         for path in lesson.unity.glob("*.cs"):
             text = path.read_text(encoding="utf-8")
             for name in re.findall(r"^    (?:[a-z]+ )*(?:class|struct|interface|enum) (\w+)", text, re.MULTILINE):
                 classes.setdefault(name, set()).add(lesson.key)
-    assert len(modules) > 50 and len(classes) > 50
-    assert {name: keys for name, keys in modules.items() if len(keys) > 1} == {}
+    assert len(classes) > 50
     assert {name: keys for name, keys in classes.items() if len(keys) > 1} == {}
+
+
+def imports_of(path):
+    """The modules of the package that a file names in its imports."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            yield from (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+def test_no_module_of_the_package_needs_itself():
+    """No circle of imports, and the package knows of no program: one file less is never one too few."""
+    folder = ROOT / "python"
+    files = {
+        path: ".".join(path.relative_to(folder).with_suffix("").parts) for path in folder.rglob("netmq_example/**/*.py")
+    }
+    needs = {name.removesuffix(".__init__"): set(imports_of(path)) for path, name in files.items()}
+    left = {
+        name: {other for other in others & needs.keys() if not name.startswith(other)} for name, others in needs.items()
+    }
+    while free := [name for name, others in left.items() if not others & left.keys()]:
+        for name in free:
+            del left[name]
+    assert left == {}
+
+
+PROGRAMS = sorted((ROOT / "python").glob("[0-9]*/*.py"))
+PATH_LINE = "sys.path.insert(0, str(Path(__file__).resolve().parents[1]))"
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_a_program_alone_touches_the_path(path):
+    """In one line, before all that may import the package: Gymnasium does."""
+    text = path.read_text(encoding="utf-8")
+    if "__main__" in text:
+        before, line, _ = text.partition(f"\n{PATH_LINE}\n")
+        assert line
+        assert {name.partition(".")[0] for name in re.findall(r"^(?:from|import) ([\w.]+)", before, re.MULTILINE)} <= (
+            sys.stdlib_module_names
+        )
+        assert text.count("sys.path") == 1
+    else:
+        assert "sys.path" not in text
+
+
+def test_no_module_of_the_package_touches_the_path():
+    found = [
+        path for path in (ROOT / "python" / "netmq_example").rglob("*.py") if "sys.path" in path.read_text("utf-8")
+    ]
+    assert found == []
 
 
 def test_the_drawn_tree_is_there():
