@@ -111,7 +111,7 @@ class Program:
                 pass
 
 
-def alone(command: Sequence[str | Path], folder: Path = ROOT) -> int:
+def run_in_terminal(command: Sequence[str | Path], folder: Path = ROOT) -> int:
     """Run one program in this terminal, whose Ctrl-C reaches it as well; returns its exit code."""
     process: subprocess.Popen[bytes] | None = None
     try:

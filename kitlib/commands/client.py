@@ -4,7 +4,7 @@ import argparse
 
 from kitlib.commands.run import add_client, add_folder, client_command, own_options
 from kitlib.lessons import find
-from kitlib.programs import alone
+from kitlib.programs import run_in_terminal
 from kitlib.setup import python_setup
 
 ABOUT = "Runs a lesson's client in this terminal. Other words are its own options: `client 2 --help`."
@@ -26,4 +26,4 @@ def do(options: argparse.Namespace) -> int:
     lesson = find(options.lesson)
     python = python_setup.interpreter(lesson.key)
     command = client_command(options.client, lesson, python, options.engine)
-    return alone([*command, *options.words], lesson.folder(options.folder))
+    return run_in_terminal([*command, *options.words], lesson.folder(options.folder))

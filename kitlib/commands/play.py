@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from kitlib.lessons import KitError, UsageError
-from kitlib.programs import alone
+from kitlib.programs import run_in_terminal
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 
@@ -43,4 +43,4 @@ def do(options: argparse.Namespace) -> int:
     player = dotnet.build(python, engine)
     scripts = dotnet.build(python, engine, dotnet.SUPPORT / "own-scripts", files)
     # What a script keeps in a file, it keeps where its owner is, and not in the kit.
-    return alone(["dotnet", player, scripts, "--unity", *options.words], Path.cwd())
+    return run_in_terminal(["dotnet", player, scripts, "--unity", *options.words], Path.cwd())

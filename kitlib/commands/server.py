@@ -6,7 +6,7 @@ import sys
 
 from kitlib.commands.run import add_folder, behind, own_options, run, server_command
 from kitlib.lessons import find
-from kitlib.programs import alone
+from kitlib.programs import run_in_terminal
 from kitlib.setup import python_setup
 from kitlib.terminal import say
 
@@ -34,7 +34,7 @@ def do(options: argparse.Namespace) -> int:
     command, folder = [*server_command(lesson, python), *options.words], lesson.folder(options.folder)
     if lesson.behind and "--help" not in options.words:
         return run(folder, command, [], [], behind(lesson, python, options.words))
-    return alone(command, folder)
+    return run_in_terminal(command, folder)
 
 
 def address() -> str:

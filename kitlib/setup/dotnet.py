@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 from kitlib import lessons
 from kitlib.lessons import PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
 from kitlib.programs import Result, quietly, step
-from kitlib.setup.lock import alone
+from kitlib.setup.lock import locked
 from kitlib.terminal import say
 from kitlib.unity.meta import PACKAGE
 
@@ -223,7 +223,7 @@ def build(python: Path, engine: Engine, project: Path = CONSOLE, own: Sequence[P
         return dll
     if not writable(BUILD):
         raise KitError(UNWRITABLE)
-    with alone(LOCK):
+    with locked(LOCK):
         # Who held the lock before may have built the same.
         if fresh():
             return dll

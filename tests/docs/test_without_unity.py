@@ -107,7 +107,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, engine, console, serve):
     command = ["dotnet", "build", project, *engine.properties, *words]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
     # The engine's project is the kit's, and another test's build may have one with other properties.
-    with lock.alone(dotnet.LOCK):
+    with lock.locked(dotnet.LOCK):
         done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=environment)
     assert done.returncode == 0, done.stdout
     _, endpoint = serve("01_request_reply")
