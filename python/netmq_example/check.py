@@ -1,4 +1,4 @@
-"""Rules that many classes share for what they are given. ValueError says in one line what is wrong with it.
+"""Rules that many classes share for what they are given. One line says what is wrong with it: ValueError or TypeError.
 
 self.timeout = check.seconds("timeout", timeout)
 self.tries = check.count("tries", tries)
@@ -6,7 +6,9 @@ self.tries = check.count("tries", tries)
 
 import math
 import re
-from typing import Any
+from typing import Any, TypeVar
+
+T = TypeVar("T")
 
 DAY = 86_400
 
@@ -32,6 +34,14 @@ def count(name: str, value: Any, least: int = 1, most: int = 2**31 - 1) -> int:
     raise ValueError(f"{name} takes a whole number from {least} to {most}, not {value!r:.40}")
 
 
+def number(name: str, value: Any, least: float = -math.inf, most: float = math.inf) -> float:
+    """A finite number from `least` to `most`."""
+    if is_number(value) and least <= value <= most:
+        return float(value)
+    within = "" if math.isinf(least) and math.isinf(most) else f" from {least:g} to {most:g}"
+    raise ValueError(f"{name} takes a number{within}, not {value!r:.40}")
+
+
 def is_number(value: Any) -> bool:
     """Also one of numpy's; NaN, infinity and a bool are none."""
     if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
@@ -49,14 +59,38 @@ def text(name: str, value: Any) -> str:
     raise ValueError(f"{name} takes a text that is not empty, not {value!r:.40}")
 
 
-def endpoint(value: Any, example: str, lowest_port: int = 1) -> str:
-    """Where to connect or, with 0 as the lowest port, to bind. libzmq takes port 99999 as 34463, without an error.
-
-    What is not of TCP, such as ipc:// and inproc://, is left to libzmq.
-    """
-    if isinstance(value, str) and re.match(r"(?!tcp:)[a-z]+://.", value):
+def instance(name: str, value: T, *kinds: Any) -> T:
+    """Something of one of these classes; Callable and None's own class may be among them."""
+    if isinstance(value, kinds):
         return value
-    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", value, re.ASCII) if isinstance(value, str) else None
+    words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
+    raise TypeError(f"{name} takes {words}, not {value!r:.40}")
+
+
+def function(name: str, value: T) -> T:
+    """Something that can be called."""
+    if callable(value):
+        return value
+    raise TypeError(f"{name} takes a function, not {value!r:.40}")
+
+
+def data(name: str, value: Any) -> bytes:
+    """Bytes, or a copy of what holds them: a bytearray, an array. bytes(5) would be five zeros."""
+    try:
+        return memoryview(value).tobytes()
+    except TypeError:
+        raise TypeError(f"{name} takes bytes, not {value!r:.40}") from None
+
+
+def endpoint(value: Any, example: str, lowest_port: int = 1) -> str:
+    """Where to connect or, with 0 as the lowest port, to bind: by HTTP where the example is, and otherwise by TCP.
+
+    libzmq takes port 99999 as 34463, without an error. What is not of TCP, as ipc:// and inproc://, is left to libzmq.
+    """
+    scheme = example.partition(":")[0]
+    if scheme == "tcp" and isinstance(value, str) and re.match(r"(?!tcp:)[a-z]+://.", value):
+        return value
+    port = re.fullmatch(scheme + r"://[\w.*-]+:(\*|\d{1,5})", value, re.ASCII) if isinstance(value, str) else None
     if port and lowest_port <= int(port[1].replace("*", "0")) <= 65535:
         return str(value)
     raise ValueError(f"bad endpoint '{value!s:.80}': write it like {example}, port {lowest_port} to 65535")
