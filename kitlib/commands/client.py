@@ -24,6 +24,7 @@ def program_help(lesson: str) -> str:
 
 def do(options: argparse.Namespace) -> int:
     lesson = find(options.lesson)
-    python = python_setup.interpreter(lesson.key)
+    # The C# client needs nothing of Python but its libzmq.
+    python = python_setup.interpreter(*([lesson.key] if options.client == "python" else []))
     command = client_command(options.client, lesson, python, options.engine)
     return run_in_terminal([*command, *options.words], lesson.folder(options.folder))

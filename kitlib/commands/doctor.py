@@ -74,12 +74,9 @@ def package_rows(python: Path) -> Iterator[Row]:
 
 
 def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
-    """What only a part of a lesson needs, such as a webcam: pyproject.toml's extras with more than its name."""
-    for extra in python_setup.all_extras():
-        part = extra.removeprefix(f"{lesson.key}_")
-        if part in (extra, "tests"):
-            continue
-        packages = [python_setup.name(need) for need in python_setup.needs(extra)[len(python_setup.needs()) :]]
+    """What only a part of a lesson needs, such as a webcam."""
+    for part, needs in python_setup.large_extras(lesson).items():
+        packages = [python_setup.name(need) for need in needs]
         missing = python_setup.not_found(python, packages)
         cure = f"no {', '.join(missing)}; `{python} -m pip install {' '.join(missing)}` installs it"
         yield not missing, part, f"optional, for lesson {lesson.number:02}: {cure if missing else 'there'}"

@@ -10,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from kitlib.lessons import PACKAGES, KitError, UsageError
+from kitlib.lessons import PACKAGES, KitError, UsageError, lessons
 from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
@@ -84,9 +84,7 @@ def pack(folder: Path, system: str | None, version: str | None) -> None:
 
 def wheels(folder: Path, system: str, version: str) -> None:
     """The Python packages of all lessons and their tests, by the pip of .venv or of this interpreter."""
-    # The other extras are for those who change the kit: the lab, its style, the scenes.
-    extras = [extra for extra in python_setup.tests_extras() if extra[0].isdigit() or extra.startswith("tests")]
-    needs = python_setup.needs(*extras)
+    needs = python_setup.needs(*(lesson.key for lesson in lessons()), "tests", "tests_more")
     # Pytest needs it on Windows alone, and pip asks on which system it runs itself.
     needs += ["colorama"] if system == "windows" else []
     own = python_setup.venv_python()

@@ -86,16 +86,15 @@ def behind(lesson: Lesson, python: Path, words: list[str]) -> dict[str, list[str
 
 def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) -> list[str]:
     """The words that start a client; without a .NET SDK it is the Python one."""
-    in_python = [str(python), str(lesson.python / "client.py")]
     if kind == "python":
-        return in_python
+        return [str(python), str(lesson.python / "client.py")]
     try:
         if not dotnet.sdk():
             raise dotnet.NoEngine(dotnet.DOWNLOAD)
         choice = dotnet.choose_engine(engine)
     except dotnet.NoEngine as error:
         say(f"{error}; running the Python client instead")
-        return in_python
+        return client_command("python", lesson, python_setup.interpreter(lesson.key), None)
     say(f"engine: {choice.name} ({choice.why})")
     unity = ["--unity"] if kind == "unity" else []
     return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]

@@ -5,7 +5,7 @@ import os
 import re
 from pathlib import Path
 
-from kitlib.lessons import ROOT, Lesson, find
+from kitlib.lessons import ROOT, Lesson, find, lessons
 from kitlib.programs import end, spawn, wait
 from kitlib.setup import python_setup
 from kitlib.signals import later
@@ -28,10 +28,7 @@ FOLDERS = ("tests/lessons", "tests/web")
 def do(options: argparse.Namespace) -> int:
     """Set up what the tests need, then run them."""
     lesson = lesson_of(options.words)
-    optional = tuple(
-        extra for extra in python_setup.tests_extras() if extra != "tests" and (not lesson or serves(extra, lesson))
-    )
-    python = python_setup.interpreter("tests", optional=optional)
+    python = python_setup.interpreter("tests", optional=optional(lesson))
     say(f"testing with {python}")
     words = [
         *side_by_side(python, options.words),
@@ -55,9 +52,11 @@ def lesson_of(words: list[str]) -> Lesson | None:
     return find(words[0])
 
 
-def serves(extra: str, lesson: Lesson) -> bool:
-    """Whether the tests of this lesson alone may use what is in the extra: lessons build upon those before."""
-    return extra == "tests_faster" or "00" < extra[:2] <= lesson.key[:2]
+def optional(lesson: Lesson | None) -> tuple[str, ...]:
+    """What the tests use where it is there: those of one lesson what the lessons up to it need, on which it builds."""
+    if not lesson:
+        return tuple(python_setup.tests_extras())
+    return ("tests_more", *(each.key for each in lessons() if each.number <= lesson.number))
 
 
 def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:

@@ -13,9 +13,12 @@ import re
 import shutil
 import sys
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
-from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from kitlib import imports
+from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, Lesson, keep, recall, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.terminal import say
 
@@ -39,6 +42,8 @@ IMPORTS = {
 SYSTEM = [*(["/usr/bin/python3"] if sys.platform != "darwin" else []), "/usr/local/bin/python3"]
 # What pip says where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
+# What nobody gets unasked: it is large, not there for every system, and a lesson does most of its work without it.
+LARGE = ("body", "ray")
 DEBIAN = {
     "pyzmq": "python3-zmq",
     "pillow": "python3-pil",
@@ -47,24 +52,57 @@ DEBIAN = {
 }
 
 
-def needs(*extras: str) -> list[str]:
-    """The requirements of pyproject.toml: the core and the named extras, if there are such extras."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    found = list(project["dependencies"])
-    for extra in extras:
-        found += project["optional-dependencies"].get(extra, [])
+def project() -> dict[str, Any]:
+    """What pyproject.toml says of the package."""
+    found: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return found
+
+
+def needs(*names: str) -> list[str]:
+    """The requirements of pyproject.toml: the core, and for each name those of that extra or of that lesson."""
+    about = project()
+    found = list(about["dependencies"])
+    for each in names:
+        found += about["optional-dependencies"].get(each) or of_lesson(Lesson(each))
     return list(dict.fromkeys(found))
+
+
+def of_lesson(lesson: Lesson) -> list[str]:
+    """What the programs that `kit.py run` starts import beyond the core, but for what only a part of them uses."""
+    programs = ["server.py", "client.py", *(words[0] for words in lesson.also)]
+    large = [need for needs in large_extras(lesson).values() for need in needs]
+    return [need for need in imported(lesson.python / program for program in programs) if need not in large]
+
+
+def large_extras(lesson: Lesson) -> dict[str, list[str]]:
+    """What a part of the lesson's programs imports of the extras that nobody gets unasked."""
+    wanted = imported(sorted(lesson.python.glob("*.py")))
+    own = {extra: [need for need in needs(extra) if need not in needs(*tests_extras())] for extra in LARGE}
+    return {
+        extra: found for extra, all_of_it in own.items() if (found := [need for need in all_of_it if need in wanted])
+    }
+
+
+def imported(files: Iterable[Path]) -> list[str]:
+    """What pyproject.toml asks of the packages beyond the core that these files need, in the order it has there."""
+    names = imports.packages(files)
+    core = needs()
+    return [need for need in needs(*all_extras()) if need not in core and module(name(need)) in names]
+
+
+def module(package: str) -> str:
+    """`zmq` of `pyzmq`: the name to import."""
+    return IMPORTS.get(package, package.replace("-", "_"))
 
 
 def all_extras() -> list[str]:
     """Every extra that pyproject.toml names."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return list(project["optional-dependencies"])
+    return list(project()["optional-dependencies"])
 
 
 def tests_extras() -> list[str]:
-    """What the whole of the tests can use. What a webcam needs is large, and the tests have none; Ray is large, too."""
-    return [extra for extra in all_extras() if not extra.endswith(("_camera", "_ray"))]
+    """What the whole of the tests can use."""
+    return [extra for extra in all_extras() if extra not in LARGE]
 
 
 def name(requirement: str) -> str:
@@ -91,10 +129,7 @@ print("lacks:", *[each[0] for each in {needs!r} if lacks(*each)] if sys.version_
 
 def lacking(python: Path | str, requirements: list[str]) -> list[str]:
     """The packages that this interpreter lacks, or has in a version that does not fit."""
-    needs = [
-        (name(need), IMPORTS.get(name(need), name(need).replace("-", "_")), re.findall(r"(>=|<)([\d.]+)", need))
-        for need in requirements
-    ]
+    needs = [(name(need), module(name(need)), re.findall(r"(>=|<)([\d.]+)", need)) for need in requirements]
     result = quietly([python, "-c", LACKING.replace("{needs!r}", repr(needs))], limit=60)
     # A package may print something of its own when it is imported.
     said = re.search(r"^lacks:(.*)", result.output, re.MULTILINE)
@@ -108,7 +143,7 @@ def has(python: Path | str, requirements: list[str]) -> bool:
 
 def not_found(python: Path, packages: list[str]) -> list[str]:
     """Those that this interpreter has nothing of. To import some, such as MediaPipe, would take seconds."""
-    modules = {package: IMPORTS.get(package, package.replace("-", "_")) for package in packages}
+    modules = {package: module(package) for package in packages}
     code = "import importlib.util, sys; print(*filter(importlib.util.find_spec, sys.argv[1:]))"
     there = quietly([python, "-c", code, *modules.values()], limit=60).output.split()
     return [package for package in packages if modules[package] not in there]

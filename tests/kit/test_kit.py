@@ -357,8 +357,11 @@ def test_a_lesson_is_tested_without_what_only_the_others_need():
     ignored = {Path(word.partition("=")[2]).name for word in words if word.startswith("--ignore=")}
     assert {"test_05_messages.py", "test_17_ray.py"} < ignored
     assert not [name for name in ignored if name.startswith(("test_08_", "test_contract"))]
-    extras = [extra for extra in python_setup.all_extras() if module.serves(extra, lessons.find("8"))]
-    assert extras == ["tests_faster", "05_messages", "08_see_and_steer", "05_messages_tests"]
+    extras = module.optional(lessons.find("8"))
+    assert extras[0] == "tests_more" and extras[-1] == "08_see_and_steer"
+    assert "pettingzoo" in str(python_setup.needs(*module.optional(lessons.find("10"))))
+    assert "pettingzoo" not in str(python_setup.needs(*extras))
+    assert "ray" not in python_setup.tests_extras()
 
 
 def test_a_word_in_the_name_chooses_from_a_lesson_s_tests():
@@ -563,12 +566,28 @@ def test_where_no_router_is_the_command_that_shows_the_address_is_named(monkeypa
     assert re.fullmatch("its address, which `(hostname -I|ipconfig|ifconfig)` shows", served.address())
 
 
+@pytest.mark.parametrize(("kind", "asked"), [("python", ["09_environment"]), ("csharp", []), ("unity", [])])
+def test_a_client_in_csharp_needs_no_package_of_its_lesson(kind, asked, monkeypatch):
+    command = importlib.import_module("kitlib.commands.client")
+    needed = []
+
+    def interpreter(*names):
+        needed.extend(names)
+        return PYTHON
+
+    monkeypatch.setattr(python_setup, "interpreter", interpreter)
+    monkeypatch.setattr(command, "client_command", lambda *_: [])
+    monkeypatch.setattr(command, "alone", lambda *_: 0)
+    assert command.do(commands.parse(command, ["9", "--client", kind])) == 0
+    assert needed == asked
+
+
 def test_doctor_names_each_thing_once(start):
     program = start(PYTHON, KIT, "doctor")
     assert program.wait(200) == 0, program.output
     named = [re.match(r"(?:ok|--)  (\S+(?: \S+)*) ", line)[1] for line in program.lines if line[:2] in ("ok", "--")]
     assert sorted(named) == sorted(set(named))
-    assert {"Python", "pyzmq", "numpy", "camera", ".NET SDK", "Mono", "ports"} <= set(named)
+    assert {"Python", "pyzmq", "numpy", "body", ".NET SDK", "Mono", "ports"} <= set(named)
     # A lesson's port is named only if it is taken, here perhaps by another test.
     assert [line for line in program.lines if " port 55" in line and line.startswith("ok")] == []
 
@@ -578,11 +597,11 @@ def test_doctor_looks_for_what_a_webcam_needs_and_imports_none_of_it(bare_python
     lesson = lessons.find("20")
     for found, missing in (("mediapipe", "mediapipe, opencv-python"), ("cv2", "opencv-python")):
         cure = f"no {missing}; `{bare_python} -m pip install {missing.replace(',', '')}` installs it"
-        row = (False, "camera", f"optional, for lesson 20: {cure}")
+        row = (False, "body", f"optional, for lesson 20: {cure}")
         assert list(doctor.optional_rows(bare_python, lesson)) == [row]
         (tmp_path / found).mkdir()
         (tmp_path / found / "__init__.py").write_text("raise SystemExit('imported')")
-    assert list(doctor.optional_rows(bare_python, lesson)) == [(True, "camera", "optional, for lesson 20: there")]
+    assert list(doctor.optional_rows(bare_python, lesson)) == [(True, "body", "optional, for lesson 20: there")]
 
 
 def test_a_lesson_is_found_by_number_and_name():
