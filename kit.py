@@ -7,6 +7,7 @@
     python3 kit.py list          the lessons
     python3 kit.py doctor        what is on this machine, and what is missing
     python3 kit.py bench         how fast it is, beside what people would pick instead
+    python3 kit.py copy 1 DIR    lesson 01's Python programs and what they import, for a folder of your own
     python3 kit.py unity PATH    put the scripts and NetMQ's DLLs into your own Unity project
     python3 kit.py play FILE.cs  a script of your own, as Unity would play it
     python3 kit.py pack          bring along what a classroom without internet needs
@@ -32,7 +33,7 @@ if __name__ == "__main__" and signal.getsignal(signal.SIGINT) is signal.default_
 from kitlib import commands
 
 # Each is a module of kitlib/commands.
-COMMANDS = ("run", "server", "client", "test", "list", "doctor", "bench", "unity", "play", "pack")
+COMMANDS = ("run", "server", "client", "test", "list", "doctor", "bench", "copy", "unity", "play", "pack")
 
 if __name__ == "__main__":
     sys.exit(commands.main(__doc__, COMMANDS, sys.argv[1:]))

@@ -40,6 +40,18 @@ def file_of(module: str, importer: Path) -> Path | None:
     return next((file for file in (path / "__init__.py", path.with_suffix(".py")) if file.is_file()), None)
 
 
+def origin(module: str, name: str, importer: Path) -> str:
+    """The module that `from module import name` needs: the class's own, where an `__init__` only lends it."""
+    if file_of(f"{module}.{name}", importer):
+        return f"{module}.{name}"
+    file = file_of(module, importer)
+    if file and file.name == "__init__.py":
+        for path in (file, *sorted(file.parent.glob("*.py"))):
+            if re.search(rf"^(class|def) {name}\b", path.read_text(encoding="utf-8"), re.MULTILINE):
+                return module if path == file else f"{module}.{path.stem}"
+    return module
+
+
 @functools.cache
 def read(path: Path) -> Source:
     source = Source()
@@ -51,9 +63,7 @@ def read(path: Path) -> Source:
             case ast.Import():
                 source.imports += [(function, each.name) for each in node.names]
             case ast.ImportFrom(module=str(module)):
-                for each in node.names:
-                    inner = f"{module}.{each.name}"
-                    source.imports.append((function, inner if file_of(inner, path) else module))
+                source.imports += [(function, origin(module, each.name, path)) for each in node.names]
             case ast.Name():
                 source.names.add(node.id)
             case ast.Attribute():
@@ -70,17 +80,17 @@ def read(path: Path) -> Source:
 def modules(files: Iterable[Path], named: bool = True) -> list[Path]:
     """These files, and all of the kit that they import, directly or through others.
 
-    With `named` also what texts name, such as an environment of Gymnasium's registry. Only those of a package that is
-    imported itself: one that is only on the way to a module of it would otherwise bring all that it registers.
+    With `named` also what texts name, such as an environment of Gymnasium's registry, and what `__getattr__` imports.
+    Only those of a package that is imported itself: one that is on the way to a module of it would bring all it has.
     """
     found = {(path, True): None for path in files}
     todo = list(found)
     for path, itself in todo:
-        source = read(path)
-        wanted = [name for _, name in source.imports]
-        wanted += [
-            text.partition(":")[0] for text in source.texts if text.startswith(f"{PACKAGE}.") and itself and named
-        ]
+        source, whole = read(path), itself and named
+        wanted = [name for function, name in source.imports if whole or function != "__getattr__"]
+        if whole:
+            texts = [text for text in source.texts if re.fullmatch(rf"{PACKAGE}(\.\w+)+(:\w+)?", text)]
+            wanted += [text.partition(":")[0] for text in texts]
         for name in wanted:
             if target := file_of(name, path):
                 on_the_way = [(init, False) for init in inits(target) if init != target]
@@ -99,7 +109,12 @@ def inits(module: Path) -> Iterator[Path]:
 
 def data(files: Iterable[Path]) -> list[Path]:
     """What these read from their own folder, such as a page: a file whose name is one of their texts."""
-    found = [path.with_name(text) for path in files for text in read(path).texts if re.fullmatch(r"[\w.-]+\.\w+", text)]
+    found = [
+        path.with_name(text)
+        for path in files
+        for text in read(path).texts
+        if re.fullmatch(r"[\w-]{1,100}\.\w{1,10}", text)
+    ]
     return sorted({path for path in found if path.is_file() and path.suffix != ".py"})
 
 

@@ -26,7 +26,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "project", type=Path, nargs="?", metavar="PATH", help="the folder that holds Assets and ProjectSettings"
     )
     where.add_argument("--package", type=Path, metavar="FILE", help="write a .unitypackage instead")
-    parser.add_argument("--lesson", help="copy only this lesson's take-home files")
+    parser.add_argument("--lesson", help="copy only what this lesson needs")
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed")
     dlls = parser.add_mutually_exclusive_group()
     dlls.add_argument("--scripts-only", action="store_true", help="leave the DLLs to you")

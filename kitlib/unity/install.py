@@ -18,7 +18,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from kitlib.lessons import ROOT, KitError, find
+from kitlib.lessons import ROOT, KitError, Lesson, find
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
 from kitlib.unity.meta import END, FOLDER, IMPORTERS, PACKAGE, assets, behaviours, guid, meta_of
@@ -109,7 +109,7 @@ PluginImporter:
 def install(
     project: Path, lesson: str | None = None, force: bool = False, scripts_only: bool = False, dlls: Path | None = None
 ) -> None:
-    """Copy the package, or one lesson's take-home files, and the DLLs; a KitError says why not.
+    """Copy the package, or what one lesson needs of it, and the DLLs; a KitError says why not.
 
     The DLLs come from the folder `dlls`, or else from NuGet.
     """
@@ -149,7 +149,7 @@ def install(
 
 def scripts(lesson: str | None) -> dict[str, bytes]:
     """The files to copy, with their .meta: all of the package, or what one lesson needs."""
-    chosen = assets() if lesson is None else take_home(find(lesson).unity)
+    chosen = assets() if lesson is None else of_lesson(find(lesson).unity)
     found: dict[str, bytes] = {}
     for path in chosen:
         name = f"{TARGET}/{path.relative_to(PACKAGE).as_posix()}".removesuffix("/.")
@@ -160,16 +160,11 @@ def scripts(lesson: str | None) -> dict[str, bytes]:
     return found
 
 
-def take_home(folder: Path) -> list[Path]:
+def of_lesson(folder: Path) -> list[Path]:
     """A lesson's scripts, the earlier scripts that they use, and what IL2CPP must know."""
     if not folder.is_dir():
         raise KitError(f"lesson {folder.name} has no Unity scripts")
-    chosen = sorted(folder.glob("*.cs"))
-    others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < folder.name]
-    others += sorted(PACKAGE.glob("Shared/*.cs"))
-    for path in chosen:  # It grows meanwhile: what is used may use others.
-        code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
-        chosen += [other for other in others if other not in chosen and any(uses(code, name) for name in types(other))]
+    chosen = with_used(sorted(folder.glob("*.cs")), folder.name, code)
     # The browser's half of a script, and the assembly of scripts that know nothing of NetMQ.
     chosen += [path for script in chosen if (path := script.with_suffix(".jslib")).exists()]
     folders = sorted({path.parent for path in chosen})
@@ -180,6 +175,34 @@ def take_home(folder: Path) -> list[Path]:
     if not {path.parent for path in chosen if path.suffix == ".cs"} <= inner:
         chosen.append(PACKAGE / "NetMQExample.asmdef")
     return [PACKAGE, *folders, *chosen, PACKAGE / "link.xml"]
+
+
+def without_unity(lesson: Lesson) -> list[Path]:
+    """Those of a lesson's scripts that need .NET alone, and the earlier ones that they and its terminal client use."""
+    scripts = [path for path in sorted(lesson.unity.glob("*.cs")) if plain_code(path).strip()]
+    plain = [path for path in scripts if "UnityEngine" not in plain_code(path)]
+    return [path for path in with_used([lesson.console, *plain], lesson.key, plain_code) if path != lesson.console]
+
+
+def with_used(scripts: list[Path], key: str, read: Callable[[Path], str]) -> list[Path]:
+    """These scripts, and those of Shared and of lessons before this one that they use."""
+    others = [path for path in sorted(PACKAGE.glob("[0-9][0-9]_*/*.cs")) if path.parent.name < key]
+    others += sorted(PACKAGE.glob("Shared/*.cs"))
+    chosen = list(scripts)
+    for path in chosen:  # It grows meanwhile: what is used may use others.
+        text = read(path)
+        chosen += [other for other in others if other not in chosen and any(uses(text, name) for name in types(other))]
+    return chosen
+
+
+def code(script: Path) -> str:
+    """What the compiler sees of a script in Unity."""
+    return re.sub(r"//.*", "", script.read_text(encoding="utf-8"))
+
+
+def plain_code(script: Path) -> str:
+    """What it sees without Unity."""
+    return re.sub(r"#if UNITY_.*?#endif", "", code(script), flags=re.DOTALL)
 
 
 def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
@@ -309,30 +332,36 @@ def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
     # On Windows a file that is read-only cannot be replaced: version control makes them so until they are checked out.
     if locked := [name for name in news if (root / name).exists() and not os.access(root / name, os.W_OK)]:
         raise KitError(f"{locked[0]} is read-only: nothing was copied; check it out first, or clear the attribute")
-    # In the project, and so on the same disk: what can fail fails before the first file is moved to its place. Not by
-    # tempfile, whose folders on Windows are for one account alone, and so would be the files that are moved out of it.
-    stage = root / f".netmqexample-{os.getpid()}"
     try:
-        stage.mkdir()
-        for number, data in enumerate(news.values()):
-            (stage / str(number)).write_bytes(data)
-        for name in news:
-            (root / name).parent.mkdir(parents=True, exist_ok=True)
-        for number, name in enumerate(news):
-            replace(stage / str(number), root / name)
+        place(root, news)
         record |= {name: digest(data) for name, data in news.items()}
         if remove_outdated(root, record, files, dlls) or news:
             (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
     except OSError as error:
         raise KitError(f"could not write into {root}: {error}") from None
-    finally:
-        shutil.rmtree(stage, ignore_errors=True)
     for name in news:
         if not name.endswith(".meta"):
             say(f"wrote {name}")
     same = sum(not name.endswith(".meta") for name in files.keys() - news.keys())
     if same:
         say(f"{same} files were there already")
+
+
+def place(folder: Path, files: dict[str, bytes]) -> None:
+    """Write files by their names in a folder: what can fail fails before the first is moved to its place."""
+    # In that folder, and so on the same disk. Not by tempfile, whose folders on Windows are for one account alone, and
+    # so would be the files that are moved out of it.
+    stage = folder / f".netmqexample-{os.getpid()}"
+    try:
+        stage.mkdir()
+        for number, data in enumerate(files.values()):
+            (stage / str(number)).write_bytes(data)
+        for name in files:
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        for number, name in enumerate(files):
+            replace(stage / str(number), folder / name)
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
 
 
 def remove_outdated(root: Path, record: dict[str, str], files: dict[str, bytes], dlls: bool) -> bool:

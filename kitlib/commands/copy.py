@@ -1,0 +1,117 @@
+"""Copies a lesson's programs, or a module of the package, into a folder of the user's own, with all that they need."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from kitlib import imports, lessons
+from kitlib.lessons import ROOT, KitError, Lesson, UsageError, find
+from kitlib.setup import python_setup
+from kitlib.terminal import say
+from kitlib.unity.install import code, command, digest, place, without_unity
+from kitlib.unity.meta import PACKAGE
+
+ABOUT = (
+    "Copies a lesson's Python programs and just those modules of netmq_example that they import into a folder of yours,"
+    " where they run by themselves."
+)
+EXAMPLES = [
+    "copy 1 ../hello                     server.py and client.py of lesson 01, and what they import",
+    'copy 9 "../My Game/python"          several lessons in one folder share their modules',
+    "copy netmq_example.messages ../x    one module of the package",
+    "copy 1 ../hello --csharp            lesson 01's C# files that need no Unity, for a .NET project",
+]
+CURE = 'a path with a space in it goes between quotation marks: copy 1 "../My Game"'
+# Beside them, as the licence asks.
+LICENCE = "NetMQExample_LICENSE.txt"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", metavar="LESSON", help="its number or its name, or a module of netmq_example")
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where to; it is made if it is not there")
+    parser.add_argument("--csharp", action="store_true", help="its C# files that need no Unity instead")
+    parser.add_argument("--force", action="store_true", help="overwrite files that differ")
+
+
+def do(options: argparse.Namespace) -> int:
+    of_the_package = options.what.split(".")[0] == imports.PACKAGE
+    if options.csharp and of_the_package:
+        raise UsageError(f"--csharp is for a lesson, and {options.what} is Python")
+    if options.csharp:
+        files, steps = csharp(find(options.what))
+    elif of_the_package:
+        files, steps = module(options.what)
+    else:
+        files, steps = programs(find(options.what), options.folder)
+    write(options.folder, files, options.force)
+    for line in steps:
+        say(line)
+    return 0
+
+
+def programs(lesson: Lesson, folder: Path) -> tuple[dict[str, bytes], list[str]]:
+    """All of a lesson's programs, and what to know of them."""
+    found = sorted(lesson.python.glob("*.py"))
+    needs = python_setup.needs(lesson.key)
+    others = [need for need in python_setup.imported(found) if need not in needs]
+    some = f"; for some of it also {names(others)}" if others else ""
+    python = "py" if lessons.WINDOWS else "python3"
+    return sources(found), [
+        f"needs: {names(needs)}{some}",
+        f"next: {command(python, folder / lesson.key / 'server.py')}",
+    ]
+
+
+def module(name: str) -> tuple[dict[str, bytes], list[str]]:
+    """A module of the package, or all of a folder of it."""
+    file = imports.file_of(name, ROOT)
+    if not file:
+        raise UsageError(f"there is no module {name}; {imports.PYTHON / imports.PACKAGE} has them")
+    found = sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else [file]
+    return sources(found), [f"needs: {names([*python_setup.needs(), *python_setup.imported(found)])}"]
+
+
+def csharp(lesson: Lesson) -> tuple[dict[str, bytes], list[str]]:
+    """A lesson's plain C#, by the folders that it has in the Unity package."""
+    found = without_unity(lesson)
+    text = "\n".join(map(code, found))
+    packages = [name for name in ("NetMQ", "Newtonsoft.Json") if re.search(rf"^using {re.escape(name)}\b", text, re.M)]
+    needs = ", ".join(packages) or "nothing but .NET"
+    return {path.relative_to(PACKAGE).as_posix(): path.read_bytes() for path in found}, [
+        f"needs: {needs}; docs/guide/without_unity.md has a project for it"
+    ]
+
+
+def sources(files: Iterable[Path]) -> dict[str, bytes]:
+    """Files of the folder python and what they import, by their names there."""
+    found = imports.modules(files)
+    return {path.relative_to(imports.PYTHON).as_posix(): path.read_bytes() for path in [*found, *imports.data(found)]}
+
+
+def names(needs: Iterable[str]) -> str:
+    return ", ".join(map(python_setup.name, needs))
+
+
+def write(folder: Path, files: dict[str, bytes], force: bool) -> None:
+    """All of them or none; a file that differs stays, unless it is told otherwise."""
+    files = {**files, LICENCE: (ROOT / "LICENSE").read_bytes()}
+    if folder.exists() and not folder.is_dir():
+        raise KitError(f"{folder} is a file: name a folder")
+    there = {name: digest((folder / name).read_bytes()) for name in files if (folder / name).exists()}
+    differ = [name for name, old in there.items() if old != digest(files[name])]
+    if differ and not force:
+        more = f" and {len(differ) - 1} more" if len(differ) > 1 else ""
+        raise KitError(f"{differ[0]}{more} in {folder} differs: nothing was copied; --force overwrites it")
+    news = {name: data for name, data in files.items() if name in differ or name not in there}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        place(folder, news)
+    except OSError as error:
+        raise KitError(f"could not write into {folder}: {error}") from None
+    for name in news:
+        say(f"wrote {folder / name}")
+    if len(files) > len(news):
+        say(f"{len(files) - len(news)} files were there already")
