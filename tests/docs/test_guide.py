@@ -156,6 +156,8 @@ def run_kit(words, serve, start, engine, folder):
     elif words[0] == "unity":
         # It needs a project; test_unity_install.py has some.
         words = [*words, "--help"]
+    elif words[0] == "copy":
+        words[2] = str(folder / words[2].strip("./"))
     program = start(PYTHON, ROOT / "kit.py", *words)
     assert program.wait(240) in (0, 1), program.output
     assert "Traceback" not in program.output
