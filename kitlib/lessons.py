@@ -112,7 +112,7 @@ class Lesson:
 
     @property
     def is_application(self) -> bool:
-        """It teaches nothing new: it shows what people build, with files of the lessons before it."""
+        """It teaches nothing new: it shows what people build with the lessons before it."""
         return self.number >= 20
 
     @property

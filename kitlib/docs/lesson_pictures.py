@@ -116,14 +116,13 @@ def circle(run: dict[str, Heard]) -> str:
 
 # The client as it is, but for a line where a frame pauses.
 WATCHED = """
-import os, runpy, sys, time
+import runpy, sys, time
 sleep = time.sleep
 def pause(seconds):
     if seconds == 1 / 60: print("frame", time.perf_counter(), flush=True)
     sleep(seconds)
 time.sleep = pause
 sys.argv = sys.argv[1:]
-sys.path.insert(0, os.path.dirname(sys.argv[0]))
 runpy.run_path(sys.argv[0], run_name="__main__")
 """
 
