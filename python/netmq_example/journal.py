@@ -1,17 +1,20 @@
-"""Lesson 02, the server's journal: each request is done once, however often it arrives.
+"""A journal of what a server has done: each request is done once, however often it arrives.
 
     journal = Journal("lazy_pirate.sqlite3")             prints: journal lazy_pirate.sqlite3, balance 0
-    reply, source = journal.reply(request_id, text, answer)
+    with journal.watched():
+        reply = journal.find(request_id) or journal.do(request_id, text, answer)
 
-It is a SQLite file: delete it to begin at 0, while no server runs. When it cannot be used, as on a full disk, it prints
-that once, and no work is done until it can be used again.
+It is a SQLite file, which also has the account that this server keeps: delete it to begin at 0, while no server runs.
 """
 
+import contextlib
 import os
 import sqlite3
 import traceback
 from argparse import ArgumentTypeError
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+
+from netmq_example import check
 
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
 SCHEMA = """
@@ -21,23 +24,26 @@ SCHEMA = """
     CREATE TABLE IF NOT EXISTS journal (number INTEGER PRIMARY KEY, id BLOB UNIQUE NOT NULL, reply TEXT NOT NULL);
 """
 # An entry has to outlive the last try of its client, and no longer. So many entries take 11 MB.
-KEEP = 100_000
+KEPT_ENTRIES = 100_000
+LONGEST_ID_BYTES = 100
+# While another program has the file locked, everybody here waits, and so does Ctrl-C: not for long.
+LOCKED_SECONDS = 0.5
 # What does the work of a request: your own.
 Answer = Callable[[sqlite3.Connection, str], str]
 
 
 class Journal:
-    """What was done, by the ids of the requests, and the account that they change."""
+    """What was done, by the ids of the requests, and the account that they change. Use it on one thread."""
 
     def __init__(self, path: str) -> None:
         """May be the type of an option: a journal that cannot be used is wrong usage."""
-        self.path, self.usable = path, True
+        self.path = check.instance("path", path, str)
+        self.usable = True
         try:
             # To SQLite these names mean a journal in memory, which forgets.
             if path in ("", ":memory:"):
                 raise sqlite3.Error("it needs the name of a file")
-            # While another program has it locked, everybody here waits, and so does Ctrl-C: not for long.
-            self.db = sqlite3.connect(path, timeout=0.5)
+            self.db = sqlite3.connect(path, timeout=LOCKED_SECONDS)
             self.db.executescript(SCHEMA)
             self.db.execute("SELECT number, id, reply FROM journal LIMIT 1")
             balance = self.db.execute("SELECT balance FROM account").fetchone()[0]
@@ -46,39 +52,54 @@ class Journal:
         self.opened = self.files()
         print(f"journal {path}, balance {balance}", flush=True)
 
-    def reply(self, request_id: bytes, text: str, answer: Answer) -> tuple[str, str]:
-        """The reply and where it comes from. While the journal cannot be used there is none, and nothing was done."""
+    @contextlib.contextmanager
+    def watched(self) -> Iterator[None]:
+        """Around find() and do(): while the journal cannot be used they end this block, and it prints why, once."""
         try:
-            if self.files() != self.opened:
-                raise sqlite3.Error("it was deleted or replaced; put it back, or start the server again")
-            found = self.once(request_id, text, answer)
+            yield
         except sqlite3.Error as error:
             if self.usable:
                 print(f"cannot use the journal {self.path}: {error}; no replies until it is over", flush=True)
             self.usable = False
-            return "", ""
+
+    def find(self, request_id: bytes) -> str:
+        """The reply to this request, if it was done already, else an empty text."""
+        self.ready(request_id)
+        known = self.db.execute("SELECT reply FROM journal WHERE id = ?", (request_id,)).fetchone()
+        return known[0] if known else ""
+
+    def do(self, request_id: bytes, text: str, answer: Answer) -> str:
+        """Do the work of a request, and write its reply down.
+
+        It is one transaction: wherever the server is killed, the work and its entry are both there, or neither is.
+        """
+        self.ready(request_id)
+        try:
+            with self.db:
+                # An empty reply would look like none.
+                reply = check.text("reply", answer(self.db, text))
+                # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.
+                if reply.startswith("error:"):
+                    return reply
+                self.db.execute("INSERT INTO journal (id, reply) VALUES (?, ?)", (request_id, reply))
+                self.db.execute("DELETE FROM journal WHERE number <= last_insert_rowid() - ?", (KEPT_ENTRIES,))
+        except sqlite3.Error:
+            raise
         except Exception as error:
-            # A mistake in the work is told to both sides, and ends neither; what it changed is taken back.
+            # A mistake in the work is reported to both sides, and ends neither; what it changed is taken back.
             traceback.print_exc()
-            return f"error: {error!r}", ""
+            return f"error: {error!r}"
         if not self.usable:
             print(f"the journal {self.path} can be used again", flush=True)
         self.usable = True
-        return found
+        return reply
 
-    def once(self, request_id: bytes, text: str, answer: Answer) -> tuple[str, str]:
-        if not 0 < len(request_id) <= 100:
-            return "error: expected two frames, an id of 1 to 100 bytes and a request", ""
-        if known := self.db.execute("SELECT reply FROM journal WHERE id = ?", (request_id,)).fetchone():
-            return known[0], ", from the journal"
-        # One transaction: wherever the server is killed, the work and its entry are both there, or neither is.
-        with self.db:
-            reply = answer(self.db, text)
-            # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.
-            if not reply.startswith("error:"):
-                self.db.execute("INSERT INTO journal (id, reply) VALUES (?, ?)", (request_id, reply))
-                self.db.execute("DELETE FROM journal WHERE number <= last_insert_rowid() - ?", (KEEP,))
-        return reply, ""
+    def ready(self, request_id: bytes) -> None:
+        check.instance("request_id", request_id, bytes)
+        if not 0 < len(request_id) <= LONGEST_ID_BYTES:
+            raise ValueError(f"request_id takes 1 to {LONGEST_ID_BYTES} bytes, not {len(request_id)}")
+        if self.files() != self.opened:
+            raise sqlite3.Error("it was deleted or replaced; put it back, or start the server again")
 
     def files(self) -> list[int]:
         """Which files these are, by their numbers: the journal, and what SQLite has not yet moved into it."""

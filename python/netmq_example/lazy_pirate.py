@@ -1,88 +1,126 @@
-"""Lesson 02, the lazy pirate itself: retries until it gets a reply. In C#: LazyPirateRequester.cs.
+"""A client that asks again until it is answered: the lazy pirate of ZeroMQ's guide, https://zguide.zeromq.org.
 
     with zmq.Context() as context, contextlib.closing(LazyPirate(context, "tcp://127.0.0.1:5552")) as pirate:
         print(pirate.request("add 1"))
 
-Bytes: UTF-8 text, two frames each way: [id][text]; every retry of a request carries the same id, by which the server
-knows that it has done it already.
+Bytes: UTF-8 text, two frames each way, [id][text], at most 65,536 bytes each. Every retry of a request carries the same
+id, by which the server knows what it has done already (journal.py). In C# it is LazyPirateRequester.cs.
 """
 
+import threading
 import time
 import uuid
 from collections.abc import Callable
 
 import zmq
 
-# Seconds before a request is sent again after a wrong reply: without them, 5 tries are over in a millisecond.
-PAUSE = 0.25
+from netmq_example import check
+from netmq_example.errors import GaveUp
+from netmq_example.program import LARGEST_BYTES, Context, Socket, limit, printable
+
+# The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
+SLICE_MS = 50
+# Before a request is sent again after a wrong reply: without it, 5 tries are over in a millisecond.
+PAUSE_SECONDS = 0.25
 
 
 class LazyPirate:
-    """Asks at most `tries` times: waits `timeout` seconds for the reply, then twice as long, up to 8 times."""
+    """Asks over one REQ socket at a time. Use it on one thread; only stop() may be called on any."""
 
     def __init__(
         self,
-        context: zmq.Context[zmq.Socket[bytes]],
+        context: Context,
         endpoint: str,
         timeout: float = 0.5,
         tries: int = 5,
         report: Callable[[str], object] = print,
     ) -> None:
-        self.context, self.endpoint, self.timeout, self.tries = context, endpoint, timeout, tries
-        self.report = report
+        """The first try waits `timeout` seconds for its reply, and each one after it twice as long, up to 8 times.
+
+        `report` is called with a line before each retry.
+        """
+        self.context = check.instance("context", context, zmq.Context)
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552")
+        self.timeout = check.seconds("timeout", timeout)
+        self.tries = check.count("tries", tries)
+        self.report = check.instance("report", report, Callable)
         # An id must never come twice, whoever else asks and however often this program starts: hence the uuid.
-        self.name, self.number = uuid.uuid4().hex, 0
-        self.socket = self.connect()
+        self.name = uuid.uuid4().hex
+        self.number = 0
+        self.socket: Socket | None = None
+        self.stopped = threading.Event()
 
     def request(self, text: str) -> str:
-        """The reply to a request. TimeoutError when no try is answered: it may have been done all the same."""
+        """The reply. TimeoutError: no try was answered, but it may be done. GaveUp: it is too long, or was stopped."""
+        encoded = check.instance("text", text, str).encode(errors="replace")
         self.number += 1
-        request = [f"{self.number}-{self.name}".encode(), text.encode(errors="replace")]
-        for attempt in range(1, self.tries + 1):
+        if len(encoded) > LARGEST_BYTES:
+            raise GaveUp(f"a text of more than {LARGEST_BYTES} bytes")
+        request = [f"{self.number}-{self.name}".encode(), encoded]
+        attempt = 1
+        while not self.stopped.is_set():
             # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
-            timeout = self.timeout * min(2 ** (attempt - 1), 8)
+            timeout = self.timeout * 2 ** min(attempt - 1, 3)
             frames = self.exchange(request, timeout)
-            if len(frames) == 2 and frames[0] == request[0]:
+            if is_reply(frames, request):
                 return frames[1].decode(errors="replace")
+            if self.stopped.is_set():
+                break
             trouble = f"no reply within {timeout:g} s"
             if frames:
-                seen = b" ".join(frames)[:200].decode(errors="replace")
-                # A terminal gets no control characters.
-                seen = "".join(c if c.isprintable() else "?" for c in seen)
+                seen = printable(b" ".join(frames).decode(errors="replace"))
                 trouble = f"dropped a reply to another request ({seen})"
-            # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
-            self.close()
-            self.socket = self.connect()
-            if attempt < self.tries:
-                self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
-        raise TimeoutError(
-            f"{self.tries} tries to ask {self.endpoint}, the last: {trouble}; "
-            f"is the right server running, or the line slow? '{text}' may have been done or not"
-        )
+            if attempt == self.tries:
+                raise TimeoutError(
+                    f"{self.tries} tries to ask {self.endpoint}, the last: {trouble}; "
+                    f"is the right server running, or the line slow? '{text}' may have been done or not"
+                )
+            attempt += 1
+            self.report(f"{self.number}: {trouble}; try {attempt} of {self.tries}")
+        raise GaveUp("the client was disposed")
 
     def exchange(self, request: list[bytes], timeout: float) -> list[bytes]:
         """One try: the frames that came back, if any."""
-        end, frames = time.monotonic() + timeout, list[bytes]()
+        end = time.monotonic() + timeout
+        frames: list[bytes] = []
         try:
+            socket = self.connected()
             # Without waiting: after a peer that broke the protocol there may be no connection to send on.
-            self.socket.send_multipart(request, zmq.NOBLOCK)
-            # In slices, because on Windows Ctrl-C does not interrupt a longer wait.
-            while (left := end - time.monotonic()) > 0 and not self.socket.poll(min(200, int(left * 1000) + 1)):
-                pass
-            frames = self.socket.recv_multipart(zmq.NOBLOCK)
+            socket.send_multipart(request, zmq.NOBLOCK)
+            left = timeout
+            while left > 0 and not self.stopped.is_set() and not socket.poll(min(SLICE_MS, int(left * 1000) + 1)):
+                left = end - time.monotonic()
+            frames = socket.recv_multipart(zmq.NOBLOCK)
         except zmq.Again:
             pass
-        if frames[:1] != request[:1] and time.monotonic() < end:
-            time.sleep(PAUSE)
+        finally:
+            # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
+            if not is_reply(frames, request):
+                self.close_socket()
+        if not is_reply(frames, request) and time.monotonic() < end:
+            self.stopped.wait(PAUSE_SECONDS)
         return frames
 
-    def connect(self) -> zmq.Socket[bytes]:
-        socket = self.context.socket(zmq.REQ)
-        # A request that nobody fetched is dropped with its socket; waiting for its delivery could take for ever.
-        # A peer that announces more than the largest message is disconnected before it is in memory.
-        socket.linger, socket.maxmsgsize = 0, 65_536
-        socket.connect(self.endpoint)
-        return socket
+    def connected(self) -> Socket:
+        if not self.socket:
+            self.socket = self.context.socket(zmq.REQ)
+            limit(self.socket)
+            self.socket.connect(self.endpoint)
+        return self.socket
+
+    def close_socket(self) -> None:
+        if self.socket:
+            self.socket.close()
+        self.socket = None
+
+    def stop(self) -> None:
+        """End the request under way, and every later one, by GaveUp."""
+        self.stopped.set()
 
     def close(self) -> None:
-        self.socket.close()
+        self.stop()
+        self.close_socket()
+
+
+def is_reply(frames: list[bytes], request: list[bytes]) -> bool:
+    return len(frames) == 2 and frames[0] == request[0]

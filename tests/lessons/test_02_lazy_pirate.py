@@ -21,6 +21,9 @@ try:
 except ImportError:
     resource = None  # Windows has none.
 
+from netmq_example.errors import GaveUp
+from netmq_example.journal import Journal
+from netmq_example.lazy_pirate import LazyPirate
 from tests.bad_peers import ProtocolBreaker, SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
@@ -263,7 +266,7 @@ def test_an_id_is_answered_from_the_journal_whoever_asks_and_whenever(pirate_ser
 
 
 def test_the_journal_does_not_grow_for_ever(start, journal, context):
-    short = "import journal, server; journal.KEEP = 10; server.main()"
+    short = "import server; from netmq_example import journal; journal.KEPT_ENTRIES = 10; server.main()"
     words = ["--endpoint", "tcp://127.0.0.1:*", "--journal", journal]
     server = start(PYTHON, "-c", short, *words, PYTHONPATH=str(SERVER.parent))
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
@@ -425,6 +428,52 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(start, journal, cont
     assert ask(context, endpoint, b"bad", b"add 7") == [b"bad", b"error: KeyError('no such\\nkey')"]
     server.wait_for("^Traceback")
     assert ask(context, endpoint, b"good", b"add 1") == [b"good", b"1"]
+
+
+WRONG = {
+    "context": [None, 0],
+    "endpoint": [None, 0, "", "127.0.0.1:5552", "tcp://127.0.0.1:0"],
+    "timeout": [None, 0, -1, float("nan"), float("inf"), "1"],
+    "tries": [None, 0, -1, float("nan"), 1.5, ""],
+    "report": [None, 0],
+}
+
+
+@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
+def test_what_a_lazy_pirate_cannot_use_is_named(name, values, context):
+    for value in values:
+        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
+            LazyPirate(**{"context": context, "endpoint": "tcp://127.0.0.1:5552", name: value})
+
+
+def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
+    with contextlib.closing(LazyPirate(context, steady_endpoint(), timeout=60)) as pirate:
+        for text in (None, 0, b"add 1"):
+            with pytest.raises(TypeError, match=r"^text takes a str, not "):
+                pirate.request(text)
+        with pytest.raises(GaveUp, match=r"^a text of more than 65536 bytes$"):
+            pirate.request("x" * 65_537)
+    with pytest.raises(GaveUp, match=r"^the client was disposed$"):
+        pirate.request("add 1")
+
+
+def test_a_journal_refuses_what_it_could_not_keep(journal):
+    for path in (None, 0, 5):
+        with pytest.raises(TypeError, match=r"^path takes a str"):
+            Journal(path)
+    book = Journal(str(journal))
+    for request_id in (None, "1", b"", b"i" * 101):
+        for use in (book.find, lambda request_id: book.do(request_id, "", lambda db, text: "1")):
+            with pytest.raises((ValueError, TypeError), match=r"^request_id takes "):
+                use(request_id)
+    # A mistake in the work: nobody would be answered, the first time and ever after.
+    for reply in (None, 5, ""):
+        assert book.do(b"1", "", lambda db, text, reply=reply: reply).startswith("error: ValueError(")
+    assert book.find(b"1") == ""
+    assert book.do(b"1", "", lambda db, text: "1") == book.find(b"1") == "1"
+    with pytest.raises(sqlite3.IntegrityError):
+        book.do(b"1", "", lambda db, text: "2")
+    book.db.close()
 
 
 class Storm:
