@@ -1,53 +1,71 @@
-"""Lesson 03, the listener to copy in Python: the C# version is TopicListener.cs. client.py is its command line.
+"""A listener to whatever is published under a topic: each message, or only the newest.
 
-Bytes: UTF-8 text, one frame, which begins with its topic.
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
+        listener = TopicListener(socket, "tcp://127.0.0.1:5553", "pose/")
+        print(listener.receive(timeout=5))
+
+Bytes: UTF-8 text, one frame, which begins with its topic. In C# it is TopicListener.cs.
 """
 
-import contextlib
 import time
 
 import zmq
+
+from netmq_example import check
+from netmq_example.program import SLICE_MS, Socket, limit
+
+# A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection if it does not answer.
+HEARTBEAT_MS = 5000
+# The first connection is made anew after so long without a message; on a far line it takes its time.
+RENEW_SECONDS = 2.0
+# So many messages newest() takes at most: a publisher may send faster than its loop takes.
+MOST_MESSAGES = 10_000
 
 
 class TopicListener:
     """Every message that begins with a topic. What was sent before the publisher knew of this listener is lost."""
 
-    def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
-        """The socket is a new SUB socket, which the caller closes."""
-        self.socket, self.endpoint, self.topic, self.heard = socket, endpoint, topic, False
-        # A peer that announces more than the largest message is disconnected before it is in memory.
-        # It waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
-        socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 65_536, 200
-        # A laptop that sleeps tells nobody: a silent publisher is asked every 5 s, and one that does not answer in 5
-        # more gets a new connection.
-        socket.heartbeat_ivl = 5000
+    def __init__(self, socket: Socket, endpoint: str, topic: str) -> None:
+        """The socket is a new SUB socket, which the caller closes; an empty topic means every message."""
+        self.socket = check.instance("socket", socket, zmq.Socket)
+        if socket.type != zmq.SUB:
+            raise ValueError("socket takes a SUB socket")
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553")
+        self.topic = check.instance("topic", topic, str)
+        self.heard = False
+        limit(socket)
+        socket.rcvtimeo = SLICE_MS
+        socket.heartbeat_ivl = HEARTBEAT_MS
         socket.subscribe(topic.encode(errors="replace"))
         socket.connect(endpoint)
 
     def receive(self, timeout: float) -> str:
-        """Wait for the next message; TimeoutError if none comes."""
+        """Wait so many seconds for the next message; TimeoutError if none comes."""
+        timeout = check.seconds_or_none("timeout", timeout)
         start = time.monotonic()
-        renew = 2.0
+        renew = RENEW_SECONDS
         while True:
-            with contextlib.suppress(zmq.Again):
+            try:
                 frames = self.socket.recv_multipart()
                 self.heard = True
                 return frames[0].decode(errors="replace")
-            waited = time.monotonic() - start
+            except zmq.Again:
+                waited = time.monotonic() - start
             if waited >= timeout:
                 why = f"is the server running, with topic '{self.topic}'?"
                 raise TimeoutError(f"nothing from {self.endpoint} within {timeout:g} s; {why}")
             if not self.heard and waited >= renew:
-                # Where another program had the port before, libzmq connects no more. On a far line it takes its time.
+                # Where another program had the port before, libzmq connects no more.
                 self.socket.disconnect(self.endpoint)
                 self.socket.connect(self.endpoint)
                 renew *= 3
 
     def newest(self, timeout: float) -> str:
-        """Wait for a message, then take all that wait behind it: only the last one counts."""
+        """Wait for a message, then take all that are queued behind it: only the last one counts."""
         message = self.receive(timeout)
-        with contextlib.suppress(zmq.Again):
-            # The limit is for a publisher that sends faster than this loop takes.
-            for _ in range(10_000):
+        try:
+            for _ in range(MOST_MESSAGES):
                 message = self.socket.recv_multipart(zmq.NOBLOCK)[0].decode(errors="replace")
+        except zmq.Again:
+            pass
         return message

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import zmq
 
+from netmq_example.topic_listener import TopicListener
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
 from tests.programs import LIMIT, steady_endpoint
@@ -165,6 +166,32 @@ def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):
         client.wait_for(f"^received {re.escape(message)}$")
     assert client.wait() == 0, client.output
     assert client.lines[-1] == "done: received 7"
+
+
+WRONG = {
+    "socket": [None, 0],
+    "endpoint": [None, 0, "", "127.0.0.1:5553", "tcp://127.0.0.1:0"],
+    "topic": [None, 0, b"pose/"],
+}
+
+
+@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
+def test_what_a_listener_cannot_use_is_named(name, values):
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
+        for value in values:
+            with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
+                TopicListener(**{"socket": socket, "endpoint": "tcp://127.0.0.1:5553", "topic": "pose/", name: value})
+
+
+def test_what_a_listener_cannot_wait_for_is_named():
+    with zmq.Context() as context, context.socket(zmq.REQ) as req, context.socket(zmq.SUB) as sub:
+        with pytest.raises(ValueError, match=r"^socket takes a SUB socket$"):
+            TopicListener(req, "tcp://127.0.0.1:5553", "pose/")
+        listener = TopicListener(sub, steady_endpoint(), "pose/")
+        for receive in (listener.receive, listener.newest):
+            for timeout in (None, -1, float("nan"), float("inf"), "", "1"):
+                with pytest.raises(ValueError, match=r"^timeout takes seconds, "):
+                    receive(timeout)
 
 
 # The server by itself
