@@ -14,6 +14,7 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
+from netmq_example.background_client import BackgroundClient
 from tests.bad_peers import SlowLine, web_server
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
@@ -298,7 +299,6 @@ def test_a_far_server_answers(kind, serve, start, client_command):
     assert replies(client) == received(range(1, 4))
 
 
-# Runs inside the lesson's folder, where `from background_client import BackgroundClient` finds the class to copy.
 IN_PYTHON = """
 import sys
 from netmq_example.background_client import BackgroundClient
@@ -341,12 +341,49 @@ client = BackgroundClient(sys.argv[1], timeout=20)
 )
 def test_each_request_to_the_python_client_ends_once(code, printed, start):
     with stranger(silent) as endpoint:
-        folder = str(ROOT / "python" / KEY)
+        folder = str(ROOT / "python")
         program = start(
             PYTHON, "-c", f"{IN_PYTHON}{code}\nprint(len(ends))\nprint(ends[-1])", endpoint, PYTHONPATH=folder
         )
         assert program.wait() == 0, program.output
         assert program.lines == printed
+
+
+WRONG = {
+    "endpoint": [None, 0, "", "127.0.0.1:5554", "tcp://127.0.0.1:0"],
+    "timeout": [None, 0, -1, float("nan"), float("inf"), "1"],
+    "tries": [None, 0, -1, float("nan"), 1.5, ""],
+    "capacity": [None, 0, -1, float("nan"), 1.5, ""],
+}
+
+
+@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
+def test_what_the_python_client_cannot_use_is_named(name, values):
+    for value in values:
+        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
+            BackgroundClient(**{"endpoint": "tcp://127.0.0.1:5554", name: value})
+
+
+def test_a_wrong_request_to_the_python_client_takes_no_place():
+    """It is named where it is made, and not a frame later."""
+    with contextlib.closing(BackgroundClient("tcp://127.0.0.1:5554", capacity=1)) as client:
+        for number, name in enumerate(("text", "reply", "error")):
+            for value in (None, 0, b"hello"):
+                words = ["hello", print, print]
+                words[number] = value
+                with pytest.raises(TypeError, match=f"^{name} takes a "):
+                    client.request(*words)
+        assert client.under_way == 0
+
+
+def test_an_endpoint_that_libzmq_cannot_use_is_the_error_of_a_request():
+    errors = []
+    with contextlib.closing(BackgroundClient("nonsense://x")) as client:
+        for number in (1, 2):
+            client.request("hello", errors.append, errors.append)
+            while len(errors) < number:
+                client.poll()
+    assert [zmq.strerror(zmq.EPROTONOSUPPORT) in error for error in errors] == [True, True]
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
