@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import signal
 import socket
 import sys
@@ -13,6 +12,8 @@ import time
 import pytest
 import zmq
 
+from netmq_example.many_requester import ManyRequester
+from netmq_example.worker_threads import WorkerThreads
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.many_in_flight.peers import KEY, a_client_that_never_reads, ask, connect, memory, receive
 from tests.programs import ROOT, steady_endpoint
@@ -256,6 +257,52 @@ def test_a_reply_that_is_too_large_ends_its_connection_only(kind, rig):
     assert sent(client) == ["1: sent echo a, received a"]
 
 
+WRONG: dict[str, list[object]] = {
+    "context": [None, 0],
+    "endpoint": [None, 0, "", "127.0.0.1:5556", "tcp://127.0.0.1:0"],
+    "window": [None, 0, -1, float("nan"), 1.5, ""],
+    "timeout": [None, 0, -1, float("nan"), float("inf"), "1"],
+    "tries": [None, 0, -1, float("nan"), 1.5, ""],
+    "report": [None, 0],
+}
+
+
+@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
+def test_what_a_requester_cannot_use_is_named(name, values, context):
+    for value in values:
+        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
+            ManyRequester(**{"context": context, "endpoint": "tcp://127.0.0.1:5556", name: value})
+
+
+def test_requests_that_are_no_texts_are_named(context):
+    with contextlib.closing(ManyRequester(context, steady_endpoint())) as requester:
+        # A text alone would be a request for each of its letters.
+        for texts in (None, 5, "echo one", [None], [b"echo one"]):
+            with pytest.raises(TypeError, match=r"^texts takes a "):
+                next(requester.request_many(texts))
+        # Nothing is sent of these, and nothing waited for.
+        outcomes = list(requester.request_many(["x" * 65_537] * 100))
+    assert [number for number, _, _ in outcomes] == list(range(1, 101))
+    assert {failure for _, _, failure in outcomes} == {"not sent: 65537 bytes, and the limit is 65536"}
+
+
+def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing():
+    with zmq.Context() as context, pytest.raises(zmq.ZMQError):
+        ManyRequester(context, "nonsense://x")
+
+
+def test_worker_threads_name_what_they_cannot_use():
+    for number in (None, 0, -1, float("nan"), 1.5, "", 100_000):
+        with pytest.raises(ValueError, match=r"^number takes a whole number from 1 to 256, not "):
+            WorkerThreads(number, str)
+    for answer in (None, 0):
+        with pytest.raises(TypeError, match=r"^answer takes a Callable, not "):
+            WorkerThreads(1, answer)
+    for request in (None, "text"):
+        with pytest.raises(TypeError, match=r"^request takes a bytes, not "):
+            WorkerThreads(1, str).begin("key", request)
+
+
 # The server
 
 
@@ -270,10 +317,10 @@ def test_a_retry_of_what_is_not_answered_yet_is_not_done_twice(serve, connect):
 
 
 def test_a_mistake_in_a_readers_own_answer_costs_no_worker(start, connect, tmp_path):
-    shutil.copy(ROOT / "python" / KEY / "server.py", tmp_path)
     own = "import server\ndef answer(text):\n    return text[7]\nserver.answer = answer\nserver.main()\n"
     (tmp_path / "own.py").write_text(own, encoding="utf-8")
-    server = start(PYTHON, tmp_path / "own.py", "--endpoint", "tcp://127.0.0.1:*", "--workers", "1")
+    command = [PYTHON, tmp_path / "own.py", "--endpoint", "tcp://127.0.0.1:*", "--workers", "1"]
+    server = start(*command, PYTHONPATH=str(ROOT / "python" / KEY))
     client = connect(server.wait_for(r"^listening on (\S+)")[1])
     for _ in range(3):
         request_id, text = ask(client, b"1", b"short")
