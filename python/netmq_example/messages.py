@@ -1,24 +1,34 @@
 """The message standard of this kit: a JSON header, then one frame of raw bytes for each array.
 
+    request = Message("frame", 7, {"bottom_up": True}, [Array("uint8", picture.shape, picture)])
+    socket.send_multipart(request.frames())
+    reply = read_reply(socket.recv_multipart(copy=False))       reply.values, reply.arrays[0].numpy()
+
     frame 1     {"kind":"frame","version":1,"id":7,"values":{"bottom_up":true},
                  "arrays":[{"dtype":"uint8","shape":[240,320,3]}]}           JSON, UTF-8, at most 64 KB
     frame 2...  the arrays' items, row after row, little-endian; all arrays together at most 64 MB
 
 `values` are texts, numbers, true and false by name. A reply has the request's id, and its kind is `ok`, or `error` with
-the values `code`, for programs, and `text`, for people. Fields that this version does not know are ignored.
-The C# side is Message.cs. It needs only Python; `Array.numpy` needs numpy.
+the values `code`, for programs, and `text`, for people. Fields that this version does not know are ignored. What does
+not keep to this is a MessageError. The C# side is Message.cs. It needs only Python; `Array.numpy` needs numpy.
 """
 
 import json
 import math
+import traceback
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-VERSION, HEADER_LIMIT, LIMIT = 1, 64 * 1024, 64 * 1024 * 1024
+VERSION = 1
+# In bytes: the header, and all arrays together.
+HEADER_LIMIT = 64 * 1024
+LIMIT = 64 * 1024 * 1024
 # Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only floats.
 EXACT = 2**53
 # The names are numpy's, and their items' sizes in bytes.
 DTYPES = {"uint8": 1, "uint16": 2, "int32": 4, "int64": 8, "float32": 4, "float64": 8}
+PLAIN = (str, int, float)
 
 
 def refuse_constant(name: str) -> None:
@@ -38,6 +48,10 @@ class MessageError(Exception):
         super().__init__(f"{code}: {text}")
         self.code, self.text, self.id = code, text, id
 
+    def reply(self, id: int = 0) -> "Message":
+        """The reply that says so, to the request of this id."""
+        return Message("error", self.id or id, {"code": self.code, "text": self.text})
+
 
 @dataclass(slots=True)
 class Array:
@@ -48,9 +62,15 @@ class Array:
     data: Any
 
     def __post_init__(self) -> None:
-        if self.dtype not in DTYPES:
+        if not isinstance(self.dtype, str) or self.dtype not in DTYPES:
             raise MessageError("bad-dtype", f"dtype {self.dtype!a:.40} is none of {', '.join(DTYPES)}")
-        size, view = math.prod(self.shape) * DTYPES[self.dtype], memoryview(self.data)
+        if not is_shape(self.shape):
+            raise MessageError("bad-shape", f"a shape is whole numbers from 0, not {self.shape!a:.40}")
+        try:
+            view = memoryview(self.data)
+        except TypeError:
+            raise MessageError("wrong-type", f"an array's data is bytes, not {self.data!a:.40}") from None
+        size = math.prod(self.shape) * DTYPES[self.dtype]
         if size != view.nbytes or not view.c_contiguous:
             raise MessageError("bad-shape", f"{self.dtype} {self.shape} is {size} contiguous bytes, not {view.nbytes}")
 
@@ -63,25 +83,53 @@ class Array:
         return np.frombuffer(self.data, np.dtype(self.dtype).newbyteorder("<")).reshape(self.shape)
 
 
+def is_shape(shape: Any) -> bool:
+    # By their types: to Python, True is a whole number.
+    return isinstance(shape, (tuple, list)) and {*map(type, shape)} <= {int} and min(shape, default=0) >= 0
+
+
 @dataclass(slots=True)
 class Message:
+    """A request or a reply. What the standard lacks, such as a list among the values, `frames` does not write."""
+
     kind: str
     id: int = 0
     values: dict[str, Any] = field(default_factory=dict)
     arrays: list[Array] = field(default_factory=list)
 
     def frames(self) -> list[Any]:
+        """What is sent: the header, and the bytes of each array, which are not copied."""
         arrays = [{"dtype": array.dtype, "shape": array.shape} for array in self.arrays]
         header = {"kind": self.kind, "version": VERSION, "id": self.id, "values": self.values, "arrays": arrays}
-        return [ENCODER.encode(header).encode(), *(array.data for array in self.arrays)]
+        text = ENCODER.encode(header)
+        self.check()
+        return [text.encode(), *(array.data for array in self.arrays)]
+
+    def check(self) -> None:
+        """MessageError if a reader would refuse it."""
+        if not isinstance(self.kind, str) or type(self.id) is not int or not isinstance(self.values, dict):
+            what = "a text as its kind, a whole number as its id, and a dict of values"
+            raise MessageError("wrong-type", f"a message has {what}, not {self.kind!a:.20}, {self.id!a:.20}")
+        if not 0 <= self.id < EXACT:
+            raise MessageError("bad-value", "'id' must be 0 to 2**53 - 1")
+        for name, value in self.values.items():
+            if type(name) is not str or not isinstance(value, PLAIN):
+                raise MessageError("wrong-type", f"value {name!a:.40} must be text, a number, true or false")
+            if isinstance(value, str):
+                continue
+            if not abs(value) < (math.inf if isinstance(value, float) else EXACT):
+                raise MessageError("bad-value", f"value {name!a:.40} is too large to be exact")
 
 
 def read(frames: list[Any]) -> Message:
     """The message in the frames that were received, whose payloads are not copied; MessageError says what is wrong."""
+    if not frames:
+        raise MessageError("bad-frames", "a message has at least one frame, its header")
     if len(frames[0]) > HEADER_LIMIT or sum(map(len, frames[1:])) > LIMIT:
         raise MessageError("too-big", f"a header has at most {HEADER_LIMIT} bytes, all arrays together {LIMIT}")
     try:
-        header = DECODER.decode(text := bytes(frames[0]).decode())
+        text = bytes(frames[0]).decode()
+        header = DECODER.decode(text)
         if "\\u" in text:
             # Half a character, such as \ud800 alone, is none that could be printed, and another one in C#.
             json.dumps(header, ensure_ascii=False).encode()
@@ -90,37 +138,33 @@ def read(frames: list[Any]) -> Message:
     try:
         return read_fields(header, frames[1:])
     except MessageError as error:
-        if type(header) is dict and type(id := header.get("id")) is int and 0 <= id < EXACT:
+        id = header.get("id") if type(header) is dict else None
+        if type(id) is int and 0 <= id < EXACT:
             error.id = id
         raise
 
 
 def read_fields(header: Any, payloads: list[Any]) -> Message:
     # The version comes first: another one may have other fields.
-    if (version := take(header, "version", int)) != VERSION:
+    version = take(header, "version", int)
+    if version != VERSION:
         raise MessageError("bad-version", f"version {version!s:.9}, here {VERSION}: are both sides of one release?")
     message = Message(take(header, "kind", str), take(header, "id", int), take(header, "values", dict))
-    if not 0 <= message.id < EXACT:
-        raise MessageError("bad-value", "'id' must be 0 to 2**53 - 1")
-    for name, value in message.values.items():
-        if type(value) not in (str, int, float, bool):
-            raise MessageError("wrong-type", f"value {name!a:.40} must be text, a number, true or false")
-        if not isinstance(value, str) and not abs(value) < (math.inf if type(value) is float else EXACT):
-            raise MessageError("bad-value", f"value {name!a:.40} is too large to be exact")
+    message.check()
     arrays = take(header, "arrays", list)
     if len(arrays) != len(payloads):
         raise MessageError("bad-frames", f"the header lists {len(arrays)} arrays, but {len(payloads)} frames follow it")
     for array, payload in zip(arrays, payloads, strict=True):
         dtype, shape = take(array, "dtype", str), take(array, "shape", list)
-        whole = {*map(type, shape)} <= {int} and min(shape, default=0) >= 0
         # Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
-        if len(shape) > 8 or not whole or math.prod(filter(None, shape)) > LIMIT:
+        if len(shape) > 8 or not is_shape(shape) or math.prod(filter(None, shape)) > LIMIT:
             raise MessageError("bad-shape", f"a shape is at most 8 whole numbers, of at most {LIMIT} items")
         message.arrays.append(Array(dtype, tuple(shape), payload))
     return message
 
 
 def take(where: Any, name: str, kind: type) -> Any:
+    """The field of this name and type; MessageError says what is wrong with it."""
     if type(where) is not dict:
         raise MessageError("wrong-type", f"expected an object with '{name}'")
     if name not in where:
@@ -129,3 +173,32 @@ def take(where: Any, name: str, kind: type) -> Any:
     if type(where[name]) is not kind:
         raise MessageError("wrong-type", f"'{name}' must be {kind.__name__}")
     return where[name]
+
+
+def read_reply(frames: list[Any]) -> Message:
+    """The message in the frames of a reply. One of kind `error` is the MessageError that it tells of."""
+    reply = read(frames)
+    if reply.kind == "error":
+        raise MessageError(str(reply.values.get("code", "not said")), str(reply.values.get("text", "not said")))
+    return reply
+
+
+def reply_to(
+    answer: Callable[[Message], Message], frames: list[Any], mistake: str = "error-in-answer"
+) -> tuple[Message, Message, list[Any]]:
+    """A request, what `answer` makes of it, and the frames of that. MessageError becomes a reply of kind `error`.
+
+    So does any other mistake in `answer`, with the code `mistake`, and its traceback is printed: it ends no server.
+    """
+    request = Message("")
+    try:
+        request = read(frames)
+        reply = answer(request)
+        # What cannot be written is found out here, before a part of it is on its way.
+        return request, reply, reply.frames()
+    except MessageError as error:
+        reply = error.reply(request.id)
+    except Exception as error:
+        traceback.print_exc()
+        reply = MessageError(mistake, repr(error)).reply(request.id)
+    return request, reply, reply.frames()

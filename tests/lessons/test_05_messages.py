@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import math
 import os
@@ -10,11 +9,12 @@ import re
 import shutil
 import struct
 import subprocess
-import sys
 
 import pytest
 import zmq
 
+from netmq_example import messages
+from netmq_example.messages import Array, Message, MessageError
 from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
@@ -27,9 +27,6 @@ GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 ITEMS = {"uint8": "B", "uint16": "H", "int32": "i", "int64": "q", "float32": "f", "float64": "d"}
 NUMPY = {"reason": "lesson 05's server needs numpy: pip install numpy"}
 
-sys.path.insert(0, str(FOLDER))
-messages = importlib.import_module("messages")
-Array, Message, MessageError = messages.Array, messages.Message, messages.MessageError
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 
 
@@ -203,6 +200,36 @@ def test_arrays_are_not_copied(context):
     assert found.shape == (240, 320, 3)
     assert np.shares_memory(found, np.frombuffer(received[1].buffer, np.uint8))
     assert np.shares_memory(found[::-1], found)
+
+
+WRONG = {
+    "no dtype": lambda: Array(None, (1,), b"x"),
+    "a list as dtype": lambda: Array([], (1,), b"x"),
+    "no shape": lambda: Array("uint8", None, b""),
+    "a shape of -1 twice": lambda: Array("uint8", (-1, -1), b"x"),
+    "a shape of 1.0": lambda: Array("uint8", (1.0,), b"x"),
+    "a shape of true": lambda: Array("uint8", (True,), b"x"),
+    "no data": lambda: Array("uint8", (1,), None),
+    "text as data": lambda: Array("uint8", (1,), "x"),
+    "no kind": lambda: Message(None).frames(),
+    "the id -1": lambda: Message("ok", -1).frames(),
+    "the id 1.0": lambda: Message("ok", 1.0).frames(),
+    "the id 2**53": lambda: Message("ok", 2**53).frames(),
+    "no values": lambda: Message("ok", 1, None).frames(),
+    "a list among the values": lambda: Message("ok", 1, {"it": []}).frames(),
+    "nothing among the values": lambda: Message("ok", 1, {"it": None}).frames(),
+    "a value without a text as its name": lambda: Message("ok", 1, {1: "it"}).frames(),
+    "a value of 2**53": lambda: Message("ok", 1, {"it": -(2**53)}).frames(),
+    "no frame": lambda: messages.read([]),
+    "no frames": lambda: messages.read(None),
+}
+
+
+@pytest.mark.parametrize("make", WRONG.values(), ids=WRONG)
+def test_what_a_reader_would_refuse_is_not_even_written(make):
+    with pytest.raises(MessageError) as refusal:
+        make()
+    assert "\n" not in str(refusal.value) and len(str(refusal.value)) < 300
 
 
 # The clients, and servers that are not the kit's.
@@ -397,12 +424,14 @@ MISTAKES = {
 
 
 def test_a_mistake_in_ones_own_answer_is_a_reply_and_a_traceback(start, context, tmp_path):
-    shutil.copy(FOLDER / "messages.py", tmp_path)
+    shutil.copytree(ROOT / "python" / "netmq_example", tmp_path / "netmq_example")
     text = (FOLDER / "server.py").read_text(encoding="utf-8")
     own = "".join(f"    if request.kind == {body!r}:\n        {body}\n" for body in MISTAKES)
     text = text.replace("    match request.kind", own + "    match request.kind", 1)
-    (tmp_path / "server.py").write_text(text, encoding="utf-8")
-    server = start(PYTHON, tmp_path / "server.py", "--endpoint", "tcp://127.0.0.1:*")
+    mine = tmp_path / KEY / "server.py"
+    mine.parent.mkdir()
+    mine.write_text(text, encoding="utf-8")
+    server = start(PYTHON, mine, "--endpoint", "tcp://127.0.0.1:*")
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     for number, (body, says) in enumerate(MISTAKES.items(), 1):
         before = len(server.lines)

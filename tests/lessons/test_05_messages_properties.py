@@ -8,7 +8,9 @@ import re
 
 import pytest
 
-from tests.lessons.test_05_messages import KEY, Array, Message, MessageError, asked, csharp, messages, same, serves_on
+from netmq_example import messages
+from netmq_example.messages import Array, Message, MessageError
+from tests.lessons.test_05_messages import KEY, asked, csharp, same, serves_on
 
 try:
     from hypothesis import HealthCheck, given, settings
