@@ -68,7 +68,7 @@ def listening(
     """A bound socket of this kind, such as zmq.REP, and the ready line.
 
     `prepare` gets the context and the socket before it listens, as a lesson with keys needs it. A second socket has its
-    own `endpoint`, and another `word` in its line.
+    own `endpoint`, and another `word` in its line; without a word there is no line.
     """
     endpoint = endpoint or options.endpoint
     if not (LOOPBACK.match(endpoint) or options.open_to_anyone or getattr(options, "keys", None)):
@@ -84,7 +84,8 @@ def listening(
         except zmq.ZMQError as error:
             cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
             sys.exit(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}")
-        print(f"{word} on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+        if word:
+            print(f"{word} on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         yield socket
 
 
