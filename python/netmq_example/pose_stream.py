@@ -1,11 +1,16 @@
-"""Lesson 07, the subscriber to copy in Python: the C# version is PoseSubscriber.cs. client.py is its command line.
+"""A snapshot, then the stream: a subscriber that joins late or loses a message gets back to the publisher's state.
 
-One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
-Bytes: as in server.py.
+    with zmq.Context() as context, context.socket(zmq.SUB) as stream:
+        subscriber = PoseSubscriber(stream, "tcp://127.0.0.1:5557")
+        while True:
+            if subscriber.receive(timeout=5):
+                print(subscriber.pose.position)
 
-Lesson 07, what the server knows: the state, the next message, and the snapshot that stands for all before it.
+Bytes: UTF-8 text, one frame. The stream (PUB): `pose/ RUN NUMBER x y z qx qy qz qw`, a position in metres and a
+rotation as a quaternion; RUN is new with each start of the publisher, NUMBER counts its poses from 1. Snapshots (REP):
+`pose/` is answered with `CHECKSUM` and the last pose message, anything else with a text that begins with `error:`.
 
-Bytes: as in server.py.
+TimeoutError is a publisher that is gone, GaveUp what gives no snapshots. The subscriber in C# is PoseSubscriber.cs.
 """
 
 import contextlib
@@ -18,15 +23,36 @@ from typing import NamedTuple
 
 import zmq
 
+from netmq_example import check
+from netmq_example.errors import GaveUp
 
-class Publisher:
+# The largest frame that is taken, in bytes: a peer that announces a larger one is disconnected before it arrives.
+LARGEST_BYTES = 65_536
+# The longest wait in one piece, in milliseconds: on Windows Ctrl-C is heard only between two waits.
+SLICE_MS = 200
+# After so much silence a subscriber asks for a snapshot: the message that was lost may have been the last one.
+SILENCE_SECONDS = 1.0
+# New connections without a pose after which the stream's port is taken for closed.
+MOST_CONNECTIONS = 5
+
+
+def snapshots_beside(endpoint: str) -> str:
+    """Where the snapshots of a stream are, unless one says otherwise: at the port 100 higher; 0 and * stay."""
+    check.endpoint(endpoint, "tcp://127.0.0.1:5557", lowest_port=0)
+    higher = re.sub(r"[1-9]\d*$", lambda port: str(int(port[0]) + 100), endpoint)
+    return check.endpoint(higher, "tcp://127.0.0.1:5657", lowest_port=0)
+
+
+class PosePublisher:
     """A cube that goes round in circles, and the state that its messages add up to."""
 
     def __init__(self) -> None:
         # Numbers begin anew with each start. By the run, number 5 of now differs from number 5 of then.
-        self.run, self.number = secrets.token_hex(4), 0
+        self.run = secrets.token_hex(4)
+        self.number = 0
+        self.message = ""
         # The checksum stands for any state to which each message adds: one lost or taken twice, and it is another.
-        self.message, self.checksum = "", 0
+        self.checksum = 0
 
     def step(self) -> str:
         """The next message, counted in."""
@@ -34,15 +60,17 @@ class Publisher:
         angle = self.number / 60
         place = (2 * math.cos(angle), 0, 2 * math.sin(angle), 0, math.sin(-angle / 2), 0, math.cos(angle / 2))
         self.message = f"pose/ {self.run} {self.number} " + " ".join(f"{value:.4f}" for value in place)
-        self.checksum = (31 * self.checksum + sum(self.message.encode())) % 2**32
+        self.checksum = added(self.checksum, self.message)
         return self.message
 
-    def snapshot(self, request: bytes) -> str:
+    def snapshot(self) -> str:
         """What a subscriber needs to go on with the next message, as if it had heard every one before."""
-        if request != b"pose/":
-            return f"error: expected pose/, got {request[:40]!r}"
-        print(f"snapshot at {self.number}, checksum {self.checksum}", flush=True)
         return f"{self.checksum} {self.message}"
+
+
+def added(checksum: int, message: str) -> int:
+    """The checksum after one more message."""
+    return (31 * checksum + sum(message.encode())) % 2**32
 
 
 # Plain digits, as C# reads them: int() and float() also take 1_0, nan and the digits of every script.
@@ -58,57 +86,67 @@ class Pose(NamedTuple):
 
 def parse(message: str) -> Pose | None:
     """None for what is no pose: anybody can publish on a port."""
-    if words := POSE.fullmatch(message):
-        numbers = tuple(map(float, words.groups()[2:]))
-        return Pose(words[1], int(words[2]), numbers[:3], numbers[3:])
-    return None
-
-
-def take(socket: zmq.Socket[bytes], timeout: float) -> str | None:
-    """The next message, or None. One of several frames is none of this lesson's, and as good as an empty one."""
-    end = time.monotonic() + timeout
-    # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-    while not socket.poll(200) and time.monotonic() < end:
-        pass
-    # What poll saw may be a broken message, which the socket drops: then there is none after all.
-    with contextlib.suppress(zmq.Again):
-        frames = socket.recv_multipart(zmq.NOBLOCK)
-        return frames[0].decode(errors="replace") if len(frames) == 1 else ""
-    return None
+    words = POSE.fullmatch(message)
+    if not words:
+        return None
+    numbers = tuple(map(float, words.groups()[2:]))
+    return Pose(words[1], int(words[2]), numbers[:3], numbers[3:])
 
 
 class PoseSubscriber:
-    """`pose` and `checksum` are what the publisher's were once it had sent that pose."""
+    """Knows of each pose it missed. `pose` and `checksum` are what the publisher's were once it had sent that pose.
 
-    def __init__(self, stream: zmq.Socket[bytes], endpoint: str, snapshots: str, report: Callable[[str], None]) -> None:
+    One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
+    """
+
+    def __init__(
+        self,
+        stream: zmq.Socket[bytes],
+        endpoint: str,
+        snapshots: str = "",
+        report: Callable[[str], object] = print,
+    ) -> None:
         """The stream is a new SUB socket, which the caller closes; `report` gets a line about what was missed."""
-        self.stream, self.endpoint, self.snapshots, self.report = stream, endpoint, snapshots, report
+        self.stream = check.instance("stream", stream, zmq.Socket)
+        if stream.type != zmq.SUB:
+            raise ValueError(f"stream takes a SUB socket, not {stream.type!s:.40}")
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5557")
+        self.snapshots = check.endpoint(snapshots or snapshots_beside(endpoint), "tcp://127.0.0.1:5657")
+        self.report = check.function("report", report)
         # No run has this name, so the first pose is not the next one.
         self.pose = Pose("", 0, (0, 0, 0), (0, 0, 0, 1))
-        self.checksum = self.received = self.missed = self.deaf = 0
+        self.checksum = 0
+        self.received = 0
+        self.missed = 0
+        self.connections = 0
+        stream.linger = 0
+        stream.maxmsgsize = LARGEST_BYTES
         stream.subscribe("pose/")
-        stream.connect(endpoint)
+        stream.connect(self.endpoint)
 
     def receive(self, timeout: float) -> bool:
-        """Wait for the next pose. False if there is none yet; TimeoutError if the publisher is gone."""
+        """Wait for the next pose, and for a snapshot at most `timeout` seconds. False if there is none yet."""
+        timeout = check.seconds("timeout", timeout)
         end = time.monotonic() + 1
         while time.monotonic() < end:
-            # The lost pose may have been the last one. So a second of silence calls for a snapshot as well.
-            message = take(self.stream, 1)
+            message = take(self.stream, SILENCE_SECONDS)
             pose = parse(message or "")
             if not pose or pose.run != self.pose.run or pose.number > self.pose.number + 1:
-                return self.catch_up(timeout, message is None)
+                return self.catch_up(timeout, silent=message is None)
             # A lower number was sent before the snapshot was made, and is contained in it.
             if pose.number == self.pose.number + 1:
-                self.pose, self.checksum = pose, (31 * self.checksum + sum(map(ord, message or ""))) % 2**32
-                self.received, self.deaf = self.received + 1, 0
+                self.pose = pose
+                self.checksum = added(self.checksum, message or "")
+                self.received += 1
+                self.connections = 0
                 return True
         # A publisher that repeats itself must not hold the caller for ever.
         return False
 
     def catch_up(self, timeout: float, silent: bool) -> bool:
-        """Take over the publisher's state from a snapshot, and say which poses that skips."""
-        old, (self.checksum, self.pose) = self.pose, self.ask(timeout)
+        """Take over the publisher's state from a snapshot, and report which poses that skips."""
+        old = self.pose
+        self.checksum, self.pose = self.ask(timeout)
         run, number = self.pose.run, self.pose.number
         if not old.run:
             self.report(f"joined run {run} at {number}, checksum {self.checksum}")
@@ -124,26 +162,41 @@ class PoseSubscriber:
 
     def connect_again(self) -> None:
         """The publisher goes on and nothing comes: where another program had the port, libzmq connects no more."""
-        self.deaf += 1
-        if self.deaf > 5:
+        self.connections += 1
+        if self.connections > MOST_CONNECTIONS:
             raise TimeoutError(f"no pose came over {self.endpoint}; is that the publisher, and its port open?")
         self.stream.disconnect(self.endpoint)
         self.stream.connect(self.endpoint)
 
     def ask(self, timeout: float) -> tuple[int, Pose]:
         """A snapshot from the publisher: checksum and pose."""
-        end, limit = time.monotonic() + timeout, 1
+        end = time.monotonic() + timeout
+        wait = 1.0
         while (left := end - time.monotonic()) > 0:
             # Each try has a new socket, as in lesson 02, and more time: a new connection takes four round trips.
             with self.stream.context.socket(zmq.REQ) as socket:
-                socket.linger, socket.maxmsgsize = 0, 65_536
+                socket.linger = 0
+                socket.maxmsgsize = LARGEST_BYTES
                 socket.connect(self.snapshots)
                 socket.send_string("pose/")
-                text = take(socket, min(limit, left))
+                text = take(socket, min(wait, left))
             if text is not None:
                 checksum, _, message = text.partition(" ")
-                if (pose := parse(message)) and re.fullmatch("[0-9]{1,10}", checksum) and int(checksum) < 2**32:
+                pose = parse(message)
+                if pose and re.fullmatch("[0-9]{1,10}", checksum) and int(checksum) < 2**32:
                     return int(checksum), pose
-                raise TimeoutError(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}")
-            limit *= 4
+                raise GaveUp(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}")
+            wait *= 4
         raise TimeoutError(f"no snapshot from {self.snapshots} within {timeout:g} s; is the server running?")
+
+
+def take(socket: zmq.Socket[bytes], timeout: float) -> str | None:
+    """The next message, or None. One of several frames is no pose and no snapshot, and as good as an empty one."""
+    end = time.monotonic() + timeout
+    while not socket.poll(SLICE_MS) and time.monotonic() < end:
+        pass
+    # What poll saw may be a broken message, which the socket drops: then there is none after all.
+    with contextlib.suppress(zmq.Again):
+        frames = socket.recv_multipart(zmq.NOBLOCK)
+        return frames[0].decode(errors="replace") if len(frames) == 1 else ""
+    return None

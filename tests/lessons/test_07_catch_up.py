@@ -6,11 +6,14 @@ import contextlib
 import re
 import signal
 import sys
+import threading
 import time
 
 import pytest
 import zmq
 
+from netmq_example.errors import GaveUp
+from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, free_port, steady_endpoint, two_ports
@@ -553,3 +556,58 @@ def test_without_its_own_option_the_snapshots_are_100_higher(serve):
     assert endpoint == place
     host, port = place.rsplit(":", 1)
     assert server.wait_for(r"^snapshots on (\S+)")[1] == f"{host}:{int(port) + 100}"
+
+
+# The class, without a program around it
+
+WRONG = {
+    "stream": lambda stream, where: PoseSubscriber(None, where),
+    "report": lambda stream, where: PoseSubscriber(stream, where, report=0),
+    "bad endpoint ''": lambda stream, where: PoseSubscriber(stream, ""),
+    "bad endpoint 'None'": lambda stream, where: PoseSubscriber(stream, None),
+    "bad endpoint '-1'": lambda stream, where: PoseSubscriber(stream, where, -1),
+    "bad endpoint 'tcp://127.0.0.1:65600'": lambda stream, where: PoseSubscriber(stream, "tcp://127.0.0.1:65500"),
+    "bad endpoint 'tcp://127.0.0.1'": lambda stream, where: snapshots_beside("tcp://127.0.0.1"),
+    **{
+        f"timeout takes seconds, .* not {timeout!r}": lambda stream, where, timeout=timeout: PoseSubscriber(
+            stream, where
+        ).receive(timeout)
+        for timeout in (0, -1, None, float("nan"), "5")
+    },
+}
+
+
+@pytest.mark.parametrize(("says", "call"), WRONG.items(), ids=WRONG)
+def test_what_a_subscriber_cannot_use_is_named(says, call, context):
+    with context.socket(zmq.SUB) as stream, pytest.raises((ValueError, TypeError), match=says) as refusal:
+        call(stream, "tcp://127.0.0.1:5557")
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_socket_that_cannot_subscribe_is_named(context):
+    with context.socket(zmq.REQ) as socket, pytest.raises(ValueError, match="stream takes a SUB socket"):
+        PoseSubscriber(socket, "tcp://127.0.0.1:5557")
+
+
+def test_what_is_no_publisher_is_no_timeout(context):
+    """Two exceptions: nothing came in time, and what came is no snapshot."""
+    with context.socket(zmq.SUB) as stream, context.socket(zmq.ROUTER) as router:
+        router.linger = 0
+        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        subscriber = PoseSubscriber(stream, endpoint, endpoint)
+        with pytest.raises(TimeoutError, match="no snapshot from"):
+            subscriber.receive(0.1)
+        who, *_ = router.recv_multipart()
+        thread = threading.Thread(target=answer_wrongly, args=(router, who))
+        thread.start()
+        with pytest.raises(GaveUp, match="gives no snapshots"):
+            subscriber.receive(100)
+        thread.join()
+
+
+def answer_wrongly(router, before):
+    """Also after a subscription has come."""
+    while True:
+        who, *rest = router.recv_multipart()
+        if rest[-1:] == [b"pose/"] and who != before:
+            return router.send_multipart([who, b"", b"Hello"])
