@@ -1,33 +1,59 @@
-"""Lesson 08, the drive: the car's side of the lesson in Python, as Drive.cs, DriverClient.cs and Shot.cs are in C#.
+"""Lesson 08, the drive: the car's side of the client in Python. In C# it is Drive.cs.
 
-client.send(drive.message(…))       pictures, with their number and what the car does
-drive.apply(client.receive(…))      driver_client.py; now the action's age is known
+client.send(drive.message())        the pictures, with their number and what the car does
+drive.apply(client.receive())       now the action's age is known
 drive.step()                        0.02 s later
 """
 
+import argparse
+import sys
 import time
 import uuid
 from collections.abc import Callable
-from typing import Any
 
 from netmq_example.camera.client import Action
 from netmq_example.camera.pictures import encode
 from netmq_example.messages import Array, Message
-from netmq_example.worlds.road_car import STEP, Car, Road
+from netmq_example.program import at_least_one, client_options, whole
+from netmq_example.worlds.road import CAMERAS, STEP_SECONDS, Car, DrawnCamera, Road
 
 # Steps without an action, after which the car brakes: half a second.
 TIMEOUT_STEPS = 25
 
 
-class Drive:
-    """What the car is told, by whom, and what it does when nobody tells it anything."""
+def drive_options(endpoint: str) -> argparse.Namespace:
+    """The client's options: how it drives, and what it sends."""
+    parser = client_options("Drives a car by what Python sees.", endpoint, timeout=1)
+    parser.add_argument("--count", type=whole, default=500, help="end after so many actions")
+    parser.add_argument("--every", type=whole, default=50, help="print one action in so many; 0: none")
+    parser.add_argument("--tries", type=at_least_one, default=20, help="pictures in a row that may stay without action")
+    parser.add_argument("--cameras", choices=CAMERAS, default="center", metavar="NAMES", help=" or ".join(CAMERAS))
+    parser.add_argument("--start", type=whole, default=0, help="the point of the road to begin at")
+    parser.add_argument("--lockstep", action="store_true", help="the world waits for each action")
+    parser.add_argument("--drive", action="store_true", help="arrow keys take over, Enter gives back")
+    parser.add_argument("--jpeg", action="store_true", help="send JPEG files instead of raw bytes")
+    options = parser.parse_args()
+    if options.drive and not sys.stdin.isatty():
+        parser.error("--drive needs a keyboard: start it in a terminal")
+    return options
 
-    def __init__(self, road: Road, start: int, log: Callable[[str], object], every: int, lockstep: bool) -> None:
-        self.road, self.log, self.every, self.lockstep = road, log, every, lockstep
-        self.car, self.run = Car.on(road, start % len(road.points)), uuid.uuid4().hex[:8]
+
+class Drive:
+    """What the car does by whose orders, and what it does when no orders come."""
+
+    def __init__(self, options: argparse.Namespace, log: Callable[[str], object]) -> None:
+        self.options = options
+        self.log = log
+        self.road = Road()
+        self.car = Car.on(self.road, options.start % len(self.road.points))
+        self.camera = DrawnCamera(self.road)
+        self.run = uuid.uuid4().hex[:8]
         # The number of steps so far, and so of a picture that is taken now.
-        self.frame, self.actions = 0, 0
-        self.manual, self._braking, self._waited = False, False, 0
+        self.frame = 0
+        self.actions = 0
+        self.manual = False
+        self._braking = False
+        self._waited = 0
         self._action = Action(0, 0.0, 1.0, 0.0)
 
     def in_force(self) -> Action:
@@ -38,7 +64,8 @@ class Drive:
         """A person drives. Python is still asked, but not followed: that is how a person's driving is recorded."""
         if not self.manual:
             self.log("a person drives")
-        self.manual, self._action = True, Action(self.frame, throttle, brake, steer)
+        self.manual = True
+        self._action = Action(self.frame, throttle, brake, steer)
 
     def give_back(self) -> None:
         """Python's next action counts again."""
@@ -46,37 +73,54 @@ class Drive:
             self.log("Python drives")
         self.manual = False
 
-    def message(self, cameras: str, pictures: list[Any], jpeg: bool) -> Message:
+    def message(self) -> Message:
         """The pictures of this moment, with their number and what the car does. Raw ones have the lowest row first."""
-        now, frame = self.in_force(), self.frame
-        values = {"frame": frame, "run": self.run, "manual": self.manual, "sim_time": frame * STEP}
-        values |= {"wall_time": time.time(), "speed": self.car.speed, "throttle": now.throttle, "brake": now.brake}
-        values |= {"steer": now.steer, "cameras": cameras, "encoding": "jpeg" if jpeg else "raw", "bottom_up": not jpeg}
-        message = Message("frame", frame, values)
-        for picture in pictures:
-            file = encode(picture[::-1]) if jpeg else b""
-            message.arrays.append(
-                Array("uint8", (len(file),), file) if jpeg else Array("uint8", picture.shape, picture)
-            )
+        now = self.in_force()
+        jpeg = self.options.jpeg
+        values = {
+            "frame": self.frame,
+            "run": self.run,
+            "manual": self.manual,
+            "sim_time": self.frame * STEP_SECONDS,
+            "wall_time": time.time(),
+            "speed": self.car.speed,
+            "throttle": now.throttle,
+            "brake": now.brake,
+            "steer": now.steer,
+            "cameras": self.options.cameras,
+            "encoding": "jpeg" if jpeg else "raw",
+            "bottom_up": not jpeg,
+        }
+        message = Message("frame", self.frame, values)
+        for right in CAMERAS[self.options.cameras]:
+            picture = self.camera.draw(self.car, self.frame, right)
+            if jpeg:
+                file = encode(picture[::-1])
+                message.arrays.append(Array("uint8", (len(file),), file))
+            else:
+                message.arrays.append(Array("uint8", picture.shape, picture))
         return message
 
     def apply(self, newest: Action | None) -> None:
         """Follow an action from the next step on; None if there was none for the last picture."""
         if newest is None:
-            self._waited = TIMEOUT_STEPS if self.lockstep else self._waited
+            # In lock-step no time passes meanwhile: the brake is on at once.
+            if self.options.lockstep:
+                self._waited = TIMEOUT_STEPS
             return
         self._waited = 0
         if not self.manual:
             self._action = newest
-        if self.every and self.actions % self.every == 0:
-            off, speed = self.road.nearest(self.car.x, self.car.y)[1], self.car.speed
+        if self.options.every and self.actions % self.options.every == 0:
+            off = self.road.nearest(self.car.x, self.car.y)[1]
             timing = f"frame {newest.frame}: age {self.frame - newest.frame}, {newest.milliseconds:.1f} ms"
-            self.log(f"{timing}; steer {newest.steer:.2f}, speed {speed:.1f} m/s, {off:.1f} m off the middle")
+            self.log(f"{timing}; steer {newest.steer:.2f}, speed {self.car.speed:.1f} m/s, {off:.1f} m off the middle")
         self.actions += 1
 
     def step(self) -> None:
-        """Drive for STEP seconds."""
-        before, self._waited = self._braking, self._waited + 1
+        """Drive for STEP_SECONDS."""
+        before = self._braking
+        self._waited += 1
         self._braking = self._waited > TIMEOUT_STEPS and not self.manual
         now = self.in_force()
         self.car.step(now.throttle, now.brake, now.steer)

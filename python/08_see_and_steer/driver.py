@@ -12,11 +12,16 @@ from typing import Any
 import numpy as np
 
 # A camera 1.5 m above the ground, tilted down by 16.26 degrees, 60 degrees from its upper edge to its lower one.
-ABOVE, SINE, COSINE, FOCAL = 1.5, 0.28, 0.96, 3**0.5 / 2
+ABOVE = 1.5
+SINE = 0.28
+COSINE = 0.96
+FOCAL = 3**0.5 / 2
 # The curvature of the car's path at full lock, in 1/m: the tangent of 22 degrees, over 2.5 m from axle to axle.
 FULL_LOCK = 0.16
-# It looks at the ground between these distances, and drives at this speed.
-NEAR, FAR, SPEED = 5.0, 9.0, 8.0
+# It looks at the ground between these distances, in metres, and drives at this speed, in m/s.
+NEAR = 5.0
+FAR = 9.0
+SPEED = 8.0
 
 
 def main_camera(seen: dict[str, Any]) -> Any:
@@ -64,6 +69,7 @@ def follow_road(picture: Any, speed: float) -> tuple[float, float, float]:
 
 def keep_speed(speed: float, steer: float) -> tuple[float, float, float]:
     """Full throttle 1 m/s below the speed that is wanted, full brake 4 m/s above it."""
-    throttle, brake = min(1.0, max(0.0, SPEED + 0.4 - speed)), min(1.0, max(0.0, (speed - SPEED - 1) / 3))
+    throttle = min(1.0, max(0.0, SPEED + 0.4 - speed))
+    brake = min(1.0, max(0.0, (speed - SPEED - 1) / 3))
     # Not min and max: NaN, which is no number, would become a number by them.
     return throttle, brake, float(np.clip(steer, -1, 1))

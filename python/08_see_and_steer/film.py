@@ -14,48 +14,52 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from driver import main_camera
+from netmq_example.program import importing, run, whole
 
-from netmq_example.camera.recording import recorded
-
-try:
+with importing("numpy and Pillow: pip install numpy pillow, or let kit.py run 8 do it", stopped="stopped"):
+    from driver import main_camera
     from PIL import Image, ImageDraw
-except ImportError:
-    sys.exit("a film needs Pillow: pip install pillow, or let kit.py run 8 do it")
+
+    from netmq_example.camera.recording import Row, recorded
 
 # Few colours make a small file: 100 pictures of 320 x 240 are under 1 MB.
-COLOURS, WHITE, BLACK = 32, (255, 255, 255), (0, 0, 0)
+COLOURS = 32
+WHITE = (255, 255, 255)
+BLACK = (0, 0, 0)
+RED = (200, 30, 30)
 
 
-def scene(values: dict[str, Any], seen: dict[str, Any]) -> Any:
+def scene(row: Row) -> Any:
     """A recorded picture with what is known about it."""
-    picture = Image.fromarray(main_camera(seen))
-    pen, steer = ImageDraw.Draw(picture), values["steer"]
+    picture = Image.fromarray(main_camera(row.pictures))
+    pen = ImageDraw.Draw(picture)
+    steer = row.values["steer"]
     width, height = picture.size
     pen.rectangle((0, height - 14, width, height), fill=BLACK)
-    text = f"frame {values['frame']}   speed {values['speed']:.1f} m/s   steer {steer:+.2f}"
+    text = f"frame {row.values['frame']}   speed {row.values['speed']:.1f} m/s   steer {steer:+.2f}"
     pen.text((6, height - 13), text, fill=WHITE)
     # Full lock turns the wheel by a quarter; it stands upright at 0.
-    x, y, radius, angle = width / 2, height - 46, 24, steer * math.pi / 2
+    x, y = width / 2, height - 46
+    radius = 24
+    angle = steer * math.pi / 2
     pen.ellipse((x - radius, y - radius, x + radius, y + radius), outline=BLACK, width=5)
     for spoke in (angle, angle + math.pi / 2, angle + math.pi, angle - math.pi / 2):
         end = x + radius * math.sin(spoke), y - radius * math.cos(spoke)
-        pen.line((x, y, *end), fill=(200, 30, 30) if spoke == angle else BLACK, width=4)
+        pen.line((x, y, *end), fill=RED if spoke == angle else BLACK, width=4)
     return picture
 
 
 def main() -> None:
-    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Makes a GIF of a recorded drive.")
-    parser.add_argument("recording", type=Path, help="a folder of recorder.py, such as runs/run_0001")
+    parser.add_argument("recording", type=Path, help="a recorded drive, such as runs/run_0001")
     parser.add_argument("out", type=Path, help="the file to write")
-    parser.add_argument("--first", type=int, default=0, help="how many pictures to leave out at the beginning")
-    parser.add_argument("--count", type=int, default=100, help="how many pictures to show")
+    parser.add_argument("--first", type=whole, default=0, help="how many pictures to leave out at the beginning")
+    parser.add_argument("--count", type=whole, default=100, help="how many pictures to show")
     options = parser.parse_args()
     try:
         # Every fifth of 50 a second: browsers show no GIF much faster.
-        found = itertools.islice(recorded(options.recording), max(0, options.first), None, 5)
-        scenes = [scene(values, seen) for _, values, _, seen in itertools.islice(found, max(0, options.count))]
+        found = itertools.islice(recorded(options.recording), options.first, None, 5)
+        scenes = [scene(row) for row in itertools.islice(found, options.count)]
     except OSError as error:
         sys.exit(f"no film of {options.recording}: {error}; server.py --record runs makes recordings")
     if not scenes:
@@ -71,7 +75,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        sys.exit("stopped")
+    run(main, stopped="stopped")

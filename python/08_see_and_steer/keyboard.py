@@ -33,8 +33,9 @@ class Keyboard:
             code = next((code for code in KEYS if self.rest.startswith(code)), None)
             if code is None and any(known.startswith(self.rest) for known in KEYS):
                 return
-            self.rest = self.rest[len(code or b"?") :]
-            key = KEYS.get(code or b"")
+            # A byte that begins no key is left out.
+            self.rest = self.rest[len(code) if code else 1 :]
+            key = KEYS[code] if code else ""
             if key in ("left", "right"):
                 self.steer = min(1.0, max(-1.0, self.steer + (0.1 if key == "right" else -0.1)))
             elif key in ("up", "down"):

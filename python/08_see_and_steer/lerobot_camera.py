@@ -8,70 +8,59 @@ src/lerobot/cameras/zmq in github.com/huggingface/lerobot.
 It needs numpy and Pillow.
 """
 
-import argparse
 import base64
+import contextlib
 import json
-import signal
 import sys
 from pathlib import Path
-from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from driver import follow_road
 
-from netmq_example.camera.pictures import check_values, encode, pictures
-from netmq_example.messages import LIMIT, Message, MessageError, read
+from netmq_example.program import Context, Socket, importing, listening, run, server_endpoint, server_options
 
-UNITY, LEROBOT = "tcp://127.0.0.1:5558", "tcp://127.0.0.1:5555"
+with importing("numpy and Pillow: pip install numpy pillow, or let kit.py run 8 do it"):
+    from driver import follow_road, main_camera
+
+    from netmq_example.camera.pictures import encode, pictures
+    from netmq_example.messages import LIMIT, Message, reply_to
 
 
-def bridge(unity: zmq.Socket[bytes], lerobot: zmq.Socket[bytes]) -> None:
-    """Answer a picture so that the car drives on, and publish it."""
-    frame = Message("")
-    try:
-        frame = read(unity.recv_multipart())
-        check_values(frame)
-        seen = pictures(frame)
-        first, speed, time = next(iter(seen.values())), frame.values["speed"], frame.values["wall_time"]
-        throttle, brake, steer = follow_road(first, float(speed))
-        action: dict[str, Any] = {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer}
-        unity.send_multipart(Message("action", frame.id, action).frames())
-    except MessageError as error:
-        why = {"code": error.code, "text": error.text}
-        unity.send_multipart(Message("error", error.id or frame.id, why).frames())
-        return
+def answer(frame: Message) -> Message:
+    """So that the car drives on."""
+    throttle, brake, steer = follow_road(main_camera(pictures(frame)), float(frame.values["speed"]))
+    return Message("action", frame.id, {"frame": frame.id, "throttle": throttle, "brake": brake, "steer": steer})
+
+
+def published(frame: Message) -> str:
+    seen = pictures(frame)
     # Red and blue change places: what OpenCV reads from the file, blue first, LeRobot takes for red first.
     images = {name: base64.b64encode(encode(picture[:, :, ::-1])).decode() for name, picture in seen.items()}
-    lerobot.send_string(json.dumps({"timestamps": dict.fromkeys(seen, time), "images": images}))
+    return json.dumps({"timestamps": dict.fromkeys(seen, frame.values["wall_time"]), "images": images})
+
+
+def only_the_newest(context: Context, socket: Socket) -> None:
+    """Old pictures are worth nothing."""
+    socket.sndhwm = 2
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Publishes what a Unity camera sees for LeRobot's ZMQCamera.")
-    parser.add_argument("--endpoint", default=UNITY, help="where Unity connects")
-    parser.add_argument("--publish", default=LEROBOT, help="where LeRobot connects")
+    parser = server_options(__doc__, "tcp://127.0.0.1:5558")
+    where = "tcp://127.0.0.1:5555"
+    parser.add_argument("--publish", type=server_endpoint(where), default=where, help="where LeRobot connects")
     options = parser.parse_args()
-    # SIGTERM, which kill and process managers send, ends it as Ctrl-C does; on Windows that is SIGBREAK.
-    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
-    with zmq.Context() as context, context.socket(zmq.REP) as unity, context.socket(zmq.PUB) as lerobot:
-        # Old pictures are worth nothing, and a reply that nobody fetches even less.
-        unity.linger = lerobot.linger = 0
-        lerobot.sndhwm, unity.maxmsgsize = 2, 4 * LIMIT
-        try:
-            lerobot.bind(options.publish)
-            unity.bind(options.endpoint)
-        except zmq.ZMQError as error:
-            sys.exit(f"cannot listen on {options.endpoint} and {options.publish}: {error}; try other ports")
-        print(f"publishing on {lerobot.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        print(f"listening on {unity.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
+    with (
+        listening(zmq.PUB, options, prepare=only_the_newest, endpoint=options.publish, word="publishing") as lerobot,
+        listening(zmq.REP, options, largest=4 * LIMIT) as unity,
+    ):
         while True:
-            # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-            if unity.poll(200):
-                bridge(unity, lerobot)
+            # The socket waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
+            with contextlib.suppress(zmq.Again):
+                frame, action, parts = reply_to(answer, unity.recv_multipart(copy=False))
+                unity.send_multipart(parts)
+                if action.kind == "action":
+                    lerobot.send_string(published(frame))
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        pass
+    run(main)

@@ -1,4 +1,4 @@
-"""Lesson 08, training: learns to steer from a recording, by copying who drove ("behavioural cloning").
+"""Lesson 08, training: learns to steer from a recording, by copying the driver ("behavioural cloning").
 
     python python/08_see_and_steer/train.py runs/run_0001        prints how far it is, and writes steering.npz
     python python/08_see_and_steer/server.py --model steering.npz
@@ -17,14 +17,19 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-import numpy as np
-from driver import keep_speed, main_camera
+from netmq_example.program import importing, run, whole
 
-from netmq_example.camera.recording import recorded
-from netmq_example.messages import MessageError
+with importing("numpy and Pillow: pip install numpy pillow, or let kit.py run 8 do it", stopped="stopped"):
+    import numpy as np
+    from driver import keep_speed, main_camera
+
+    from netmq_example.camera.recording import recorded
+    from netmq_example.messages import MessageError
 
 # The upper part of a picture is sky. The rest is cut into so many parts, with three colours each.
-SKY, ROWS, COLUMNS = 0.3, 12, 32
+SKY = 0.3
+ROWS = 12
+COLUMNS = 32
 # How much large weights are held back: without it a few pixels that happened to fit would decide.
 RIDGE = 5.0
 
@@ -67,10 +72,11 @@ def load(path: str) -> Callable[[Any, float], tuple[float, float, float]]:
 
 def examples(folder: Path) -> tuple[Any, Any]:
     """What was seen and what was steered: by a person, or in answer to this very picture."""
-    seen, steer, begin = [], [], time.monotonic()
-    for _, values, _, pictures in recorded(folder):
-        seen.append(features(main_camera(pictures)))
-        steer.append(values["steer" if values["manual"] else "answered_steer"])
+    seen, steer = [], []
+    begin = time.monotonic()
+    for row in recorded(folder):
+        seen.append(features(main_camera(row.pictures)))
+        steer.append(row.values["steer"] if row.values["manual"] else row.answered["steer"])
         if len(seen) % 1000 == 0:
             print(f"read {len(seen)} pictures, {time.monotonic() - begin:.0f} s", flush=True)
     print(f"read {len(seen)} pictures, {time.monotonic() - begin:.0f} s", flush=True)
@@ -78,14 +84,11 @@ def examples(folder: Path) -> tuple[Any, Any]:
 
 
 def main() -> None:
-    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("recording", type=Path, help="a folder of recorder.py, such as runs/run_0001")
+    parser.add_argument("recording", type=Path, help="a recorded drive, such as runs/run_0001")
     parser.add_argument("--out", type=Path, default=Path("steering.npz"), help="where to write what was learned")
-    parser.add_argument("--seed", type=int, default=0, help="chooses the pictures that are kept for the check")
+    parser.add_argument("--seed", type=whole, default=0, help="chooses the pictures that are kept for the check")
     options = parser.parse_args()
-    if options.seed < 0:
-        parser.error("--seed takes a whole number from 0")
     try:
         seen, steer = examples(options.recording)
     except (OSError, MessageError) as error:
@@ -106,7 +109,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        sys.exit("stopped")
+    run(main, stopped="stopped")

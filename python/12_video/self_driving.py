@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from netmq_example.worlds.road_car import CURVATURE, GRASS, HEIGHT, TARMAC, WIDTH, Car, DrawnCamera, Road
+from netmq_example.worlds.road import CURVATURE, GRASS, HEIGHT, TARMAC, WIDTH, Car, DrawnCamera, Road
 
 # It aims at a point of the road some 6 m ahead, and drives at 8 m/s.
 AHEAD, SPEED = 40, 8.0
@@ -17,7 +17,7 @@ CAR = (200, 30, 30)
 
 
 class SelfDriving:
-    """A step takes lesson 08's STEP, 0.02 s."""
+    """A step takes STEP_SECONDS of road.py, 0.02 s."""
 
     def __init__(self) -> None:
         self.road, self.steps = Road(), 0

@@ -16,12 +16,7 @@ np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install num
 pytest.importorskip("PIL", reason="to record needs Pillow: pip install pillow")
 KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
-sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
-from netmq_example.camera.recording import (  # noqa: E402
-    MOST,
-    Recorder,
-    recorded,
-)
+from netmq_example.camera.recording import MOST_DRIVES, Recorder, recorded  # noqa: E402
 from netmq_example.messages import Array, Message, read  # noqa: E402
 from tests.lessons.conftest import ask  # noqa: E402
 
@@ -164,11 +159,11 @@ def test_a_folder_that_leads_nowhere_stops_the_recording_and_not_the_car(tmp_pat
 def test_so_many_cars_are_recorded_and_no_more(tmp_path, capsys):
     keeper = Recorder(tmp_path)
     for number in range(3):
-        for car in range(MOST + 5):
+        for car in range(MOST_DRIVES + 5):
             keeper.add(frame(number, f"car {car}"), action(number))
     folders = list(tmp_path.glob("run_*"))
-    assert len(folders) == MOST and all(len(lines(folder)) == 4 for folder in folders)
-    assert sum(line.startswith(f"trouble: {MOST} cars") for line in capsys.readouterr().out.splitlines()) == 1
+    assert len(folders) == MOST_DRIVES and all(len(lines(folder)) == 4 for folder in folders)
+    assert sum(line.startswith(f"trouble: {MOST_DRIVES} cars") for line in capsys.readouterr().out.splitlines()) == 1
 
 
 def test_numbers_that_go_back_are_recorded_and_none_twice(tmp_path):

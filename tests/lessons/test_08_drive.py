@@ -16,15 +16,12 @@ import time
 import pytest
 import zmq
 
+from netmq_example.messages import Message, read
 from tests.conftest import CLIENTS
-from tests.programs import LIMIT, ROOT, Program
+from tests.programs import LIMIT, Program
 
 KEY = "08_see_and_steer"
-LESSON = ROOT / "python" / KEY
-sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
-world = pytest.importorskip("world", reason="lesson 08 needs numpy: pip install numpy")
-from netmq_example.messages import Message as Message  # noqa: E402
-from netmq_example.messages import read as read  # noqa: E402
+world = pytest.importorskip("netmq_example.worlds.road", reason="lesson 08 needs numpy: pip install numpy")
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_terminal = pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])

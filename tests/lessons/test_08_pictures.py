@@ -6,16 +6,13 @@ from __future__ import annotations
 
 import io
 import struct
-import sys
 
 import pytest
 
-from tests.programs import ROOT
+from netmq_example.messages import Array, Message, MessageError
 
-sys.path += [str(ROOT / "python" / "08_see_and_steer"), str(ROOT / "python" / "05_messages")]
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 from netmq_example.camera import pictures  # noqa: E402
-from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 
 
 def jpeg(width, height, name="JPEG", mode="RGB"):

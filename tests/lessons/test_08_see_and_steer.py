@@ -24,6 +24,7 @@ from pathlib import Path
 import pytest
 import zmq
 
+from netmq_example.messages import Array, Message, read
 from tests.conftest import PYTHON
 from tests.lessons.conftest import ask as exchange
 from tests.programs import ROOT, free_port, steady_endpoint
@@ -31,14 +32,13 @@ from tests.programs import ROOT, free_port, steady_endpoint
 KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
 # In front: lesson 09 has a train.py, too.
-sys.path[:0] = [str(LESSON), str(ROOT / "python" / "05_messages")]
+sys.path.insert(0, str(LESSON))
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 Image = pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
-driver, train, world, recorder, pixels, messages = map(
-    importlib.import_module, ("driver", "train", "world", "recorder", "pictures", "messages")
-)
-Array, Message, read = messages.Array, messages.Message, messages.read
-Recorder, encode = recorder.Recorder, pixels.encode
+driver, train = map(importlib.import_module, ("driver", "train"))
+from netmq_example.camera.pictures import encode, pictures  # noqa: E402
+from netmq_example.camera.recording import Recorder  # noqa: E402
+from netmq_example.worlds import road as world  # noqa: E402
 
 VALUES = {"run": "a test", "manual": False, "sim_time": 0.0, "wall_time": 0.0, "speed": 8.0}
 VALUES |= {"throttle": 0.5, "brake": 0.0, "steer": 0.1, "cameras": "center", "encoding": "raw", "bottom_up": False}
@@ -54,8 +54,8 @@ def frame(number, *seen, **values):
 
 
 @pytest.fixture(scope="module")
-def camera():
-    return world.DrawnCamera(world.Road())
+def camera(road):
+    return world.DrawnCamera(road)
 
 
 @pytest.fixture(scope="module")
@@ -74,9 +74,8 @@ def driven(start, tmp_path):
     of it: (program, endpoint)."""
 
     def serve(drive, *options):
-        folder = shutil.copytree(LESSON, tmp_path / "mine")
-        shutil.copy(ROOT / "python" / "05_messages" / "messages.py", folder)
-        path = folder / "server.py"
+        shutil.copytree(ROOT / "python" / "netmq_example", tmp_path / "netmq_example")
+        path = shutil.copytree(LESSON, tmp_path / "mine") / "server.py"
         mine = f"def drive(picture, speed):\n    {drive}\n\n\nif __name__"
         path.write_text(path.read_text(encoding="utf-8").replace("if __name__", mine), encoding="utf-8")
         server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0", *options, folder=tmp_path)
@@ -443,7 +442,7 @@ def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, capsys):
         return real(path, content)
 
     monkeypatch.setattr(Path, "write_bytes", half)
-    for table in drive.tables:
+    for table in (drive.metadata, drive.log):
         table.file = Full(table.file)
     keeper.add(frame(2, plain, plain, cameras="left,right"), action)
     assert [len(rows(drive.folder, name)) for name in ("metadata.csv", "driving_log.csv")] == [1 + (full == 4)] * 2
@@ -575,5 +574,5 @@ def test_a_replay_without_a_server_gives_up(start, tmp_path):
 def test_a_message_says_its_pictures(plain):
     """The lowest row first, and alpha, are not seen by whoever asks for the pictures."""
     alpha = np.dstack([plain[::-1], np.full(plain.shape[:2], 9, np.uint8)])
-    (seen,) = pixels.pictures(frame(1, alpha, bottom_up=True)).values()
+    (seen,) = pictures(frame(1, alpha, bottom_up=True)).values()
     assert np.array_equal(seen, plain)

@@ -25,13 +25,11 @@ public sealed class MyCar : DrivenBehaviour
 """
 # What the page's table says, in what is copied.
 CHANGES = {
-    "server.py": [('"steer": float(steer)}', '"steer": float(steer), "zoom": 2 * frame.values["battery"]}')],
-    "pictures.py": [('"brake", "steer", "speed"), (int', '"brake", "steer", "speed", "battery"), (int')],
-    "recorded.py": [('NUMBERS = ("sim_time",', 'NUMBERS = ("battery", "sim_time",')],
-    "recording.py": [
-        ('ANSWERED = ("throttle",', 'ANSWERED = ("zoom", "throttle",'),
-        ('KNOWN = ("frame",', 'KNOWN = ("battery", "frame",'),
+    "08_see_and_steer/server.py": [
+        ('"steer": float(steer)}', '"steer": float(steer), "zoom": 2 * frame.values["battery"]}')
     ],
+    "netmq_example/camera/pictures.py": [('NUMBERS = ("sim_time",', 'NUMBERS = ("battery", "sim_time",')],
+    "netmq_example/camera/recording.py": [('ANSWERED = ("throttle",', 'ANSWERED = ("zoom", "throttle",')],
     "Shot.cs": [
         ("public double Speed { get", "public double Battery { get; set; } public double Speed { get"),
         ("var values = message.Values;", 'var values = message.Values; values["battery"] = Battery;'),
@@ -56,18 +54,19 @@ CHANGES = {
 
 
 def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console, engine):
-    for lesson in ("05_messages", "08_see_and_steer"):
-        shutil.copytree(ROOT / "python" / lesson, tmp_path / lesson)
+    for folder in ("netmq_example", "08_see_and_steer"):
+        shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
     mine = tmp_path / "08_see_and_steer"
     scripts = [name for name in CHANGES if name.endswith(".cs")]
     for name in scripts:
         shutil.copy(SCRIPTS / name, mine)
     for name, changes in CHANGES.items():
-        text = (mine / name).read_text(encoding="utf-8")
+        path = (mine if name in scripts else tmp_path) / name
+        text = path.read_text(encoding="utf-8")
         for old, new in changes:
             assert text.count(old) == 1, (name, old)
             text = text.replace(old, new)
-        (mine / name).write_text(text, encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
     (mine / "MyCar.cs").write_text(MINE, encoding="utf-8")
     server = start(PYTHON, mine / "server.py", "--endpoint", two_ports(), "--record", tmp_path / "runs")
     endpoint = server.wait_for(r"^listening on (\S+)")[1]

@@ -1,17 +1,18 @@
-"""Lesson 08, the driver's client: sends one picture at a time and gets its action, without waiting longer than it may.
+"""Sends a driver one picture at a time and gets an action for it, without waiting longer than it may.
 
-    client.send(frame)                   a message of kind `frame`, whose id is the picture's number
-    action = client.receive(until)       as long as `client.asked` is there, its action may still come
+    with contextlib.closing(DriverClient(context, "tcp://127.0.0.1:5558")) as client:
+        client.send(frame)                    a message of kind `frame`, whose id is the picture's number
+        action = client.receive(until)        None: not yet, as long as `client.asked` is there; else there is none
 
 A picture without an action is not sent again: by then there is a newer one. Each failure costs the socket, because REQ
-can only receive after it has sent, and a new one finds a server that is back again.
+can only receive after it has sent, and a new one finds a server that is back again. After `tries` pictures in a row
+without an action it raises GaveUp.
 
-Lesson 08, an action: what to do, and about which picture.
-
-Bytes: a reply of kind `action`, with the values `frame`, `throttle`, `brake` and `steer`. The C# side is
-DriverClient.cs.
+Bytes: messages of messages.py. pictures.py says what a `frame` has; the reply is of kind `action`, with the values
+`frame`, `throttle`, `brake` and `steer`. The C# side is DriverClient.cs.
 """
 
+import contextlib
 import math
 import time
 from collections.abc import Callable
@@ -19,12 +20,15 @@ from dataclasses import dataclass
 
 import zmq
 
-from netmq_example.messages import LIMIT, Message, MessageError, read
+from netmq_example import check
+from netmq_example.errors import GaveUp
+from netmq_example.messages import LIMIT, Message, MessageError, read_reply
+from netmq_example.program import SLICE_MS, limit, printable
 
 
 @dataclass
 class Action:
-    """What to do, about which picture, and how long it took to be told. What is out of range is put back into it."""
+    """What to do, about which picture, and how long it took to come. What is out of range is put back into it."""
 
     frame: int
     throttle: float
@@ -33,90 +37,99 @@ class Action:
     milliseconds: float = 0.0
 
     def __post_init__(self) -> None:
-        self.throttle, self.brake = min(1.0, max(0.0, self.throttle)), min(1.0, max(0.0, self.brake))
-        self.steer = min(1.0, max(-1.0, self.steer))
+        self.throttle = min(1.0, max(0.0, check.number("throttle", self.throttle)))
+        self.brake = min(1.0, max(0.0, check.number("brake", self.brake)))
+        self.steer = min(1.0, max(-1.0, check.number("steer", self.steer)))
 
 
 def read_action(reply: Message, frame: int) -> Action:
     """The action in a reply; MessageError says why it is none for this picture."""
-    for name in ("frame", "throttle", "brake", "steer"):
-        if reply.kind != "action" or type(reply.values.get(name)) not in (int, float):
-            raise MessageError("no-action", f"the reply is no action, or without a number '{name}'")
     values = reply.values
+    for name in ("frame", "throttle", "brake", "steer"):
+        if reply.kind != "action" or type(values.get(name)) not in (int, float):
+            raise MessageError("no-action", f"the reply is no action, or without a number '{name}'")
     if values["frame"] != frame:
         raise MessageError("wrong-frame", f"an action for picture {values['frame']}, but {frame} was asked about")
     return Action(frame, values["throttle"], values["brake"], values["steer"])
 
 
-class GaveUp(Exception):
-    """So many pictures in a row have no action that it makes no sense to go on."""
-
-
 class DriverClient:
-    """One picture at a time. `log` gets a line about each that has no action."""
+    """Waits at most `timeout` seconds for each action. `log` gets a line about each picture that has none."""
 
     def __init__(
         self,
         context: zmq.Context[zmq.Socket[bytes]],
         endpoint: str,
-        timeout: float,
-        tries: int,
-        log: Callable[[str], object],
+        timeout: float = 1.0,
+        tries: int = 20,
+        log: Callable[[str], object] = print,
     ) -> None:
-        self.context, self.endpoint, self.timeout, self.tries, self.log = context, endpoint, timeout, tries, log
+        self.context = check.instance("context", context, zmq.Context)
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558")
+        self.timeout = check.seconds("timeout", timeout)
+        self.tries = check.count("tries", tries)
+        self.log = check.function("log", log)
         self.asked: Message | None = None
         self.socket: zmq.Socket[bytes] | None = None
-        self.began, self.lost = 0.0, 0
+        self.began = 0.0
+        self.lost = 0
 
     def send(self, frame: Message) -> None:
         """Ask about a picture."""
-        self.asked, self.began = frame, time.monotonic()
+        if self.asked:
+            raise ValueError(f"picture {self.asked.id} is asked about; receive its action first")
+        frames = check.instance("frame", frame, Message).frames()
+        self.asked = frame
+        self.began = time.monotonic()
         if self.socket is None:
             self.socket = self.context.socket(zmq.REQ)
-            # Above the limit of messages.py a reply is refused by name. Above this one libzmq takes no more of it.
-            # Sending does not wait: libzmq would say of a request whose connection ends just then that it is sent.
-            self.socket.linger, self.socket.maxmsgsize, self.socket.sndtimeo = 0, 4 * LIMIT, 0
+            # Above LIMIT a reply is refused by name. Above four times as much libzmq takes no more of it and hangs up.
+            limit(self.socket, 4 * LIMIT)
+            # Sending does not wait: libzmq would take for sent what it has lost with a broken connection.
+            self.socket.sndtimeo = 0
             self.socket.connect(self.endpoint)
         try:
-            self.socket.send_multipart(frame.frames())
+            self.socket.send_multipart(frames)
         except zmq.Again:
             # Nothing will come, and `receive` says so.
             self.began -= self.timeout
 
-    def receive(self, until: float, patient: bool = False) -> Action | None:
-        """The action, if it comes before that time; or, `patient`, in the time that it may take at all.
+    def receive(self, until: float = math.inf) -> Action | None:
+        """The action, if it comes before that time of time.monotonic(), and within the timeout.
 
         None while something is asked: not yet. None and nothing is asked any more: there is none.
         """
+        if not (until == math.inf or check.is_number(until)):
+            raise ValueError(f"until takes a time of time.monotonic(), not {until!r:.40}")
+        if not self.asked or not self.socket:
+            raise ValueError("no picture is asked about; send one first")
         last = self.began + self.timeout
         try:
-            while not self.arrived(last if patient else min(until, last)):
-                if time.monotonic() >= last:
-                    raise TimeoutError(
-                        f"no reply from {self.endpoint} within {self.timeout:g} s; is the server running?"
-                    )
-                if not patient:
-                    return None
-            return self.read()
+            frames = self.wait(self.socket, min(until, last))
+            if not frames and time.monotonic() < last:
+                return None
+            if not frames:
+                within = f"within {self.timeout:g} s"
+                raise TimeoutError(f"no reply from {self.endpoint} {within}; is the server running?")
+            action = read_action(read_reply(frames), self.asked.id)
         except (TimeoutError, MessageError) as error:
             self.fail(printable(str(error)))
             return None
-
-    def arrived(self, until: float) -> bool:
-        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-        wait = min(0.2, max(0.0, until - time.monotonic()))
-        return self.socket is not None and bool(self.socket.poll(math.ceil(wait * 1000)))
-
-    def read(self) -> Action:
-        assert self.socket and self.asked
-        reply = read(self.socket.recv_multipart(zmq.NOBLOCK, copy=False))
-        if reply.kind == "error":
-            code, text = (str(reply.values.get(name, "not said")) for name in ("code", "text"))
-            raise MessageError(code, text)
-        action = read_action(reply, self.asked.id)
         action.milliseconds = (time.monotonic() - self.began) * 1000
-        self.asked, self.lost = None, 0
+        self.asked = None
+        self.lost = 0
         return action
+
+    def wait(self, socket: zmq.Socket[bytes], until: float) -> list[zmq.Frame]:
+        """The frames of what came before that time, or none. In slices: on Windows Ctrl-C ends no longer wait."""
+        while True:
+            left = max(0.0, until - time.monotonic())
+            if socket.poll(min(SLICE_MS, math.ceil(left * 1000))):
+                # What poll saw may be a broken reply, which the socket drops: then there is none after all.
+                with contextlib.suppress(zmq.Again):
+                    return socket.recv_multipart(zmq.NOBLOCK, copy=False)
+            if not left:
+                return []
 
     def fail(self, why: str) -> None:
         self.close()
@@ -128,9 +141,5 @@ class DriverClient:
     def close(self) -> None:
         if self.socket:
             self.socket.close()
-        self.asked = self.socket = None
-
-
-def printable(text: str) -> str:
-    """What a peer sent, fit for one line of a terminal: no control characters, cut to a readable length."""
-    return "".join(c if c.isprintable() else "?" for c in text[:200]) + ("…" if len(text) > 200 else "")
+        self.asked = None
+        self.socket = None

@@ -1,4 +1,7 @@
-"""Lesson 08, the pictures of a message: uint8 [height, width, 3] by the cameras' names, with the top row first.
+"""The pictures of a message: uint8 [height, width, 3] by the cameras' names, red, green and blue, the top row first.
+
+    seen = pictures(frame)                  {"center": an array of numpy}; MessageError says why there is nothing to see
+    file = encode(seen["center"])           a JPEG file; decode(file) gives its pixels
 
 A message of kind `frame` has an array for each camera that its value `cameras` names: raw pixels, with `bottom_up` the
 lowest row first and with alpha where the graphics card adds it, or a JPEG file. What does not fit is refused by name.
@@ -7,16 +10,14 @@ The C# side is Shot.cs. It needs numpy, and for JPEG Pillow.
 
 import io
 import re
-import sys
 import warnings
 from typing import Any
 
-from netmq_example.messages import LIMIT, Array, Message, MessageError
+import numpy as np
 
-try:
-    import numpy as np
-except ImportError:
-    sys.exit("this lesson needs numpy: pip install numpy, or let kit.py run 8 do it")
+from netmq_example import check
+from netmq_example.errors import GaveUp
+from netmq_example.messages import LIMIT, Array, Message, MessageError
 
 try:
     from PIL import Image
@@ -27,10 +28,17 @@ except ImportError:
     Image = None  # type: ignore[assignment]
 
 CAMERAS = ("center", "left,right", "left,center,right")
+# What a frame needs besides its pictures, and of which types.
+NUMBERS = ("sim_time", "wall_time", "throttle", "brake", "steer", "speed")
 VALUES: dict[str, tuple[type, ...]] = {"frame": (int,), "run": (str,), "manual": (bool,)}
-VALUES |= dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), (int, float))
-MOST_SCANS, MOST_PARTS, MOST_PIXELS = 20, 200, 65_500
-# What it thinks of a peer's file is nothing for this terminal.
+VALUES |= dict.fromkeys(NUMBERS, (int, float))
+# Of a JPEG file: scans, each of which costs a pass over the whole picture, and parts before the first one. A camera's
+# file has one scan, or some ten for a picture that gets sharper while it loads, after some twenty parts.
+MOST_SCANS = 20
+MOST_PARTS = 200
+# The height and width that a JPEG file can have.
+MOST_PIXELS = 65_500
+# What Pillow thinks of a peer's file is nothing for this terminal.
 warnings.filterwarnings("ignore", module="PIL")
 # What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
 # of JPEG that no camera writes are left out: some are ten times as slow to decode.
@@ -39,7 +47,7 @@ PART = re.compile(rb"\xff[\xc0-\xc2\xc4\xdb-\xef\xfe](..)", re.DOTALL)
 
 def pictures(frame: Message) -> dict[str, Any]:
     """What each camera saw; MessageError says why there is nothing to see."""
-    check_values(frame)
+    check_values(check.instance("frame", frame, Message))
     cameras, encoding = frame.values.get("cameras"), frame.values.get("encoding")
     if cameras not in CAMERAS:
         raise MessageError("bad-cameras", f"cameras must be {' or '.join(CAMERAS)}, not {cameras!a:.40}")
@@ -49,7 +57,8 @@ def pictures(frame: Message) -> dict[str, Any]:
     if encoding not in ("raw", "jpeg"):
         raise MessageError("bad-encoding", f"encoding must be raw or jpeg, not {encoding!a:.40}")
     seen = [from_jpeg(array) if encoding == "jpeg" else from_raw(array, frame) for array in frame.arrays]
-    if len(sizes := {picture.shape for picture in seen}) > 1:
+    sizes = {picture.shape for picture in seen}
+    if len(sizes) > 1:
         raise MessageError("bad-shape", f"pictures of one moment have one size, not {sorted(sizes)}")
     return dict(zip(names, seen, strict=True))
 
@@ -81,19 +90,22 @@ def from_jpeg(array: Array) -> Any:
 
 
 def encode(picture: Any) -> bytes:
-    """A JPEG file of a picture with its top row first."""
+    """A JPEG file of a picture; GaveUp where there is no Pillow."""
     if Image is None:
-        sys.exit("JPEG needs Pillow: pip install pillow, or let kit.py run 8 do it")
+        raise GaveUp("JPEG needs Pillow: pip install pillow, or let kit.py run 8 do it")
+    pixels = np.asarray(picture)
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
+        raise ValueError(f"picture takes uint8 [height, width, 3], not {pixels.dtype} {[*pixels.shape]}")
     file = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(picture)).save(file, "JPEG", quality=90)
+    Image.fromarray(np.ascontiguousarray(pixels)).save(file, "JPEG", quality=90)
     return file.getvalue()
 
 
 def decode(file: bytes) -> Any:
-    """The pixels of a JPEG file, top row first."""
+    """The pixels of a JPEG file."""
     if Image is None:
         raise MessageError("no-pillow", "JPEG needs Pillow: pip install pillow")
-    check(file)
+    refuse_slow(check.instance("file", file, bytes))
     try:
         with Image.open(io.BytesIO(file), formats=["JPEG"]) as image:
             # Its size is known before it is decoded: a small file can claim to be an enormous picture.
@@ -105,14 +117,12 @@ def decode(file: bytes) -> Any:
     raise MessageError("too-big", f"a JPEG picture of {image.width} x {image.height} pixels is over the limit")
 
 
-def check(file: bytes) -> None:
-    """Refuse a file that would be slow to decode by what it announces: each scan costs a pass over the whole picture.
-
-    A camera's file has one scan, or some ten for a picture that gets sharper while it loads, after some twenty parts.
-    """
+def refuse_slow(file: bytes) -> None:
+    """Refuse a file that would be slow to decode, by what it announces."""
     at, parts = 2, 0
     while (part := PART.match(file, at)) and parts < MOST_PARTS:
-        at, parts = at + 2 + int.from_bytes(part[1], "big"), parts + 1
+        at += 2 + int.from_bytes(part[1], "big")
+        parts += 1
     # In the pixels' data 0xff is never followed by 0xda: what looks like a scan is one.
     if part or file.count(b"\xff\xda", at) > MOST_SCANS:
         raise MessageError("too-big", f"a JPEG picture of over {MOST_SCANS} scans or {MOST_PARTS} parts is refused")

@@ -1,4 +1,4 @@
-// Lesson 08, the car: a kinematic bicycle, which goes where its wheels point. The Python side is world.py.
+// Lesson 08, the car: a kinematic bicycle, which goes where its wheels point. The Python side is road.py.
 //
 // No WheelCollider: that cannot run outside Unity, and does not give the same numbers twice.
 using System;

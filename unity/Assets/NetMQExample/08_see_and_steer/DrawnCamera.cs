@@ -1,6 +1,6 @@
 // Lesson 08, the camera of the terminal: it draws what a camera on the car sees. In Unity a real Camera looks.
 //
-// The Python side is world.py, and its pictures are the same to the last byte.
+// The Python side is road.py, and its pictures are the same to the last byte.
 using System;
 
 namespace NetMQExample
