@@ -27,9 +27,9 @@ KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
 sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
 from netmq_example.messages import Message, MessageError, read  # noqa: E402
-from netmq_example.simulation.simulation import draws  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
 from netmq_example.spaces import to_array  # noqa: E402
+from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)

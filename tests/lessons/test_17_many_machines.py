@@ -25,7 +25,7 @@ from netmq_example.fleet import hub as upkeep  # noqa: E402
 from netmq_example.fleet.hub import Hub  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
-from netmq_example.simulation.simulation import draws  # noqa: E402
+from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)

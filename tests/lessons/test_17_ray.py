@@ -22,7 +22,7 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install num
 RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
 sys.path += [str(ROOT / "python" / folder) for folder in ("09_environment", "05_messages")]
 from netmq_example import cross_entropy  # noqa: E402
-from netmq_example.simulation.simulation import draws  # noqa: E402
+from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 pytestmark = [pytest.mark.xdist_group("ray"), pytest.mark.skipif(os.name == "nt", reason="Ray is in beta on Windows")]

@@ -9,25 +9,16 @@ Unity's own are drawn by System.Random, so the same seed gives others there, spr
 
 import math
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import islice
 
 from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
 from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, UnitySideChannelException
 from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
+from netmq_example.split_mix import draws
 
 Sampler = Callable[[], float]
-
-
-def draws(seed: int) -> Iterator[float]:
-    """Numbers from 0 to 1, the same in every language: SplitMix64 (Steele, Lea and Flood, 2014)."""
-    mask = 2**64 - 1
-    while True:
-        seed = seed + 0x9E3779B97F4A7C15 & mask
-        bits = (seed ^ seed >> 30) * 0xBF58476D1CE4E5B9 & mask
-        bits = (bits ^ bits >> 27) * 0x94D049BB133111EB & mask
-        yield ((bits ^ bits >> 31) >> 11) / 2**53
 
 
 def to_float32(value: float) -> float:

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.simulation.simulation import AgentSimulation, RealTime, draws
+from netmq_example.simulation.simulation import AgentSimulation, RealTime
 from netmq_example.simulation.simulator import SimulatorBase
 from netmq_example.spaces import described, from_array, pack, to_array, unpack, verdicts
+from netmq_example.split_mix import draws
 
 
 class AgentSimulator(SimulatorBase):

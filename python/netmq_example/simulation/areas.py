@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from netmq_example.messages import Array, Message, MessageError
-from netmq_example.simulation.simulation import Simulation, draws
+from netmq_example.simulation.simulation import Simulation
 from netmq_example.simulation.simulator import Simulator
 from netmq_example.spaces import from_array, pack, to_array, verdicts
+from netmq_example.split_mix import draws
 
 
 class AreaSimulator(Simulator):

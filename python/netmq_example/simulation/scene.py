@@ -14,9 +14,9 @@ from typing import Any, get_type_hints
 
 from netmq_example.locator import APPEND, LocatorError, ordinal, parse, quoted
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.simulation.simulation import draws
 from netmq_example.simulation.simulator import SimulatorBase
 from netmq_example.spaces import read, write
+from netmq_example.split_mix import draws
 
 
 @dataclass(frozen=True)

@@ -50,16 +50,6 @@ class Simulation(ABC):
         raise NotImplementedError(f"{self.name} draws no pictures")
 
 
-def draws(seed: int) -> Iterator[float]:
-    """Numbers from 0 to 1, the same in every language: SplitMix64 (Steele, Lea and Flood, 2014)."""
-    mask = 2**64 - 1
-    while True:
-        seed = seed + 0x9E3779B97F4A7C15 & mask
-        bits = (seed ^ seed >> 30) * 0xBF58476D1CE4E5B9 & mask
-        bits = (bits ^ bits >> 27) * 0x94D049BB133111EB & mask
-        yield ((bits ^ bits >> 31) >> 11) / 2**53
-
-
 class AgentSimulation(ABC):
     """Your own game derives from it. `agents` are their names with what each sees and what it does."""
 

@@ -19,8 +19,9 @@ import numpy as np
 import zmq
 
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
-from netmq_example.simulation.simulation import Simulation, draws
+from netmq_example.simulation.simulation import Simulation
 from netmq_example.spaces import described, from_array, to_array
+from netmq_example.split_mix import draws
 
 
 class SimulatorBase(ABC):
