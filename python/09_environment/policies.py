@@ -1,4 +1,4 @@
-"""Lesson 09, the policies: written by hand. At home train yours."""
+"""Lesson 09, the policies: written by hand. Yours is what you train."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ def drive(seen: Any) -> Any:
     return np.clip(np.array([2 * seen[4] - seen[0] - 2 * seen[1], 0.4], np.float32), -1, 1)
 
 
-# What each of them sees, and what it does.
+# The shape of what each of them sees, and the space of what it does.
 POLICIES = {"CartPole": ((4,), Discrete(2), balance), "Car": ((5,), Box(-1, 1, (2,)), drive)}
 
 

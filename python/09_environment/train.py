@@ -4,8 +4,8 @@
     python python/09_environment/train.py --launch dotnet run --project csharp-console -- 9
     python python/09_environment/train.py --plot learning_curve.svg    draws what it has learned when; needs matplotlib
 
-How it learns stands in cross_entropy.py. The same --seed gives the same numbers. At home, train with what you like: see
-the guide's page for Stable-Baselines3.
+How it learns stands in cross_entropy.py. The same --seed gives the same numbers. The guide's page has what it takes to
+train with Stable-Baselines3.
 """
 
 import argparse
@@ -15,22 +15,16 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.errors import GaveUp
+from netmq_example.program import importing, run, whole
 
-try:
+with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
     import gymnasium
     import learning_curve
 
     import netmq_example.envs  # noqa: F401, it registers the environments.
     from netmq_example.cross_entropy import GOAL, STEPS, play, train
     from netmq_example.messages import MessageError
-except KeyboardInterrupt:
-    sys.exit("stopped")
-
-
-def whole(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"takes a whole number from 0, not '{text}'")
-    return int(text)
 
 
 def figure(path: str) -> str:
@@ -43,7 +37,6 @@ def figure(path: str) -> str:
 
 
 def main() -> None:
-    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Learns to balance a pole.")
     parser.add_argument("--endpoint", default="", help="where the simulator comes to; tcp://127.0.0.1:5559")
     parser.add_argument("--seed", type=whole, default=0, help="the same seed gives the same numbers")
@@ -53,22 +46,20 @@ def main() -> None:
     # By hand: argparse would take the simulator's own words, such as --, for its own.
     at = sys.argv.index("--launch") if "--launch" in sys.argv[1:-1] else len(sys.argv)
     options = parser.parse_args(sys.argv[1:at])
-    where = {"endpoint": options.endpoint, "launch": sys.argv[at + 1 :] or options.launch}
+    launch = sys.argv[at + 1 :] or options.launch
     # SIGTERM, on Windows SIGBREAK, ends the simulator as well, as Ctrl-C does.
     signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
+    where = {"endpoint": options.endpoint, "launch": launch}
     try:
         with gymnasium.make("NetMQExample/CartPole-v0", max_episode_steps=STEPS, **where) as env:
             means = train(lambda episodes: [play(env, *each) for each in episodes], options.seed, options.generations)
         if options.plot:
             learning_curve.plot(means, GOAL, STEPS, options.plot)
     except (OSError, MessageError, ValueError) as error:
-        sys.exit(f"gave up: {error}")
+        raise GaveUp(str(error)) from None
     if max(means, default=0) < GOAL:
-        sys.exit(f"gave up: no generation reached {GOAL} of {STEPS}; try another --seed, or more --generations")
+        raise GaveUp(f"no generation reached {GOAL} of {STEPS}; try another --seed, or more --generations")
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        sys.exit("stopped")
+    run(main, stopped="stopped")

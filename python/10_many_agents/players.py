@@ -1,17 +1,25 @@
-"""Lesson 10, the players: written by hand, and as PettingZoo and Gymnasium play everywhere. At home train yours."""
+"""Lesson 10, the players: written by hand. Yours are what you train."""
 
-from collections.abc import Iterator
+import functools
 from typing import Any
 
 import numpy as np
 
-GAMES, STEPS = 10, 1000
+from netmq_example import check
+from netmq_example.program import option
+
 LEFT, RIGHT, DOWN, UP = 1, 2, 3, 4
+
+
+def areas(text: str) -> int:
+    """The type of --areas."""
+    return option(functools.partial(check.count, most=1024), text, int)
 
 
 def policy(agent: str, seen: Any) -> int:
     """A rabbit runs from the nearest hunter; a hunter to the nearest rabbit, and rests while that is too far."""
-    others, hunter = seen[3:].reshape(-1, 3), agent.startswith("hunter")
+    others = seen[3:].reshape(-1, 3)
+    hunter = agent.startswith("hunter")
     # In the order of their names: a hunter sees two hunters first, a rabbit three.
     wanted = [one for one in (others[2:] if hunter else others[:3]) if one[2]]
     x, y, _ = min(wanted, key=lambda one: one[0] ** 2 + one[1] ** 2)
@@ -19,28 +27,62 @@ def policy(agent: str, seen: Any) -> int:
         return 0
     # From something on the right one runs to the left, and so on.
     x, y = (x, y) if hunter else (-x, -y)
-    return (RIGHT if x > 0 else LEFT) if abs(x) > abs(y) else (UP if y > 0 else DOWN)
+    if abs(x) > abs(y):
+        return RIGHT if x > 0 else LEFT
+    return UP if y > 0 else DOWN
 
 
-def play(env: Any) -> Iterator[str]:
-    """Game after game, and a line for each."""
-    for number in range(1, GAMES + 1):
-        seen, infos = env.reset(seed=number)
-        steps, caught, lost = 0, 0, ""
-        while env.agents:
-            seen, _, _, _, infos = env.step({agent: policy(agent, seen[agent]) for agent in env.agents})
-            said = next(iter(infos.values()))
-            caught += sum("caught" in info for info in said.get("told", {}).get("env", []))
-            steps, lost = steps + 1, f", {said['lost']}" if "lost" in said else ""
-        yield f"game {number}: {steps} steps, {caught} of 2 rabbits caught{lost}"
+class Game:
+    """Hunters and rabbits, from their beginning to the end of the game."""
+
+    def __init__(self, number: int) -> None:
+        self.seed = number
+        self.steps = 0
+        self.caught = 0
+        self.lost = ""
+
+    def plays(self, env: Any) -> bool:
+        return bool(env.agents)
+
+    def actions(self, env: Any, seen: dict[str, Any]) -> dict[str, int]:
+        return {agent: policy(agent, seen[agent]) for agent in env.agents}
+
+    def count(self, terminated: Any, truncated: Any, infos: dict[str, Any]) -> None:
+        # What the game has told the environment is the same in the info of each agent.
+        info = next(iter(infos.values()))
+        told = info.get("told", {}).get("env", [])
+        self.steps += 1
+        self.caught += sum("caught" in each for each in told)
+        self.lost = f", {info['lost']}" if "lost" in info else ""
+
+    def __str__(self) -> str:
+        return f"game {self.seed}: {self.steps} steps, {self.caught} of 2 rabbits caught{self.lost}"
 
 
-def balance(envs: Any) -> Iterator[str]:
-    """Push each cart to where its pole falls. What is over begins anew by itself."""
-    seen, _ = envs.reset(seed=1)
-    ended, lost = 0, ""
-    for _ in range(STEPS):
-        seen, _, terminated, truncated, infos = envs.step((seen[:, 2] + seen[:, 3] > 0).astype(np.int64))
-        ended += int((terminated | truncated).sum())
-        lost = f", {infos['lost'][0]}" if "lost" in infos else lost
-    yield f"{STEPS} steps of {envs.num_envs} areas: {ended} episodes ended{lost}"
+class Poles:
+    """1000 steps of all areas. Where a pole falls, its area begins anew by itself."""
+
+    seed = 1
+
+    def __init__(self) -> None:
+        self.areas = 0
+        self.steps = 0
+        self.ended = 0
+        self.lost = ""
+
+    def plays(self, envs: Any) -> bool:
+        self.areas = envs.num_envs
+        return self.steps < 1000
+
+    def actions(self, envs: Any, seen: Any) -> Any:
+        """Push each cart to where its pole falls."""
+        return (seen[:, 2] + seen[:, 3] > 0).astype(np.int64)
+
+    def count(self, terminated: Any, truncated: Any, infos: dict[str, Any]) -> None:
+        self.steps += 1
+        self.ended += int((terminated | truncated).sum())
+        if "lost" in infos:
+            self.lost = f", {infos['lost'][0]}"
+
+    def __str__(self) -> str:
+        return f"{self.steps} steps of {self.areas} areas: {self.ended} episodes ended{self.lost}"

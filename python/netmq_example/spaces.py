@@ -1,28 +1,27 @@
-"""Lesson 11, trees: a value of any space as a message has it, one JSON text and the message's arrays.
+"""What is seen and what is done, as an environment and its simulator send it: spaces, and values of any space.
 
-    5   0.5   true   null   "a text"   [1, 2]       as JSON has them; tuples are lists
-    {"array": 0}                                    the first array of the message
-    {"dict": {"speed": 5, "picture": {"array": 0}}}            a dict
-    {"graph": {"nodes": …, "edges": …, "edge_links": …}}       Gymnasium's GraphInstance; without edges both are null
+**Spaces** (lesson 09). A hello names the kinds, `box` or `discrete`, as the values `observation` and `action`. Its
+arrays are the rest: of a box the lowest and the highest numbers, whose dtype and shape are those of the box; of a
+discrete one how many there are, an int64. An observation or an action is then one array. What is not in its space is
+refused. In C# it is GymSpace.cs.
 
-An array whose dtype no message has travels as the next larger one, and loses nothing. The C# side is MessageTree.cs.
+    kind, arrays = described(Discrete(2))               "discrete" and one array; space_of(kind, arrays) is the way back
+    action = from_array(Discrete(2), [to_array(1, np.int64)])
 
-Lesson 09, the spaces: what a simulator says of what it sees and takes, as Gymnasium's spaces.
+**Trees** (lesson 11) are values of any space: JSON, and the message's arrays. An array whose dtype no message has
+travels as the next larger one, and loses nothing. In C# it is MessageTree.cs.
 
-A hello names the kinds, `box` or `discrete`, as the values `observation` and `action`. Its arrays are the rest: of a
-box the lowest and the highest numbers, whose dtype and shape are those of the box; of a discrete one how many there
-are, an int64. An observation or an action is then one array. What is not in its space is refused.
+    5   0.5   true   null   "a text"   [1, 2]           as JSON has them; tuples are lists
+    {"array": 0}                                        the first array of the message
+    {"dict": {"speed": 5, "picture": {"array": 0}}}     a dict
+    {"graph": {"nodes": …, "edges": …, "edge_links": …}}        Gymnasium's GraphInstance; without edges both are null
 
-Lesson 10, the infos: what is said of many, or to them, in one value of a message. In C#: Infos.cs.
-
-    [["hunter_0",{"energy":0.5}],["",{"weather":"rain"}]]        JSON; "" is the environment
-
-An info is flat: texts, numbers, true and false by name, as the values of a message are.
+MessageError says what is wrong with what a peer sent, ValueError what cannot be sent. It needs gymnasium.
 """
 
 import json
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -31,6 +30,12 @@ from gymnasium.spaces import Box, Discrete, GraphInstance, Space
 
 from netmq_example.messages import DECODER, ENCODER, EXACT, Array, Message, MessageError, take
 from netmq_example.messages import read as read_message
+
+# The dtypes that a message has not, and those that they travel as.
+WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", "float16": "float32"}
+
+
+# Spaces
 
 
 def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
@@ -48,7 +53,8 @@ def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
 
 def offered(hello: Message, name: str, before: list[Space[Any]] | None) -> list[Space[Any]]:
     """What a simulator of this name sees and takes; MessageError says why its hello is refused."""
-    if (found := take(hello.values, "name", str)) != name:
+    found = take(hello.values, "name", str)
+    if found != name:
         raise MessageError("wrong-name", f"this environment is {name}, the simulator's is {found!a:.40}")
     arrays = list(hello.arrays)
     spaces = [space_of(take(hello.values, which, str), arrays) for which in ("observation", "action")]
@@ -64,6 +70,12 @@ def described(space: Space[Any]) -> tuple[str, list[Array]]:
     if isinstance(space, Box):
         return "box", [to_array(space.low, space.dtype), to_array(space.high, space.dtype)]
     raise MessageError("unknown-space", f"{space!s:.40} is none of Box, Discrete from 0")
+
+
+def frames_per_second(hello: Message) -> int:
+    """As many steps as there are in a second of the world's own time."""
+    dt: float = take(hello.values, "dt", float)
+    return round(1 / max(1e-3, dt))
 
 
 def to_array(items: Any, dtype: Any) -> Array:
@@ -91,15 +103,15 @@ def picture(arrays: list[Array]) -> Any:
     return arrays[0].numpy().copy()
 
 
-def drawn(mode: Any) -> Any:
-    """The render mode, if there are pictures in it."""
+def known_render_mode(mode: Any) -> Any:
+    """None, or the one that has pictures."""
     if mode not in (None, "rgb_array"):
         raise ValueError(f"render_mode takes 'rgb_array' or None, not {mode!r:.40}; lesson 12 makes films")
     return mode
 
 
 def gives_pictures(mode: Any) -> bool:
-    """Whether render has pictures to give; where it has none it says so, as Gymnasium's own environments do."""
+    """Whether render has pictures to give; where it has none it warns, as Gymnasium's own environments do."""
     if mode is None:
         logger.warn('render gives no picture: make the environment with render_mode="rgb_array"')
     return mode is not None
@@ -111,15 +123,20 @@ def shown(items: Any) -> str:
     return dtype + " ".join(f"{items!r:.200}".split())
 
 
+def copied(options: Any) -> dict[str, Any]:
+    """A copy of the options of a reset."""
+    options = {} if options is None else options
+    if not isinstance(options, Mapping) or "seed" in options:
+        raise ValueError(f"options must be a dict, without seed, which is reset's own: {options!r:.80}")
+    return dict(options)
+
+
 def sendable(options: Any, **own: int) -> tuple[dict[str, Any], list[Array]]:
     """What reset sends: the options, beside values of its own, and the option `state` as an array.
 
     ValueError names what no simulator could read, before anything is sent.
     """
-    options = {} if options is None else options
-    if not isinstance(options, Mapping) or "seed" in options:
-        raise ValueError(f"options must be a dict, without seed, which is reset's own: {options!r:.80}")
-    values = {**options, **own}
+    values = {**copied(options), **own}
     try:
         state = [to_array(values.pop("state"), np.float64)] if "state" in values else []
     except (ValueError, TypeError) as error:
@@ -133,76 +150,7 @@ def sendable(options: Any, **own: int) -> tuple[dict[str, Any], list[Array]]:
     return values, state
 
 
-# Characters. In a header each may take four bytes, and a header has at most 64 KB.
-LIMIT = 12_000
-
-
-def pack(infos: list[tuple[Any, dict[str, Any]]]) -> str:
-    """ValueError says what has no place in an info."""
-    infos = [(who, checked(who, info)) for who, info in infos]
-    if "\\u" in (text := ENCODER.encode(infos)):
-        # Half a character, such as \ud800 alone, is none that could be printed.
-        json.dumps(infos, ensure_ascii=False).encode()
-    return text
-
-
-def checked(who: Any, info: Any) -> dict[str, Any]:
-    if type(who) not in (str, int) or type(info) is not dict:
-        raise ValueError(f"{info!a:.40} of {who!a:.40} is no dict of a name or a number")
-    # Whatever numpy made them of.
-    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in info.items()}
-    for name, value in plain.items():
-        if type(name) is not str or type(value) not in (str, int, float, bool):
-            raise ValueError(f"info {name!a:.40} of {who!a:.40} must be text, a number, true or false")
-        if type(value) is int and abs(value) >= EXACT:
-            raise ValueError(f"info {name!a:.40} of {who!a:.40} is too large to be exact")
-    return plain
-
-
-def unpack(text: Any, whose: type = str, own: Collection[str] = ()) -> list[tuple[Any, dict[str, Any]]]:
-    """MessageError says what is wrong with what a peer sent. `own` are the names that the environment itself gives."""
-    try:
-        infos = [(who, info) for who, info in DECODER.decode(text)]
-        pack(infos)
-        if wrong := [who for who, info in infos if type(who) is not whose or not info.keys().isdisjoint(own)]:
-            raise ValueError(f"{wrong[0]!a:.40} is no {whose.__name__}, or has a name of the environment's own: {own}")
-    except (ValueError, TypeError, RecursionError) as error:
-        raise MessageError("bad-infos", f"these are no infos: {error!s:.120}") from None
-    return infos
-
-
-def verdicts(judged: list[dict[str, Any]]) -> list[Array]:
-    """The arrays rewards float64 [n], terminated and truncated uint8 [n]; what is left in them is info."""
-    rewards = [one.pop("reward") for one in judged]
-    if not np.isfinite(rewards).all():
-        raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
-    flags = [[one.pop(name) for one in judged] for name in ("terminated", "truncated")]
-    return [to_array(rewards, np.float64), *(to_array(flag, np.uint8) for flag in flags)]
-
-
-class InfoQueue:
-    """What is said between two messages: no more than fits into one, and what was left out is counted."""
-
-    def __init__(self) -> None:
-        self.infos, self.size, self.dropped = list[tuple[str, dict[str, Any]]](), 0, 0
-
-    def send(self, agent: str, info: dict[str, Any]) -> None:
-        size = len(pack([(agent, info)]))
-        if self.size + size > LIMIT:
-            self.dropped += 1
-            return
-        self.size += size
-        self.infos.append((agent, dict(info)))
-
-    def take(self) -> str:
-        """All of it, and from then on it is empty."""
-        lost = [("", {"dropped": self.dropped})] if self.dropped else []
-        text = pack(self.infos + lost)
-        self.infos, self.size, self.dropped = [], 0, 0
-        return text
-
-
-WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", "float16": "float32"}
+# Trees
 
 
 def write(value: Any, arrays: list[Array]) -> str:
@@ -214,18 +162,18 @@ def write(value: Any, arrays: list[Array]) -> str:
 
 
 def read(text: str, arrays: list[Array]) -> Any:
-    """The value that a text means; MessageError says why it means none. Its arrays are those of the message."""
+    """The value that a text stands for; MessageError says why it is none. Its arrays are those of the message."""
     try:
         return value_of(whole(DECODER.decode(text)), arrays)
     except (ValueError, RecursionError) as error:
         raise MessageError("bad-tree", f"it is not JSON: {error!s:.80}") from None
 
 
-def request(kind: str, said: Any, values: dict[str, Any]) -> tuple[dict[str, Any], list[Array]]:
+def request(kind: str, tree: Any, values: dict[str, Any]) -> tuple[dict[str, Any], list[Array]]:
     """Values and arrays of a request; ValueError says what no simulator could read, before anything is sent."""
     arrays = list[Array]()
     try:
-        values = {**values, "state": write(said, arrays)}
+        values = {**values, "state": write(tree, arrays)}
         read_message(Message(kind, EXACT - 1, values, arrays).frames())
     except MessageError as error:
         raise ValueError(f"{kind} cannot be sent: {error}") from None
@@ -247,7 +195,8 @@ def node_of(value: Any, arrays: list[Array]) -> Any:
         case GraphInstance():
             return {"graph": {name: node_of(part, arrays) for name, part in value._asdict().items()}}
         case dict():
-            if others := [key for key in value if not isinstance(key, str)]:
+            others = [key for key in value if not isinstance(key, str)]
+            if others:
                 raise MessageError("bad-tree", f"the keys of a dict are texts, not {others[0]!a:.40}")
             return {"dict": {key: node_of(part, arrays) for key, part in value.items()}}
         case list() | tuple():

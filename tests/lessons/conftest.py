@@ -4,8 +4,6 @@ side of lesson 05's messages without a client around it; and environments, with 
 
 from __future__ import annotations
 
-import sys
-
 import pytest
 import zmq
 
@@ -52,7 +50,6 @@ def launch(client_command):
 def make():
     """gymnasium.make, and what it made is closed at the end of the test."""
     gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
-    sys.path += [str(ROOT / "python" / folder) for folder in ("09_environment", "05_messages")]
     import netmq_example.envs  # noqa: F401
 
     made = []

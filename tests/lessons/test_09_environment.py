@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import itertools
 import re
-import sys
 import time
 import warnings
 from collections import deque
@@ -23,7 +22,6 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402
 
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
-sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages  # noqa: E402
 

@@ -9,7 +9,6 @@ import re
 import signal
 import socket as sockets
 import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
@@ -25,7 +24,6 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install num
 
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
-sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
 from netmq_example.messages import Message, MessageError, read  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
 from netmq_example.spaces import to_array  # noqa: E402
@@ -207,7 +205,7 @@ def test_a_silent_simulator_is_lost_after_the_timeout(faked):
     env, _ = faked(lambda request: Fake.state(request) if request.kind == "reset" else [])
     env.reset()
     # From here on only: to come and to begin takes longer on a busy machine.
-    env.unwrapped.simulators.limit = env.unwrapped.connection.timeout = 0.3
+    env.unwrapped.simulators.wait = env.unwrapped.connection.timeout = 0.3
     assert env.step(0)[3:] == (True, {"lost": "no answer to step within 0.3 s"})
     with pytest.raises(TimeoutError, match=r"no simulator came to tcp://127.0.0.1:\d+ within 0.3 s; is it running\?"):
         env.reset()

@@ -24,7 +24,6 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install num
 
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
-sys.path += [str(LESSON), str(ROOT / "python" / "05_messages")]
 from netmq_example.envs.connection import Simulators  # noqa: E402
 from netmq_example.messages import Message, MessageError, read  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
@@ -234,8 +233,8 @@ def test_the_pages_training_command_starts(start, tmp_path):
 @pytest.mark.parametrize(
     ("words", "code", "text"),
     [
-        (["--seed", "-1"], 2, "--seed: takes a whole number from 0, not '-1'"),
-        (["--generations", "x"], 2, "--generations: takes a whole number from 0, not 'x'"),
+        (["--seed", "-1"], 2, "--seed: it takes a whole number from 0 to 2147483647, not -1"),
+        (["--generations", "x"], 2, "--generations: it takes a whole number from 0 to 2147483647, not 'x'"),
         (["--plot", "no/such/folder/curve.svg"], 2, "--plot: cannot write 'no/such/folder/curve.svg'"),
         (["--launch"], 2, "--launch: expected at least one argument"),
         (["--endpoint", "tcp://127.0.0.1:99999"], 1, "gave up: bad endpoint 'tcp://127.0.0.1:99999'"),
@@ -415,7 +414,7 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
         "200",
     ]
     player = start(PYTHON, *words)
-    gymnasium.register("My/Ball-v0", "environment:ZmqEnv", kwargs={"name": "Ball"})
+    gymnasium.register("My/Ball-v0", "netmq_example.envs.gym_env:ZmqEnv", kwargs={"name": "Ball"})
     env = make("My/Ball-v0", endpoint=endpoint, wait=500)
     assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
     # Through several frames: nobody plays by hand meanwhile.

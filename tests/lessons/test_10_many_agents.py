@@ -23,13 +23,13 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # n
 from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
-sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
+sys.path.append(str(ROOT / "python" / KEY))
 from players import policy  # noqa: E402
 
 import netmq_example.envs  # noqa: E402, F401
-from netmq_example.envs.connection import game  # noqa: E402
-from netmq_example.envs.parallel_env import ZmqParallelEnv  # noqa: E402
-from netmq_example.spaces import InfoQueue, pack, unpack  # noqa: E402
+from netmq_example.envs import ZmqParallelEnv  # noqa: E402
+from netmq_example.envs.launch import game  # noqa: E402
+from netmq_example.infos import InfoQueue, pack, unpack  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Unity's scene of this lesson has agents; areas are for terminals.
@@ -109,7 +109,6 @@ def test_areas_are_what_gymnasiums_own_vector_makes_of_as_many_environments(mode
 
 def test_infos_of_a_simulation_come_from_each_area(vectors, launch):
     """The car says how many metres it has come; a road is left sooner or later."""
-    sys.path.append(str(ROOT / "python" / "08_see_and_steer"))
     from netmq_example.messages import Message, read
     from netmq_example.simulation.areas import AreaSimulator
     from netmq_example.spaces import to_array

@@ -4,36 +4,28 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 from pathlib import Path
 
 import pytest
 import zmq
 
 from tests.conftest import CLIENTS
-from tests.programs import ROOT, finds_processes, free_port
+from tests.programs import finds_processes, free_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install numpy")
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
 
 KEY = "10_many_agents"
-sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example.envs.connection import Lost  # noqa: E402
-from netmq_example.envs.parallel_env import (
-    RemoteAgents,
-    ZmqParallelEnv,
-)
+from netmq_example.envs.parallel_env import RemoteAgents, ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.vector_env import RemoteAreas  # noqa: E402
+from netmq_example.infos import LONGEST, pack  # noqa: E402
 from netmq_example.messages import Message, MessageError, read  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.spaces import LIMIT as LONGEST  # noqa: E402
-from netmq_example.spaces import (
-    pack,
-    to_array,
-)
+from netmq_example.spaces import to_array  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 

@@ -20,14 +20,12 @@ from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 from pettingzoo.test import parallel_api_test  # noqa: E402
 
 KEY = "10_many_agents"
-sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-import netmq_example.envs  # noqa: E402, F401
-from netmq_example.envs.parallel_env import ZmqParallelEnv  # noqa: E402
+from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 
 # Sixteen of lesson 09's worlds, under another name, as a reader's script has them.
 BALLS = """import sys
 
-sys.path.append("python/10_many_agents")
+sys.path.append("python")
 from netmq_example.simulation.areas import AreaSimulator
 from netmq_example.worlds.cart_pole import CartPole
 from netmq_example.simulation.simulator import EnvironmentClient

@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import re
-import sys
 
 import pytest
 import zmq
 
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install numpy")
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
 
 KEY = "10_many_agents"
-sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-import netmq_example.envs  # noqa: E402, F401
-from netmq_example.envs.parallel_env import ZmqParallelEnv  # noqa: E402
+from netmq_example.envs import ZmqParallelEnv  # noqa: E402
+from netmq_example.infos import pack, unpack  # noqa: E402
 from netmq_example.messages import EXACT, MessageError, read  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.spaces import (  # noqa: E402
-    pack,
-    to_array,
-    unpack,
-)
+from netmq_example.spaces import to_array  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 

@@ -1,0 +1,64 @@
+"""Environments of Gymnasium and PettingZoo whose world is simulated elsewhere, such as in a Unity scene.
+
+    import gymnasium
+    import netmq_example.envs                                                 registers what is in ENVIRONMENTS
+
+    env = gymnasium.make("NetMQExample/CartPole-v0")
+    envs = gymnasium.make_vec("NetMQExample/CartPole-v0", num_envs=16)
+    env = gymnasium.make("netmq_example.envs:NetMQExample/CartPole-v0")       needs no import of this package
+
+The last form is Gymnasium's own: it imports the module before the colon. Its versions before 1.0 also called what an
+entry point names; today's do not.
+A class is imported when it is first used, as in `from netmq_example.envs import ZmqParallelEnv`. Only those for several
+agents need pettingzoo.
+"""
+
+import importlib
+from typing import Any
+
+from gymnasium.envs import registration
+
+__all__ = [
+    "UnityAECEnv",
+    "UnityGymEnv",
+    "UnityParallelEnv",
+    "ZmqEnv",
+    "ZmqParallelEnv",
+    "ZmqVectorEnv",
+    "register",
+]
+
+# Whole names, from which `kit.py copy` reads what belongs together.
+MODULES = {
+    "UnityAECEnv": "netmq_example.envs.unity_parallel_env",
+    "UnityGymEnv": "netmq_example.envs.unity_env",
+    "UnityParallelEnv": "netmq_example.envs.unity_parallel_env",
+    "ZmqEnv": "netmq_example.envs.gym_env",
+    "ZmqParallelEnv": "netmq_example.envs.parallel_env",
+    "ZmqVectorEnv": "netmq_example.envs.vector_env",
+}
+WORLD = {
+    "entry_point": "netmq_example.envs.gym_env:ZmqEnv",
+    "vector_entry_point": "netmq_example.envs.vector_env:ZmqVectorEnv",
+}
+ENVIRONMENTS: dict[str, dict[str, Any]] = {
+    "NetMQExample/CartPole-v0": {**WORLD, "kwargs": {"name": "CartPole"}, "max_episode_steps": 500},
+    "NetMQExample/Car-v0": {**WORLD, "kwargs": {"name": "Car"}, "max_episode_steps": 1000},
+    "NetMQExample/Unity-v0": {"entry_point": "netmq_example.envs.unity_env:UnityGymEnv"},
+}
+
+
+def register() -> None:
+    """Called by the import of this module; once more it changes nothing."""
+    for name, words in ENVIRONMENTS.items():
+        if name not in registration.registry:
+            registration.register(name, **words)
+
+
+def __getattr__(name: str) -> Any:
+    if name in MODULES:
+        return getattr(importlib.import_module(MODULES[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+register()

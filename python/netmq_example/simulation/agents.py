@@ -1,20 +1,23 @@
-"""Lesson 10, agents: several of them in one world, and one message has an array for each that lives. In C#:
-AgentSimulator.cs.
+"""Agents: several of them in one world, and one message has an array for each that lives.
 
-A hello says in `agents` who there is and of what kind their spaces are. A `step` has an action for each agent that
+    EnvironmentClient("tcp://127.0.0.1:5560", timeout=30).run(AgentSimulator(Pursuit()))
+
+A hello lists in `agents` who there is and of what kind their spaces are. A `step` has an action for each agent that
 lives, in the order of the hello. The answer's `infos` name these agents; its arrays are rewards float64 [n], terminated
-and truncated uint8 [n], and what each of them sees. Whoever is over then has no part in the next step.
-An `info` brings infos for agents, and takes back in `told` what the game had to say, as each answer does.
+and truncated uint8 [n], and what each of them sees. An agent that is over then has no part in the next step.
+An `info` brings infos for agents, and takes back in `told` those of the game, as each answer does. In C# it is
+AgentSimulator.cs.
 """
 
 from typing import Any
 
 import numpy as np
 
-from netmq_example.messages import Message, MessageError, take
+from netmq_example.infos import pack, unpack
+from netmq_example.messages import Array, Message, MessageError, take
 from netmq_example.simulation.simulation import AgentSimulation, RealTime
-from netmq_example.simulation.simulator import SimulatorBase
-from netmq_example.spaces import described, from_array, pack, to_array, unpack, verdicts
+from netmq_example.simulation.simulator import SimulatorBase, verdicts
+from netmq_example.spaces import described, from_array, to_array
 from netmq_example.split_mix import draws
 
 
@@ -22,36 +25,40 @@ class AgentSimulator(SimulatorBase):
     """Answers reset, step, info and render for a game."""
 
     def __init__(self, game: AgentSimulation) -> None:
+        self.game = RealTime(game)
         super().__init__(game.name)
-        self.game, self.living = RealTime(game), list[str]()
+        self.living: list[str] = []
 
     def describe(self) -> Message:
-        kinds, arrays = [], []
-        for agent, (seen, done) in self.game.agents.items():
-            (see, seen_arrays), (do, done_arrays) = described(seen), described(done)
-            kinds.append((agent, {"observation": see, "action": do}))
+        kinds: list[tuple[str, dict[str, Any]]] = []
+        arrays: list[Array] = []
+        for agent, (observation, action) in self.game.agents.items():
+            seen, seen_arrays = described(observation)
+            done, done_arrays = described(action)
+            kinds.append((agent, {"observation": seen, "action": done}))
             arrays += seen_arrays + done_arrays
         return Message("hello", 0, {"name": self.name, "dt": self.game.dt, "agents": pack(kinds)}, arrays)
 
     def do(self, request: Message) -> Message:
-        if request.kind == "reset":
-            self.game.reset(draws(take(request.values, "seed", int)), request.values)
-            self.living = list(self.game.agents)
-            self.episodes += 1
-            start = {"reward": 0.0, "terminated": False, "truncated": False}
-            return self.state(request, {agent: dict(start) for agent in self.living})
-        if request.kind == "step":
-            self.game.apply(self.actions(request))
-            self.steps += 1
-            return self.state(request, {agent: self.game.judge(agent) for agent in self.living})
-        if request.kind == "info":
-            for agent, info in unpack(take(request.values, "infos", str)):
-                if agent not in ("", *self.game.agents):
-                    raise MessageError("unknown-agent", f"{agent!a:.40} is none of {list(self.game.agents)}")
-                self.game.on_info(agent, info)
-            return Message("told", request.id, {"told": self.game.infos.take()})
-        if request.kind == "render":
-            return Message("picture", request.id, {}, [to_array(self.game.render(), np.uint8)])
+        match request.kind:
+            case "reset":
+                self.game.reset(draws(take(request.values, "seed", int)), request.values)
+                self.living = list(self.game.agents)
+                self.episodes += 1
+                start = {"reward": 0.0, "terminated": False, "truncated": False}
+                return self.state(request, {agent: dict(start) for agent in self.living})
+            case "step":
+                self.game.apply(self.actions(request))
+                self.steps += 1
+                return self.state(request, {agent: self.game.judge(agent) for agent in self.living})
+            case "info":
+                for agent, info in unpack(take(request.values, "infos", str)):
+                    if agent not in ("", *self.game.agents):
+                        raise MessageError("unknown-agent", f"{agent!a:.40} is none of {list(self.game.agents)}")
+                    self.game.on_info(agent, info)
+                return Message("told", request.id, {"told": self.game.infos.take()})
+            case "render":
+                return Message("picture", request.id, {}, [to_array(self.game.render(), np.uint8)])
         raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, info, render, close")
 
     def actions(self, request: Message) -> dict[str, Any]:

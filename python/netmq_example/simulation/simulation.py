@@ -1,13 +1,15 @@
-"""Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. In C#: RealTime.cs.
+"""What a world needs so that an environment can step it: no network, and no clock. Your own derives from one of these.
 
-AgentSimulator puts each game into this shell. It is stepped as ever, until a reset has the option `real_time`. From
-then on each step first makes up for the ticks that the clock has seen since the last one, with the actions from then;
-rewards are summed. It is Python that keeps the pace: `ZmqParallelEnv(real_time=True)` sends no more than one step for
-each tick.
+    class Ball(Simulation):                                      one agent: worlds/cart_pole.py is an example
+        name, dt, size = "Ball", 0.02, 2
+        observation, action = Box(-12, 12, (2,), np.float32), Discrete(3)
+        ...                                                      reset, apply, observe, judge
 
-Lesson 09, a simulation: what a world needs, so that an environment can be made of it. In C#: Simulation.cs.
+    class Tag(AgentSimulation): ...                              several agents: worlds/pursuit.py is an example
+    RealTime(Tag())                                              goes on while Python thinks, if a reset asks for it
 
-Lesson 10, a world of several agents, and nothing else: no network and no clock. In C#: AgentSimulation.cs.
+`chance` gives numbers from 0 to 1, the same for the same seed. Simulator, AreaSimulator and AgentSimulator answer an
+environment's requests with them. In C# they are Simulation.cs, AgentSimulation.cs and RealTime.cs.
 """
 
 import time
@@ -17,11 +19,15 @@ from typing import Any
 
 from gymnasium.spaces import Space
 
-from netmq_example.spaces import InfoQueue
+from netmq_example import check
+from netmq_example.infos import InfoQueue
+
+# More than that is not made up for when Python, or the whole computer, has slept.
+MOST_SECONDS = 10.0
 
 
 class Simulation(ABC):
-    """Your own derives from it. `dt` is how many seconds one step takes, `size` how many numbers its state has."""
+    """A world of one agent. `dt` is how many seconds one step takes, `size` how many numbers its state has."""
 
     name: str
     dt: float
@@ -51,7 +57,7 @@ class Simulation(ABC):
 
 
 class AgentSimulation(ABC):
-    """Your own game derives from it. `agents` are their names with what each sees and what it does."""
+    """A game of several agents. `agents` are their names with what each sees and what it does."""
 
     name: str
     dt: float
@@ -76,31 +82,40 @@ class AgentSimulation(ABC):
     def judge(self, agent: str) -> dict[str, Any]:
         """The values reward, terminated and truncated, and any others for its info."""
 
-    def on_info(self, agent: str, info: dict[str, Any]) -> None:  # noqa: B027, whoever wants to hear overrides it.
-        """Python has said something to an agent, or to the environment: ""."""
+    def on_info(self, agent: str, info: dict[str, Any]) -> None:  # noqa: B027, to override it is optional.
+        """Python has sent an info to an agent, or to the environment: ""."""
 
     def render(self) -> Any:
         """A picture, uint8 [height, width, 3], the highest row first."""
         raise NotImplementedError(f"{self.name} draws no pictures")
 
 
-# Seconds. Who slept longer, as a computer does, has not that much made up for.
-MOST = 10.0
-
-
 class RealTime(AgentSimulation):
-    """Another game around a game."""
+    """A game around a game. It is stepped as ever, until a reset has the option `real_time`.
+
+    From then on each step first makes up for the ticks that the clock has seen since the last one, with the actions
+    from then; rewards are summed. It is Python that keeps the pace: `ZmqParallelEnv(real_time=True)` sends no more than
+    one step for each tick.
+    """
 
     def __init__(self, game: AgentSimulation, clock: Callable[[], float] = time.monotonic) -> None:
-        self.game, self.clock = game, clock
+        check.instance("game", game, AgentSimulation)
+        self.game = game
+        self.clock = check.function("clock", clock)
         self.name, self.dt, self.agents, self.infos = game.name, game.dt, game.agents, game.infos
-        self.real, self.next = False, 0.0
-        self.living, self.actions, self.verdicts = list[str](), dict[str, Any](), dict[str, dict[str, Any]]()
+        self.real = False
+        self.next = 0.0
+        self.living: list[str] = []
+        self.actions: dict[str, Any] = {}
+        self.verdicts: dict[str, dict[str, Any]] = {}
 
     def reset(self, chance: Iterator[float], options: dict[str, Any]) -> None:
         self.game.reset(chance, options)
-        self.real, self.next = options.get("real_time") is True, self.clock() + self.dt
-        self.living, self.actions, self.verdicts = list(self.agents), {}, {}
+        self.real = options.get("real_time") is True
+        self.next = self.clock() + self.dt
+        self.living = list(self.agents)
+        self.actions = {}
+        self.verdicts = {}
 
     def apply(self, actions: dict[str, Any]) -> None:
         # The tick that is due now has the new actions, those before it the old ones.
@@ -109,7 +124,7 @@ class RealTime(AgentSimulation):
         self.tick()
 
     def catch_up(self, until: float) -> None:
-        self.next = max(self.next, until - MOST)
+        self.next = max(self.next, until - MOST_SECONDS)
         while self.real and self.living and until >= self.next:
             self.tick()
 
@@ -119,7 +134,8 @@ class RealTime(AgentSimulation):
             self.game.apply({agent: self.actions[agent] for agent in self.living if agent in self.actions})
         for agent in self.living:
             verdict = self.game.judge(agent)
-            verdict["reward"] += self.verdicts.get(agent, {"reward": 0.0})["reward"]
+            if agent in self.verdicts:
+                verdict["reward"] += self.verdicts[agent]["reward"]
             self.verdicts[agent] = verdict
         over = {agent for agent, verdict in self.verdicts.items() if verdict["terminated"] or verdict["truncated"]}
         self.living = [agent for agent in self.living if agent not in over]

@@ -1,11 +1,11 @@
-"""Lesson 09, the client of an environment: connects, says hello, and answers requests. In C#:
-EnvironmentClient.cs.
+"""A simulator: does in a simulation what an environment asks for, each request once, and the client that connects it.
 
-It says `hello` with the simulation's name, spaces and dt; then it answers `reset`, `step` and `render`, until `close`.
-Each try to connect has a new socket.
+    client = EnvironmentClient("tcp://127.0.0.1:5559", timeout=30)       ValueError for a bad endpoint
+    client.run(Simulator(CartPole()))                                   until the environment is closed; TimeoutError
 
-Lesson 09, the simulator: does in a simulation what an environment asks for, each request once. In C#:
-Simulator.cs.
+The client says `hello` with the simulation's name, spaces and dt; then it answers `reset`, `step` and `render`, until
+`close`. A request that comes again, because its answer was late or lost, gets the answer that was kept. In C# they are
+Simulator.cs and EnvironmentClient.cs.
 """
 
 import math
@@ -18,33 +18,48 @@ from typing import Any
 import numpy as np
 import zmq
 
-from netmq_example.messages import LIMIT, Message, MessageError, read, take
+from netmq_example import check
+from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
 from netmq_example.simulation.simulation import Simulation
 from netmq_example.spaces import described, from_array, to_array
 from netmq_example.split_mix import draws
+
+ENDPOINT = "tcp://127.0.0.1:5559"
+# For a connection, and then for the answer to hello.
+TRY_SECONDS = 1.0
+# Without a request for so long, it says hello again: a trainer may be silent while it learns. Lesson 17's hub never is,
+# and its welcome says for how long at most.
+IDLE_SECONDS = 3600.0
+# The longest wait in one piece, in milliseconds: on Windows Ctrl-C does not interrupt a longer one.
+SLICE_MS = 200
+NO_CONNECTION = "no connection"
 
 
 class SimulatorBase(ABC):
     """Answers requests. The last answer is kept, and a request that comes again gets it again."""
 
     def __init__(self, name: str) -> None:
-        self.name, self.episodes, self.steps = name, 0, 0
-        self.id, self.kept = 0, list[Any]()
+        self.name = check.text("name", name)
+        self.episodes = 0
+        self.steps = 0
+        self.id = 0
+        self.kept: list[Any] = []
 
     def hello(self) -> Message:
         """What an environment has to know. Its requests are counted anew."""
-        self.id, hello = 0, self.describe()
+        self.id = 0
+        hello = self.describe()
         self.kept = hello.frames()
         return hello
 
     def answer(self, request: Message) -> list[Any]:
-        """The answer to a new id, or what was answered last. What is wrong is told to the environment."""
+        """The frames of the answer to a new id, or those of the last answer. What is wrong is sent as an error."""
         if request.id > self.id:
             try:
                 self.kept = self.do(request).frames()
             except Exception as error:
                 if not isinstance(error, MessageError):
-                    # A mistake in the simulation: its place is for whoever writes it.
+                    # A mistake in the simulation, whose author wants to see where it is.
                     traceback.print_exc()
                     error = MessageError("error-in-simulation", repr(error)[:200])
                 self.kept = Message("error", request.id, {"code": error.code, "text": error.text}).frames()
@@ -64,45 +79,70 @@ class Simulator(SimulatorBase):
     """Answers reset, step and render for one simulation."""
 
     def __init__(self, simulation: Simulation) -> None:
+        check.instance("simulation", simulation, Simulation)
         super().__init__(simulation.name)
         self.simulation = simulation
 
     def describe(self) -> Message:
-        (seen, see), (done, do) = described(self.simulation.observation), described(self.simulation.action)
-        values = {"name": self.name, "dt": float(self.simulation.dt), "observation": seen, "action": done}
-        return Message("hello", 0, values, see + do)
+        observation, arrays = described(self.simulation.observation)
+        action, others = described(self.simulation.action)
+        values = {
+            "name": self.name,
+            "dt": float(self.simulation.dt),
+            "observation": observation,
+            "action": action,
+        }
+        return Message("hello", 0, values, arrays + others)
 
     def do(self, request: Message) -> Message:
-        simulation, values = self.simulation, dict[str, Any]()
-        if request.kind == "reset":
-            state = [float(item) for array in request.arrays for item in array.numpy().flat]
-            if len(state) not in (0, simulation.size):
-                raise MessageError("bad-state", f"a state is {simulation.size} numbers, not {len(state)}")
-            simulation.reset(draws(take(request.values, "seed", int)), request.values, state)
-            self.episodes += 1
-        elif request.kind == "step":
-            simulation.apply(from_array(simulation.action, request.arrays))
-            self.steps += 1
-            values = dict(simulation.judge())
-            # Whatever numpy or Python made them of.
-            values["reward"] = float(values["reward"])
-            values |= {name: bool(values[name]) for name in ("terminated", "truncated")}
-            if not math.isfinite(values["reward"]):
-                raise MessageError("bad-reward", f"the reward is {values['reward']}")
-        elif request.kind == "render":
-            return Message("picture", request.id, {}, [to_array(simulation.render(), np.uint8)])
-        else:
-            raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
+        simulation = self.simulation
+        values: dict[str, Any] = {}
+        match request.kind:
+            case "reset":
+                state = self.state_of(request.arrays)
+                simulation.reset(draws(take(request.values, "seed", int)), request.values, state)
+                self.episodes += 1
+            case "step":
+                simulation.apply(from_array(simulation.action, request.arrays))
+                self.steps += 1
+                values = plain(simulation.judge())
+            case "render":
+                return Message("picture", request.id, {}, [to_array(simulation.render(), np.uint8)])
+            case _:
+                raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
         return Message("state", request.id, values, [to_array(simulation.observe(), simulation.observation.dtype)])
 
+    def state_of(self, arrays: list[Array]) -> list[float]:
+        """In which an episode begins; nothing, if it begins by chance."""
+        state = [float(item) for array in arrays for item in array.numpy().flat]
+        if len(state) not in (0, self.simulation.size):
+            raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {len(state)}")
+        return state
 
-# Seconds for a connection, and then for the answer to hello. Seconds without a request, until it says hello again: who
-# learns may be silent for long. Lesson 17's hub never is, and its welcome says how long at most.
-TRY, IDLE, NOTHING = 1.0, 3600.0, "no connection"
+
+def plain(judged: dict[str, Any]) -> dict[str, Any]:
+    """Whatever numpy or Python made them of."""
+    reward = float(judged["reward"])
+    if not math.isfinite(reward):
+        raise MessageError("bad-reward", f"the reward is {reward}")
+    ends = {name: bool(judged[name]) for name in ("terminated", "truncated")}
+    return {**judged, "reward": reward, **ends}
+
+
+def verdicts(judged: list[dict[str, Any]]) -> list[Array]:
+    """Of many: the arrays rewards float64 [n], terminated and truncated uint8 [n]; what is left in them is info."""
+    rewards = [one.pop("reward") for one in judged]
+    if not np.isfinite(rewards).all():
+        raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
+    flags = [[one.pop(name) for one in judged] for name in ("terminated", "truncated")]
+    return [to_array(rewards, np.float64), *(to_array(flag, np.uint8) for flag in flags)]
 
 
 class EnvironmentClient:
-    """Serves an environment, and after it the next one. What happens is told to `report`, line by line."""
+    """Serves an environment, and after it the next one. `report` gets a line for all that happens.
+
+    `prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`.
+    """
 
     def __init__(
         self,
@@ -111,58 +151,77 @@ class EnvironmentClient:
         report: Callable[[str], None] = print,
         prepare: Callable[[zmq.Socket[bytes]], object] | None = None,
     ) -> None:
-        """`prepare` gets each socket before it connects, such as lesson 15's `ClientKeys(folder).apply`."""
-        self.endpoint, self.timeout, self.report, self.prepare = endpoint, timeout, report, prepare
+        self.endpoint = check.endpoint(endpoint, ENDPOINT)
+        self.timeout = check.seconds("timeout", timeout)
+        self.report = check.function("report", report)
+        self.prepare = None if prepare is None else check.function("prepare", prepare)
         # When it last was in an environment, and why it is in none since then.
-        self.heard, self.why = 0.0, NOTHING
+        self.heard = 0.0
+        self.why = NO_CONNECTION
 
     def run(self, simulator: SimulatorBase, count: int = 0) -> None:
         """Until it is closed, or asked for more than `count` episodes; 0 is no limit.
 
         TimeoutError says that there was no environment for `timeout` seconds.
         """
-        self.heard, self.why = time.monotonic(), NOTHING
+        check.instance("simulator", simulator, SimulatorBase)
+        check.count("count", count, least=0)
+        self.heard = time.monotonic()
+        self.why = NO_CONNECTION
         while time.monotonic() < self.heard + self.timeout:
+            # Each try has a new socket.
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
-                # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so
-                # between two looks, without a hello, and Python and simulator would wait for each other.
-                socket.immediate, socket.reconnect_ivl = True, -1
-                socket.linger, socket.maxmsgsize = 0, 4 * LIMIT
-                # A pulled cable tells nobody: a silent peer is asked, and gone when 2.5 s bring no answer. After
-                # less, a computer that learns on all its cores would be taken for gone.
-                socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
-                if self.prepare:
-                    self.prepare(socket)
-                socket.connect(self.endpoint)
+                self.connect(socket)
                 try:
                     return self.talk(socket, simulator, count)
                 except zmq.Again:
                     pass
-                except (MessageError, TimeoutError) as error:
-                    # A refusal is told at once, and once; it says more than the silence that may come after it.
-                    if isinstance(error, MessageError) and self.why != str(error):
+                except MessageError as error:
+                    # A refusal is reported at once, and once; it says more than the silence that may come after it.
+                    if self.why != str(error):
                         self.report(f"trouble: {error}")
-                    if isinstance(error, MessageError) or self.why == NOTHING:
+                    self.why = str(error)
+                    self.pause()
+                except TimeoutError as error:
+                    if self.why == NO_CONNECTION:
                         self.why = str(error)
-                    # Whoever refuses at once is not asked again at once.
-                    time.sleep(min(TRY / 5, self.timeout))
+                    self.pause()
         waited = f"no environment at {self.endpoint} within {self.timeout:g} s"
         keys = ", and has this simulator's key on its list" if self.prepare else ""
         raise TimeoutError(f"{waited}; is the server running{keys}? ({self.why})")
 
+    def connect(self, socket: zmq.Socket[bytes]) -> None:
+        # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so between
+        # two looks, without a hello, and Python and simulator would wait for each other.
+        socket.immediate = True
+        socket.reconnect_ivl = -1
+        socket.linger = 0
+        socket.maxmsgsize = 4 * LIMIT
+        # A pulled cable closes no connection: a silent peer is asked, and gone when 2.5 s bring no answer. After less,
+        # a computer that learns on all its cores would be taken for gone.
+        socket.heartbeat_ivl = 500
+        socket.heartbeat_timeout = 2500
+        if self.prepare:
+            self.prepare(socket)
+        socket.connect(self.endpoint)
+
+    def pause(self) -> None:
+        """What refuses at once is not asked again at once."""
+        time.sleep(min(TRY_SECONDS / 5, self.timeout))
+
     def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:
-        limit = min(TRY, self.timeout)
+        limit = min(TRY_SECONDS, self.timeout)
         socket.sndtimeo = int(1000 * limit)
         end = time.monotonic() + limit
-        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-        while not socket.poll(min(200, int(1000 * limit)), zmq.POLLOUT) and time.monotonic() < end:
+        while not socket.poll(min(SLICE_MS, int(1000 * limit)), zmq.POLLOUT) and time.monotonic() < end:
             pass
         socket.send_multipart(simulator.hello().frames(), zmq.NOBLOCK)
-        if (welcome := self.receive(socket, limit)).kind != "welcome":
+        welcome = self.receive(socket, limit)
+        if welcome.kind != "welcome":
             raise MessageError("no-welcome", "hello had another answer")
         self.report(f"simulating {simulator.name} for {self.endpoint}")
         silence = welcome.values.get("silence")
-        idle = silence if isinstance(silence, float) and 0 < silence < IDLE else IDLE
+        idle = silence if isinstance(silence, float) and 0 < silence < IDLE_SECONDS else IDLE_SECONDS
         try:
             while (request := self.receive(socket, idle)).kind != "close":
                 if request.kind == "reset" and 0 < count <= simulator.episodes:
@@ -175,12 +234,13 @@ class EnvironmentClient:
             self.report(f"trouble: {error}")
             raise
         finally:
-            self.heard, self.why = time.monotonic(), NOTHING
+            self.heard = time.monotonic()
+            self.why = NO_CONNECTION
 
     def receive(self, socket: zmq.Socket[bytes], limit: float) -> Message:
+        """The next message within `limit` seconds; MessageError is the environment's refusal."""
         end = time.monotonic() + limit
-        # In slices: on Windows Ctrl-C does not interrupt a longer wait.
-        while not socket.poll(min(200, int(1000 * limit))):
+        while not socket.poll(min(SLICE_MS, int(1000 * limit))):
             if time.monotonic() > end or not socket.poll(0, zmq.POLLOUT):
                 raise TimeoutError("the environment is gone, or silent")
         message = read(socket.recv_multipart())

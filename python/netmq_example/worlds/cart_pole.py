@@ -1,8 +1,11 @@
-"""Lesson 09, the world: a pole on a cart, pushed left or right. In C#: CartPole.cs.
+"""A pole on a cart that is pushed left or right: an example of a Simulation.
 
-The equations are those of Gymnasium's CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same
-state, the same actions lead to the same states. Sine and cosine differ in their last bit from one system to the next,
-so two systems agree to many digits and not to all. At home your own simulation takes its place.
+    Simulator(CartPole())          an action is 0, left, or 1, right; seen are place, speed, angle and turning
+
+Lengths are in metres, angles in radians, forces in newtons, masses in kilograms. The equations are those of Gymnasium's
+CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same state, the same actions lead to the same
+states. Sine and cosine differ in their last bit from one system to the next, so two systems agree to many digits and
+not to all. In C# it is CartPole.cs.
 """
 
 import math
@@ -15,14 +18,25 @@ from gymnasium.spaces import Box, Discrete
 from netmq_example.messages import MessageError
 from netmq_example.simulation.simulation import Simulation
 
-GRAVITY, FORCE, CART, POLE, HALF_LENGTH = 9.8, 10.0, 1.0, 0.1, 0.5
-# The episode is over when the cart leaves the track, in metres, or the pole falls: 12 degrees.
-TRACK, FALL = 2.4, 12 * 2 * math.pi / 360
-WIDTH, HEIGHT, SCALE = 300, 200, 60
+GRAVITY = 9.8
+FORCE = 10.0
+CART_MASS = 1.0
+POLE_MASS = 0.1
+HALF_LENGTH = 0.5
+# The episode is over when the cart leaves the track, or the pole falls: 12 degrees.
+TRACK = 2.4
+FALL = 12 * 2 * math.pi / 360
+# Of the picture, in pixels, and how many of them are a metre.
+WIDTH, HEIGHT = 300, 200
+SCALE = 60
 
 
 class CartPole(Simulation):
-    name, dt, size = "CartPole", 0.02, 4
+    """`low` and `high` are options of a reset: between them lie the four numbers in which an episode begins."""
+
+    name = "CartPole"
+    dt = 0.02
+    size = 4
     action = Discrete(2)
 
     def __init__(self) -> None:
@@ -42,12 +56,12 @@ class CartPole(Simulation):
 
     def apply(self, action: Any) -> None:
         sine, cosine = math.sin(self.angle), math.cos(self.angle)
-        push = (FORCE if action == 1 else -FORCE) + POLE * HALF_LENGTH * (self.turning * self.turning) * sine
-        forward = push / (CART + POLE)
-        around = (GRAVITY * sine - cosine * forward) / (
-            HALF_LENGTH * (4 / 3 - POLE * (cosine * cosine) / (CART + POLE))
-        )
-        forward -= POLE * HALF_LENGTH * around * cosine / (CART + POLE)
+        mass = CART_MASS + POLE_MASS
+        push = (FORCE if action == 1 else -FORCE) + POLE_MASS * HALF_LENGTH * (self.turning * self.turning) * sine
+        forward = push / mass
+        inertia = HALF_LENGTH * (4 / 3 - POLE_MASS * (cosine * cosine) / mass)
+        around = (GRAVITY * sine - cosine * forward) / inertia
+        forward -= POLE_MASS * HALF_LENGTH * around * cosine / mass
         self.place += self.dt * self.speed
         self.speed += self.dt * forward
         self.angle += self.dt * self.turning

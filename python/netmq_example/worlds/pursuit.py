@@ -1,9 +1,11 @@
-"""Lesson 10, the game: three hunters, two rabbits, and a meadow with a fence. In C#: Pursuit.cs.
+"""Three hunters, two rabbits, and a meadow with a fence: an example of an AgentSimulation.
+
+    AgentSimulator(Pursuit())          an action is 0, to rest, or 1 to 4, to run left, right, down or up
 
 Rabbits are faster, so hunters must drive them into a corner. A hunter who runs tires, and one without energy is out; a
-rabbit that is caught is out as well. The game ends when all rabbits are caught, or no hunter is left.
-Both sides give the same numbers to the last bit: there is nothing but plus, minus, times, divide and square root.
-At home your own game takes its place.
+rabbit that is caught is out as well. The game ends when all rabbits are caught, or no hunter is left. C# and Python
+give the same numbers to the last bit: there is nothing but plus, minus, times, divide and square root. In C# it is
+Pursuit.cs.
 """
 
 import math
@@ -17,19 +19,25 @@ from netmq_example.simulation.simulation import AgentSimulation
 
 # The world goes from -1 to 1, both ways; in one step a hunter comes so far, and a rabbit.
 RUN = {"hunter": 0.05, "rabbit": 0.06}
-# Nearer than this a rabbit is caught. What a step costs a hunter, who runs or who rests; it begins with 1.
-REACH, RUNNING, RESTING = 0.1, 0.03, 0.01
+# Nearer than this a rabbit is caught.
+REACH = 0.1
+# The energy that a step costs a hunter; it begins with 1.
+RUNNING = 0.03
+RESTING = 0.01
+# To the right, and up, for each action.
 WAYS = [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)]
+# Of the picture, in pixels.
 SIZE = 200
 COLOURS = {"hunter": (180, 40, 40), "rabbit": (240, 240, 240)}
 
 
 class Pursuit(AgentSimulation):
-    """An action is to rest, or to run left, right, down or up. Seen is the own place and energy; then of each of the
-    others, in the order of the names, where it is from here, and 1 as long as it is in the game.
+    """An agent sees its own place and energy; then of each of the others, in the order of the names, where it is from
+    here, and 1 as long as it is in the game.
     """
 
-    name, dt = "Pursuit", 0.1
+    name = "Pursuit"
+    dt = 0.1
 
     def __init__(self) -> None:
         super().__init__()
@@ -37,14 +45,18 @@ class Pursuit(AgentSimulation):
         seen = Box(-2, 2, (3 * len(names),), np.float32)
         self.agents = {name: (seen, Discrete(len(WAYS))) for name in names}
         self.place = dict.fromkeys(names, (0.0, 0.0))
-        self.energy, self.reward = dict.fromkeys(names, 1.0), dict.fromkeys(names, 0.0)
-        self.living, self.gone = list[str](), list[str]()
+        self.energy = dict.fromkeys(names, 1.0)
+        self.reward = dict.fromkeys(names, 0.0)
+        self.living: list[str] = []
+        self.gone: list[str] = []
 
     def reset(self, chance: Iterator[float], options: dict[str, Any]) -> None:
         for name in self.agents:
             self.place[name] = (2 * next(chance) - 1, 2 * next(chance) - 1)
-            self.energy[name], self.reward[name] = 1.0, 0.0
-        self.living, self.gone = list(self.agents), []
+            self.energy[name] = 1.0
+            self.reward[name] = 0.0
+        self.living = list(self.agents)
+        self.gone = []
 
     def apply(self, actions: dict[str, Any]) -> None:
         for name, action in actions.items():
@@ -64,7 +76,8 @@ class Pursuit(AgentSimulation):
         self.living = [name for name in self.living if name not in self.gone]
 
     def move(self, name: str, right: int, up: int) -> None:
-        (x, y), far = self.place[name], RUN[name[:6]]
+        x, y = self.place[name]
+        far = RUN[name[:6]]
         self.place[name] = (min(1.0, max(-1.0, x + right * far)), min(1.0, max(-1.0, y + up * far)))
 
     def distance(self, one: str, other: str) -> float:
@@ -78,7 +91,8 @@ class Pursuit(AgentSimulation):
         return [name for name in self.living if name.startswith("rabbit")]
 
     def observe(self, agent: str) -> Any:
-        (x, y), numbers = self.place[agent], [*self.place[agent], self.energy[agent]]
+        x, y = self.place[agent]
+        numbers = [x, y, self.energy[agent]]
         for name, (far, high) in self.place.items():
             if name != agent:
                 numbers += [far - x, high - y, float(name in self.living)]

@@ -1,0 +1,67 @@
+"""A build that is launched: found by its path on every system, and ended with all that it has started.
+
+    words = program("Build/Game")           ["…/Build/Game.exe"], Game.app or Game.x86_64; FileNotFoundError
+    process = start_program([*words, "-batchmode"])
+    end_program(process)
+
+It needs only Python.
+"""
+
+import contextlib
+import glob
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+
+# What a program gets to end by itself.
+END_SECONDS = 2
+
+
+def program(launch: str | os.PathLike[str] | Sequence[str] | None) -> list[str]:
+    """A program by its whole path, and its first words; nothing, where none is to be launched."""
+    if launch is None:
+        return []
+    words = [launch] if isinstance(launch, str | os.PathLike) else launch
+    if not isinstance(words, Sequence) or not all(isinstance(word, str | os.PathLike) for word in words):
+        raise TypeError(f"launch takes a path, or a list of a program and its words, not {launch!r:.80}")
+    return [game(words[0]), *(os.fspath(word) for word in words[1:])] if words else []
+
+
+def game(path: str | os.PathLike[str]) -> str:
+    """The program that is meant by a build's path: each system has an ending, or a folder, of its own for it."""
+    path = os.fspath(path)
+    found = shutil.which(path)
+    if found:
+        return os.path.abspath(found)
+    ending = {"win32": ".exe", "darwin": ".app/Contents/MacOS/*"}.get(sys.platform, ".x86_64")
+    for pattern in (glob.escape(path), glob.escape(path) + ending):
+        for file in filter(os.path.isfile, sorted(glob.glob(pattern))):
+            # What was unpacked from an archive may have forgotten that it is a program.
+            if not os.access(file, os.X_OK):
+                os.chmod(file, 0o755)
+            return os.path.abspath(file)
+    raise FileNotFoundError(f"no game at {path}: there is neither this file nor {path}{ending}")
+
+
+def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
+    """In a session of its own, so that all of it can be ended; Ctrl-C is then for Python alone, which ends it."""
+    return subprocess.Popen(words, start_new_session=True)
+
+
+def end_program(process: subprocess.Popen[bytes]) -> None:
+    """Let it end by itself for a moment, then end what is left: the simulator may be a child, as of `dotnet run`."""
+    try:
+        process.wait(END_SECONDS)
+    except subprocess.TimeoutExpired:
+        pass
+    finally:
+        if sys.platform == "win32":
+            subprocess.run(["taskkill", "/T", "/F", "/PID", str(process.pid)], capture_output=True, check=False)
+        else:
+            # There may be nobody left.
+            with contextlib.suppress(OSError):
+                os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
