@@ -414,7 +414,7 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
         "200",
     ]
     player = start(PYTHON, *words)
-    gymnasium.register("My/Ball-v0", "netmq_example.envs.gym_env:ZmqEnv", kwargs={"name": "Ball"})
+    gymnasium.register("My/Ball-v0", "netmq_example.envs:ZmqEnv", kwargs={"name": "Ball"})
     env = make("My/Ball-v0", endpoint=endpoint, wait=500)
     assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
     # Through several frames: nobody plays by hand meanwhile.

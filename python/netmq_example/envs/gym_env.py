@@ -5,7 +5,7 @@
 
     env = gymnasium.make("NetMQExample/CartPole-v0")      prints: waiting for a simulator on tcp://…: press Play
     env = gymnasium.make("NetMQExample/CartPole-v0", launch=["Build/CartPole.exe"])         starts it by itself
-    gymnasium.register("My/Ball-v0", "netmq_example.envs.gym_env:ZmqEnv", kwargs={"name": "Ball"})
+    gymnasium.register("My/Ball-v0", "netmq_example.envs:ZmqEnv", kwargs={"name": "Ball"})
 
 The spaces come from the simulator's hello, see spaces.py. A simulator that is lost ends the episode: `truncated` is
 true, and `info["lost"]` says why; the next reset waits for another one, or launches it. What `options` has goes to the

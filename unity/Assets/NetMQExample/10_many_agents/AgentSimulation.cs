@@ -1,5 +1,5 @@
 // Lesson 10, a simulation of several agents: what a game needs, so that an environment can be made of it. In Python:
-// agent_simulation.py.
+// simulation.py.
 using System.Collections.Generic;
 
 namespace NetMQExample

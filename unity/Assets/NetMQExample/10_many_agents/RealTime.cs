@@ -1,4 +1,4 @@
-// Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. In Python: real_time.py.
+// Lesson 10, real time: the world goes on while Python thinks, for whoever asks for it. In Python: simulation.py.
 //
 // AgentSimulator puts each game into this shell. It is stepped as ever, until a reset has the option real_time. From
 // then on each step first makes up for the ticks that the clock has seen since the last one, with the actions from
