@@ -5,6 +5,7 @@ test_09_environment_faults.py.
 from __future__ import annotations
 
 import itertools
+import os
 import re
 import time
 import warnings
@@ -13,7 +14,7 @@ from collections import deque
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, Mark, finds_processes
+from tests.programs import ROOT, Mark, finds_processes, finished
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
@@ -22,7 +23,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402
 
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
-import netmq_example.envs  # noqa: E402, F401
+import netmq_example.envs  # noqa: E402
 from netmq_example import messages  # noqa: E402
 
 # The state of seed 7, as float32; and what is seen 25 steps later, of right and left in turn.
@@ -155,6 +156,43 @@ def test_gymnasiums_checker_likes_the_car(picture, make, launch):
         assert tuple(seen[100, 0]) != tuple(seen[239, 160]), "the sky is above the road"
     with pytest.raises(messages.MessageError, match="bad-state: the road has the points 0 to 1999"):
         env.reset(options={"state": [-1]})
+
+
+# Its name
+
+IMPORTS = {
+    "before Gymnasium": f"import netmq_example.envs, gymnasium; id = '{ID}'",
+    "after Gymnasium": f"import gymnasium, netmq_example.envs; id = '{ID}'",
+    "by its name alone": f"import gymnasium; id = 'netmq_example.envs:{ID}'",
+}
+MAKE = """
+import sys
+env = gymnasium.make(id, launch=sys.argv[1:])
+print(type(env.unwrapped).__name__, env.spec.max_episode_steps, env.spec.vector_entry_point)
+env.close()
+sys.modules["netmq_example.envs"].register()
+print([name for name in gymnasium.registry if "NetMQExample" in name])
+"""
+
+
+@pytest.mark.parametrize("order", IMPORTS)
+def test_it_is_registered_once_and_needs_no_pettingzoo(order, launch, tmp_path):
+    (tmp_path / "pettingzoo.py").write_text("raise ImportError('nobody has asked for it')", encoding="utf-8")
+    words = [PYTHON, "-W", "error", "-c", f"{IMPORTS[order]}{MAKE}", *launch("python")]
+    path = os.pathsep.join(map(str, (tmp_path, ROOT / "python")))
+    done = finished(words, env={**os.environ, "PYTHONPATH": path})
+    assert done.returncode == 0, done.stderr
+    assert "ZmqEnv 500 netmq_example.envs.vector_env:ZmqVectorEnv\n" in done.stdout
+    last = done.stdout.splitlines()[-1]
+    assert last == "['NetMQExample/CartPole-v0', 'NetMQExample/Car-v0', 'NetMQExample/Unity-v0']"
+
+
+def test_the_classes_are_found_in_the_package_itself():
+    assert issubclass(netmq_example.envs.ZmqEnv, gymnasium.Env)
+    assert issubclass(netmq_example.envs.ZmqVectorEnv, gymnasium.vector.VectorEnv)
+    assert set(netmq_example.envs.__all__) == {*netmq_example.envs.MODULES, "register"}
+    with pytest.raises(AttributeError, match=r"module 'netmq_example.envs' has no attribute 'ZmqEnvs'"):
+        _ = netmq_example.envs.ZmqEnvs
 
 
 # Who uses it

@@ -5,6 +5,7 @@ their own; and that no launched program is left behind.
 from __future__ import annotations
 
 import gc
+import itertools
 import os
 import re
 import shlex
@@ -24,10 +25,13 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install num
 
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY
-from netmq_example.envs.connection import Simulators  # noqa: E402
+from netmq_example.cross_entropy import play, train  # noqa: E402
+from netmq_example.envs import ZmqEnv  # noqa: E402
+from netmq_example.envs.connection import Connection, Simulators  # noqa: E402
 from netmq_example.messages import Message, MessageError, read  # noqa: E402
-from netmq_example.simulation.simulator import Simulator  # noqa: E402
+from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
 from netmq_example.spaces import to_array  # noqa: E402
+from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
@@ -280,6 +284,51 @@ def test_ctrl_c_before_all_is_imported_is_no_traceback(program, start, tmp_path)
     server = program.endswith("server.py")
     assert ended.stop(signal.SIGINT) == (0 if server else 1)
     assert ended.lines == ["importing", *([] if server else ["stopped"])]
+
+
+# What a class is given
+
+NAN, NOWHERE = float("nan"), "tcp://127.0.0.1:9"
+NO_SECONDS = (0, -1, None, NAN, "", "1")
+NO_COUNT = (-1, None, NAN, "", "3", 0.5)
+# What is called, a parameter of it, values that this cannot have, and the other parameters.
+WRONG = [
+    (Simulators, "launch", (0, -1, NAN, b"game", ["game", None]), {}),
+    (Simulators, "wait", NO_SECONDS, {}),
+    (Simulators, "timeout", NO_SECONDS, {}),
+    (Simulators, "endpoint", (0, -1, None, NAN, "here"), {}),
+    (Simulators, "socket", (0, "", NOWHERE), {}),
+    (Connection, "timeout", NO_SECONDS, {"socket": None}),
+    (Connection, "socket", (None, 0, ""), {"timeout": 1}),
+    (ZmqEnv, "name", (0, -1, None, NAN, ""), {}),
+    (ZmqEnv, "render_mode", (0, -1, NAN, "", "human"), {"name": "Ball"}),
+    (Simulator, "simulation", (0, None, "", CartPole), {}),
+    (EnvironmentClient, "endpoint", (0, None, NAN, "", "tcp://a:0"), {"timeout": 1}),
+    (EnvironmentClient, "timeout", NO_SECONDS, {"endpoint": NOWHERE}),
+    (EnvironmentClient, "report", (None, ""), {"endpoint": NOWHERE, "timeout": 1}),
+    (EnvironmentClient, "prepare", (0, ""), {"endpoint": NOWHERE, "timeout": 1}),
+    (EnvironmentClient(NOWHERE, 1).run, "simulator", (None, CartPole()), {}),
+    (EnvironmentClient(NOWHERE, 1).run, "count", NO_COUNT, {"simulator": Simulator(CartPole())}),
+    (draws, "seed", (None, NAN, "", "7", 0.5, 2**64), {}),
+    (train, "play_all", (None, 0, ""), {"seed": 1, "generations": 1}),
+    (train, "seed", NO_COUNT, {"play_all": len, "generations": 1}),
+    (train, "generations", NO_COUNT, {"play_all": len, "seed": 1}),
+    (play, "policy", (None, 0, "", [1, 2]), {"env": None, "seed": 1}),
+]
+
+
+@pytest.mark.parametrize(("call", "name", "values", "words"), WRONG)
+def test_what_a_class_cannot_use_it_names_in_one_line(call, name, values, words):
+    for value in values:
+        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .*[^\n]$"):
+            call(**words, **{name: value})
+
+
+def test_chance_is_splitmix64_as_everybody_has_it():
+    """Its first numbers from 0 are those of its authors' own program; a negative seed is its 64 bits."""
+    first = [int(number * 2**53) for number in itertools.islice(draws(0), 3)]
+    assert first == [bits >> 11 for bits in (0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F)]
+    assert next(draws(-5)) == next(draws(2**64 - 5))
 
 
 # Simulators of somebody else's

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import re
 
 import pytest
@@ -14,11 +15,12 @@ np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install num
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
 
 KEY = "10_many_agents"
-from netmq_example.envs import ZmqParallelEnv  # noqa: E402
+from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
 from netmq_example.infos import pack, unpack  # noqa: E402
 from netmq_example.messages import EXACT, MessageError, read  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
+from netmq_example.simulation.simulation import RealTime  # noqa: E402
 from netmq_example.spaces import to_array  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
@@ -145,6 +147,39 @@ def test_a_simulator_names_a_wrong_mask_or_seed(kind, launch, capfd):
 
 # From a user
 
+NAN = float("nan")
+NO_NAME = (0, -1, None, NAN, "")
+# What is called, a parameter of it, values that this cannot have, and the other parameters.
+WRONG = [
+    (ZmqVectorEnv, "num_envs", (0, -1, None, NAN, "", "3", 0.5), {"name": "CartPole"}),
+    (ZmqVectorEnv, "name", NO_NAME, {"num_envs": 2}),
+    (ZmqVectorEnv, "max_episode_steps", (0, -2, NAN, "", 0.5), {"num_envs": 2, "name": "CartPole"}),
+    (ZmqVectorEnv, "wait", (0, None), {"num_envs": 2, "name": "CartPole"}),
+    (ZmqParallelEnv, "name", NO_NAME, {}),
+    (ZmqParallelEnv, "real_time", (0, None, NAN, "", "yes"), {}),
+    (ZmqParallelEnv, "launch", (0, NAN), {}),
+    (AreaSimulator, "areas", (0, None, NAN, "", [], [None], CartPole()), {}),
+    (AgentSimulator, "game", (0, None, "", CartPole()), {}),
+    (RealTime, "clock", (0, None, ""), {"game": Pursuit()}),
+]
+
+
+@pytest.mark.parametrize(("call", "name", "values", "words"), WRONG)
+@pytest.mark.filterwarnings("error")
+def test_what_a_class_cannot_use_it_names_in_one_line(call, name, values, words):
+    """And forgets in silence what could not be made."""
+    for value in values:
+        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .*[^\n]$"):
+            call(**words, **{name: value})
+        gc.collect()
+
+
+def test_options_that_are_no_dict_are_named(areas):
+    for options in (0, "abc", [1], NAN):
+        with pytest.raises(ValueError, match=r"^options must be a dict, without seed"):
+            areas.reset(options=options)
+
+
 UNSENDABLE = {
     "no dict": ([1], "is no dict"),
     "a list": ({"a": [1]}, "'a' of '' must be text, a number, true or false"),
@@ -185,9 +220,13 @@ def test_actions_of_another_dtype_are_those_of_the_space(areas):
 
 
 def test_a_seed_that_no_simulator_could_read_is_named(areas):
-    for seed in (EXACT, EXACT - 1, 2**63, [1, None, 2**70]):
+    for seed in (EXACT, EXACT - 1, 2**63, [1, None, 2**70], -1, "abc", [1, NAN, 2]):
         with pytest.raises(ValueError, match=r"3 seeds are not one for each of 3 areas, below 2\*\*53"):
             areas.reset(seed=seed)
+    with pytest.raises(ValueError, match=r"^1 seeds are not one for each of 3 areas"):
+        areas.reset(seed=0.5)
+    areas.reset(seed=np.array([1, 2, 3]))
+    assert areas.np_random_seed == (1, 2, 3)
     areas.reset(seed=EXACT - 3)
     assert areas.np_random_seed == (EXACT - 3, EXACT - 2, EXACT - 1)
     assert len(areas.np_random) == 3
