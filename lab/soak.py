@@ -29,9 +29,9 @@ CLIENTS = {"3": ENDLESS, "4": ENDLESS, "6": ENDLESS, "8": ENDLESS, "10": (), "16
 FOREVER = """
 import sys
 sys.path.insert(0, sys.argv.pop(1))
-import players, server
-players.GAMES = sys.maxsize
-server.main()
+import server
+server.GAMES = sys.maxsize
+server.run(server.main)
 """
 SAMPLES = 60
 

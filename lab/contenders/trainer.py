@@ -4,7 +4,7 @@
 
 steps own SECONDS            Gymnasium's own CartPole-v1, in this process
 steps own@16 SECONDS         sixteen of them, one after the other, as SyncVectorEnv steps them
-steps csharp SECONDS         lesson 09's simulator in C#; steps python its twin in Python
+steps csharp SECONDS         lesson 09's simulator in C#; steps python the one in Python
 steps csharp@16 SECONDS      lesson 10's, with 16 areas in one message
 close
 """
@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path += [str(ROOT / "python" / lesson) for lesson in ("05_messages", "09_environment", "10_many_agents")]
+sys.path.append(str(ROOT / "python"))
 
 import gymnasium  # noqa: E402
 import numpy as np  # noqa: E402

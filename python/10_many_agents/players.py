@@ -9,6 +9,7 @@ from netmq_example import check
 from netmq_example.program import option
 
 LEFT, RIGHT, DOWN, UP = 1, 2, 3, 4
+STEPS = 1000
 
 
 def areas(text: str) -> int:
@@ -60,7 +61,7 @@ class Game:
 
 
 class Poles:
-    """1000 steps of all areas. Where a pole falls, its area begins anew by itself."""
+    """So many steps of all areas. Where a pole falls, its area begins anew by itself."""
 
     seed = 1
 
@@ -72,7 +73,7 @@ class Poles:
 
     def plays(self, envs: Any) -> bool:
         self.areas = envs.num_envs
-        return self.steps < 1000
+        return self.steps < STEPS
 
     def actions(self, envs: Any, seen: Any) -> Any:
         """Push each cart to where its pole falls."""

@@ -28,6 +28,8 @@ with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
     from netmq_example.envs import ZmqParallelEnv
     from netmq_example.messages import LIMIT, MessageError
 
+GAMES = 10
+
 
 def play(env: Any, player: Game | Poles) -> None:
     """One step is one message: it has the actions of all agents, or of all areas, and its reply what they see then."""
@@ -49,7 +51,7 @@ def main() -> None:
             try:
                 if options.world == "Pursuit":
                     with closing(ZmqParallelEnv("Pursuit", socket=socket, real_time=options.real_time)) as env:
-                        for number in range(1, 11):
+                        for number in range(1, GAMES + 1):
                             play(env, Game(number))
                 else:
                     with closing(gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket)) as envs:
