@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
 import itertools
 import json
 import random
 import re
 import subprocess
-import sys
 
 import pytest
 
 from kitlib.setup import dotnet
+from netmq_example import locator
+from netmq_example.locator import LocatorError
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, finished
 from tests.tables import rows
@@ -21,10 +21,6 @@ from tests.unity.test_unity_play import needs_mono
 KEY = "11_observations"
 FOLDER = ROOT / "python" / KEY
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
-sys.path.insert(0, str(FOLDER))
-
-locator = importlib.import_module("locator")
-LocatorError = locator.LocatorError
 
 
 def text_of(said):

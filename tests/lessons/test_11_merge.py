@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
 import re
-import sys
 
 import pytest
 
@@ -12,11 +10,11 @@ from tests.programs import ROOT
 from tests.tables import rows
 
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
-sys.path.insert(0, str(ROOT / "python" / "11_observations"))
 
 np = pytest.importorskip("numpy", reason="merging needs numpy: pip install numpy")
-locator, module = importlib.import_module("locator"), importlib.import_module("merge")
-LocatorError = locator.LocatorError
+from netmq_example import locator  # noqa: E402
+from netmq_example.envs import merge as module  # noqa: E402
+from netmq_example.locator import LocatorError  # noqa: E402
 
 
 def merge(observations, *said):

@@ -4,7 +4,6 @@ who comes from gymize is in test_11_from_gymize.py.
 
 from __future__ import annotations
 
-import importlib
 import re
 import sys
 
@@ -26,12 +25,15 @@ from pettingzoo.test import parallel_api_test, parallel_seed_test  # noqa: E402
 from pettingzoo.utils import parallel_to_aec  # noqa: E402
 
 KEY = "11_observations"
-sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
-collector, messages, parallel, observations, scene_agent, scene_simulator = map(
-    importlib.import_module,
-    ("collector", "messages", "unity_parallel", "observations", "scene_agent", "scene_simulator"),
-)
-Message, MessageError, read = messages.Message, messages.MessageError, messages.read
+sys.path.append(str(ROOT / "python" / KEY))
+import collector  # noqa: E402
+
+from netmq_example import messages  # noqa: E402
+from netmq_example.envs import unity_env as observations  # noqa: E402, F401
+from netmq_example.envs import unity_parallel_env as parallel  # noqa: E402
+from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.simulation.scene import Agent, SceneSimulator  # noqa: E402
+
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 SPACES = {"observation_space": collector.seen_space(False), "action_space": collector.ACTION}
 
@@ -297,9 +299,9 @@ def test_a_seed_reaches_those_whom_python_does_not_ask(alone):
         alone.reset(seed=seed)
         drawn += alone.step("draw c")[-1]["agent"]
     assert drawn[0] == drawn[2] != drawn[1]
-    one, other = scene_agent.Agent("a"), scene_agent.Agent("c")
+    one, other = Agent("a"), Agent("c")
     state = '{"dict":{"agents":["a"],"options":{"dict":{"x":1}}}}'
-    scene_simulator.SceneSimulator("World", 0.5, [one, other]).do(Message("reset", 1, {"seed": 5, "state": state}))
+    SceneSimulator("World", 0.5, [one, other]).do(Message("reset", 1, {"seed": 5, "state": state}))
     assert (other.chance, other.options) == (one.chance, {"x": 1}), "and in Python"
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import re
 import subprocess
-import sys
 
 import pytest
 
@@ -20,10 +18,11 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install num
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
 from gymnasium import spaces  # noqa: E402
 
-sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", "11_observations")]
-messages, tree, fit = (importlib.import_module(name) for name in ("messages", "tree", "fit"))
-empty = importlib.import_module("empty").empty
-MessageError, Array = messages.MessageError, messages.Array
+from netmq_example import messages  # noqa: E402
+from netmq_example import spaces as tree  # noqa: E402
+from netmq_example.envs import merge as fit  # noqa: E402
+from netmq_example.envs.merge import empty  # noqa: E402
+from netmq_example.messages import Array, MessageError  # noqa: E402
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 import warnings
 from types import SimpleNamespace
 from typing import Annotated, Any
@@ -11,15 +10,13 @@ from typing import Annotated, Any
 import pytest
 import zmq
 
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: pip install pettingzoo")
 from gymnasium import spaces  # noqa: E402
 
-KEY = "11_observations"
-sys.path += [str(ROOT / "python" / folder) for folder in ("05_messages", "09_environment", KEY)]
 from netmq_example import spaces as tree  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs import unity_env as observations  # noqa: E402
@@ -32,6 +29,7 @@ from netmq_example.simulation.scene import (  # noqa: E402
     SceneSimulator,
 )
 
+KEY = "11_observations"
 ONE = spaces.Box(-9, 9, (2,), np.float32)
 
 
