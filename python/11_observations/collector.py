@@ -1,7 +1,7 @@
 """Lesson 11, the collector: what Python declares of the car that collects coins, and how it drives it by hand.
 
-The keys are those that the class of the car has marked: CoinCar.cs, or coin_car.py. At home your own spaces and whoever
-learns in them take its place.
+The keys are those that the car's class has marked: CoinCar.cs, or netmq_example/worlds/coin_car.py. In a project of yours
+your own spaces take its place, and an agent that learns.
 """
 
 import string
@@ -11,8 +11,8 @@ import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, Sequence, Text
 
-PLACE, PUSH = Box(0, 10, (2,), np.float32), Box(-1, 1, (2,), np.float32)
-ACTION = Dict(push=PUSH, boost=Discrete(2))
+PLACE = Box(0, 10, (2,), np.float32)
+ACTION = Dict(push=Box(-1, 1, (2,), np.float32), boost=Discrete(2))
 
 
 def seen_space(wrong: bool) -> Dict[Any]:
@@ -37,10 +37,16 @@ def policy(seen: Any) -> Any:
 def play(env: gymnasium.Env[Any, Any], number: int) -> str:
     """One episode, as Gymnasium plays it everywhere."""
     seen, info = env.reset(seed=number)
-    steps, total, over, said = 0, 0.0, False, list[str]()
+    steps = 0
+    total = 0.0
+    infos: list[str] = []
+    over = False
     while not over:
         seen, reward, terminated, truncated, info = env.step(policy(seen))
-        steps, total, over = steps + 1, total + float(reward), terminated or truncated
-        said += [f"{each!a:.60}".strip("'") for each in info["agent"]]
-    said += [info["lost"]] if "lost" in info else []
-    return f"episode {number}: {steps} steps, return {total:.2f}: {', '.join(said):.200}"
+        steps += 1
+        total += float(reward)
+        infos += [f"{each!a:.60}".strip("'") for each in info["agent"]]
+        over = terminated or truncated
+    if "lost" in info:
+        infos.append(info["lost"])
+    return f"episode {number}: {steps} steps, return {total:.2f}: {', '.join(infos):.200}"

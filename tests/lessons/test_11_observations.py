@@ -4,6 +4,7 @@ who comes from gymize is in test_11_from_gymize.py.
 
 from __future__ import annotations
 
+import importlib
 import re
 import sys
 
@@ -22,18 +23,15 @@ pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: pip instal
 from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 from pettingzoo.test import parallel_api_test, parallel_seed_test  # noqa: E402
-from pettingzoo.utils import parallel_to_aec  # noqa: E402
-
-KEY = "11_observations"
-sys.path.append(str(ROOT / "python" / KEY))
-import collector  # noqa: E402
 
 from netmq_example import messages  # noqa: E402
-from netmq_example.envs import unity_env as observations  # noqa: E402, F401
-from netmq_example.envs import unity_parallel_env as parallel  # noqa: E402
+from netmq_example.envs import UnityAECEnv, UnityParallelEnv  # noqa: E402
 from netmq_example.messages import Message, MessageError, read  # noqa: E402
 from netmq_example.simulation.scene import Agent, SceneSimulator  # noqa: E402
 
+KEY = "11_observations"
+sys.path.append(str(ROOT / "python" / KEY))
+collector = importlib.import_module("collector")
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 SPACES = {"observation_space": collector.seen_space(False), "action_space": collector.ACTION}
 
@@ -217,15 +215,15 @@ def told(names="ab", **where):
 
 
 def test_pettingzoos_tests_find_nothing(make, world):
-    env = make(parallel.UnityParallelEnv, launch=world, **told())
+    env = make(UnityParallelEnv, launch=world, **told())
     parallel_api_test(env, num_cycles=30)
     assert env.observation_space("a") is env.observation_space("a")
-    parallel_seed_test(lambda: make(parallel.UnityParallelEnv, launch=world, **told("a")), num_cycles=10)
+    parallel_seed_test(lambda: make(UnityParallelEnv, launch=world, **told("a")), num_cycles=10)
 
 
 def test_a_step_waits_for_all_who_act(make, world):
     """Agent b takes three ticks for a step, the others one."""
-    env = make(parallel.UnityParallelEnv, launch=world, **told("abc"))
+    env = make(UnityParallelEnv, launch=world, **told("abc"))
     seen, infos = env.reset(seed=1)
     assert list(seen) == list(infos) == ["a", "b", "c"]
     seen, rewards, *_ = env.step({"a": "reward 1.5", "b": "", "c": ""})
@@ -236,14 +234,14 @@ def test_a_step_waits_for_all_who_act(make, world):
 
 
 def test_who_has_ended_has_no_more_ticks(make, world):
-    env = make(parallel.UnityParallelEnv, launch=world, **told())
+    env = make(UnityParallelEnv, launch=world, **told())
     env.reset(seed=1)
     seen, rewards, ends, *_ = env.step({"a": "", "b": "until 2"})
     assert (seen["a"]["ticks"], seen["b"]["ticks"], rewards["b"], ends["b"]) == (3, 2, 1, True)
 
 
 def test_agents_end_leave_and_come(make, world):
-    env = make(parallel.UnityParallelEnv, launch=world, **told())
+    env = make(UnityParallelEnv, launch=world, **told())
     env.reset(seed=1)
     *_, ends, cuts, _ = env.step({"a": "terminate", "b": ""})
     assert (ends, cuts, env.agents) == ({"a": True, "b": False}, {"a": False, "b": False}, ["b"])
@@ -260,8 +258,8 @@ def test_agents_end_leave_and_come(make, world):
 
 
 def test_one_after_the_other(make, world):
-    """PettingZoo's own conversion. What was seen last can be asked for as often as one likes."""
-    env = parallel_to_aec(make(parallel.UnityParallelEnv, launch=world, **told()))
+    """What was seen last can be asked for as often as one likes."""
+    env = make(UnityAECEnv, launch=world, **told())
     env.reset(seed=1)
     for step in range(1, 4):
         for name in "ab":

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import pytest
 import zmq
 
+from tests.lessons.test_11_merge import same
 from tests.programs import LIMIT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
@@ -18,16 +19,11 @@ pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: pip instal
 from gymnasium import spaces  # noqa: E402
 
 from netmq_example import spaces as tree  # noqa: E402
+from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, unity_env  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
-from netmq_example.envs import unity_env as observations  # noqa: E402
-from netmq_example.envs import unity_env as unity_agents  # noqa: E402
-from netmq_example.envs.unity_parallel_env import UnityParallelEnv  # noqa: E402
+from netmq_example.locator import parse  # noqa: E402
 from netmq_example.messages import Message, MessageError, read  # noqa: E402
-from netmq_example.simulation.scene import (  # noqa: E402
-    Agent,
-    Obs,
-    SceneSimulator,
-)
+from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
 
 KEY = "11_observations"
 ONE = spaces.Box(-9, 9, (2,), np.float32)
@@ -46,7 +42,7 @@ class Car(Agent):
 def world(monkeypatch):
     """Makes an environment, without a wire: its simulator is in this process, and `change` alters what it answers."""
 
-    def make(space=ONE, simulator=None, change=lambda said: said, kind=observations.UnityEnv, **spaces_of):
+    def make(space=ONE, simulator=None, change=lambda said: said, kind=UnityGymEnv, **spaces_of):
         simulator = simulator or SceneSimulator("Cars", 0.1, [Car()])
 
         class Wire:
@@ -69,9 +65,9 @@ def world(monkeypatch):
                     answer.values["state"] = tree.write(said, answer.arrays)
                 return read(answer.frames())
 
-        monkeypatch.setattr(unity_agents, "Simulators", Wire)
+        monkeypatch.setattr(unity_env, "Simulators", Wire)
         declared = {"observation_space": spaces.Dict(x=space), "action_space": spaces.Discrete(2)}
-        return kind("Cars", **({**declared, **spaces_of} if kind is observations.UnityEnv else spaces_of))
+        return kind("Cars", **({**declared, **spaces_of} if kind is UnityGymEnv else spaces_of))
 
     return make
 
@@ -191,7 +187,7 @@ class Own(spaces.Space):
 def test_a_space_that_no_message_has_is_named_before_anybody_is_waited_for(wrong, where):
     declared = {"observation_space": ONE, "action_space": ONE}
     with pytest.raises(ValueError, match=f"^{re.escape(where)}.* has no place in a message"):
-        observations.UnityEnv("Cars", wait=0.1, endpoint="tcp://127.0.0.1:*", **{**declared, **wrong})
+        UnityGymEnv("Cars", wait=0.1, endpoint="tcp://127.0.0.1:*", **{**declared, **wrong})
 
 
 ENDLESS: dict[str, Any] = {}
@@ -258,6 +254,74 @@ def test_a_key_that_nothing_writes_is_named_at_reset_also_in_a_dict(world):
     with warnings.catch_warnings(action="error"):
         env.step(1)
         world(simulator=seeing(np.zeros(2))).reset(seed=1)
+
+
+WHERE = {"endpoint": "tcp://127.0.0.1:*", "wait": 0.1}
+ONE_AGENT = {"observation_space": ONE, "action_space": ONE}
+TWO_AGENTS = {"observation_spaces": {"a": ONE, "b": ONE}, "action_spaces": {"a": ONE, "b": ONE}}
+
+
+def gym_env(**words):
+    return UnityGymEnv(**{"env_name": "Cars", **ONE_AGENT, **WHERE, **words})
+
+
+def parallel_env(**words):
+    return UnityParallelEnv(**{"env_name": "Cars", **TWO_AGENTS, **WHERE, **words})
+
+
+def aec_env(**words):
+    return UnityAECEnv(**{"env_name": "Cars", **TWO_AGENTS, **WHERE, **words})
+
+
+def scene(name="Cars", dt=0.1, agents=()):
+    return SceneSimulator(name, dt, agents)
+
+
+@pytest.mark.parametrize(
+    ("make", "words", "named"),
+    [
+        *(
+            (kind, {"env_name": name}, "env_name")
+            for kind in (gym_env, parallel_env, aec_env)
+            for name in ("", None, 5)
+        ),
+        *(
+            (kind, {"file_name": name}, "file_name")
+            for kind in (gym_env, parallel_env)
+            for name in ("", 0, -1, float("nan"))
+        ),
+        *((gym_env, {"agent_name": name}, "agent_name") for name in ("", None, -1)),
+        *((gym_env, {name: 5}, "has no place in a message") for name in ONE_AGENT),
+        *((gym_env, {name: None}, "has no place in a message") for name in ONE_AGENT),
+        *((parallel_env, {name: wrong}, f"{name[:-7]} spaces") for name in TWO_AGENTS for wrong in (None, {}, [ONE])),
+        (parallel_env, {"action_spaces": {"a": ONE}}, r"observations are \['a', 'b'\], those with actions \['a'\]"),
+        (parallel_env, {"observation_spaces": {5: ONE}, "action_spaces": {5: ONE}}, "the name of an agent"),
+        *((Agent, {"name": name}, "name") for name in ("", None, 0)),
+        *((scene, {"name": name}, "name") for name in ("", None, 0)),
+        *((scene, {"dt": dt}, "dt") for dt in (0, -1, None, float("nan"), "1")),
+        *((scene, {"agents": agents}, "agents|iterable") for agents in (None, [5], [Agent])),
+        *((parse, {"text": text}, "text") for text in (None, 0, b"car@")),
+        (parse, {"text": "a@", "name": None}, "name"),
+        (parse, {"text": "a", "scope": "car@"}, "scope"),
+        (fit.merge, {"observations": {}, "locator": "car@", "value": 1, "appended": set()}, "locator"),
+        *((fit.fitted, {"space": space, "value": 1, "where": "x"}, "^x: ") for space in (None, 5, Own)),
+    ],
+)
+def test_what_nothing_can_be_made_of_is_named_at_once(make, words, named):
+    with pytest.raises((ValueError, TypeError), match=named) as refusal:
+        make(**words)
+    assert "\n" not in str(refusal.value)
+
+
+def test_the_names_are_those_of_gymize(world):
+    """And its AEC class is PettingZoo's own conversion of the other one."""
+    spaces_of = {"observation_spaces": {"agent": spaces.Dict(x=ONE)}, "action_spaces": {"agent": spaces.Discrete(2)}}
+    env = world(simulator=seeing(np.zeros(2)), kind=UnityAECEnv, **spaces_of)
+    env.reset(seed=1)
+    env.send_info("one", "agent")
+    assert env.agent_selection == "agent" and same(env.last()[0], {"x": np.zeros(2, np.float32)})
+    env.step(1)
+    assert env.infos["agent"] == {"env": [], "agent": ["one"]}
 
 
 # The simulator in Python

@@ -25,10 +25,7 @@ from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.video.film_writer import open_film  # noqa: E402
 from netmq_example.video.films import Films  # noqa: E402
 from netmq_example.video.game import Lost  # noqa: E402
-from netmq_example.video.view_sender import (
-    FilmView,
-    ViewSender,
-)
+from netmq_example.video.view_sender import FilmView, ViewSender  # noqa: E402
 
 each_format = pytest.mark.parametrize("end", [".gif", ".png", ".webp"])
 needs_ffmpeg = pytest.mark.skipif(not shutil.which("ffprobe"), reason="MP4 needs ffmpeg: apt install ffmpeg")

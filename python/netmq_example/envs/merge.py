@@ -1,29 +1,20 @@
-"""Lesson 11, fitting: a value as something of its space, or an error that says where.
+"""What arrives from a scene becomes observations: each value is written where its locator says, and must fit its space.
 
-    fitted(space, value, "'car'@")      a fresh copy, cast to the space's dtype; what does not fit is refused:
-                                        'car'@['speed']: float32 [3] is not in Box(0.0, 1.0, (2,), float32)
-
-A sequence has at most 50,000 items, unless it is one stack of numbers.
-
-Lesson 11, merging: a value goes into the observations where a locator says.
-
-    observations = {"car": {"speed": np.zeros(2, np.float32), "seen": ["a bus"]}}
-    appended = set()                                             for each message a new one
-    merge(observations, parse("car@.speed(0) = $[1]"), [3, 4], appended)    speed: [4, 0]
-    merge(observations, parse("car@.seen[]"), "a tree", appended)           seen: ["a tree"]; the first one clears it
-    merge(observations, parse("car@.seen[]"), "a dog", appended)            seen: ["a tree", "a dog"]
+    observations = {"car": empty(space, "'car'@")}                     what is there before anything was seen
+    appended = set()                                                   for each message a new one
+    merge(observations, parse("car@.speed(0) = $[1]"), [3, 4], appended)       speed: [4, 0]
+    merge(observations, parse("car@.seen[]"), "a tree", appended)              seen: ["a tree"]; the first one clears it
+    merge(observations, parse("car@.seen[]"), "a dog", appended)               seen: ["a tree", "a dog"]
+    fitted(space, observations["car"], "'car'@")                       a fresh copy, in the space's own dtypes
 
 What is there says of which kind a value must be, such as float32. It is cast to that, but never to another number. An
-observation that was given out is not changed: another one takes its place. Whether the whole fits its space, the space
-can say. It needs numpy.
+observation that was given out is not changed: another one takes its place. LocatorError says that a value cannot be
+written, MessageError that the whole does not fit, and where:
 
-Lesson 11, the beginning: what a space has before anything was seen, and never a sample.
+    'car'@['speed']: float32 [3] … is not in Box(0.0, 1.0, (2,), float32)
 
-    empty(space, "'car'@")              zeros as near as the space has them, "", (), no nodes
-    warn({"car": space}, locators)       names what stays so, when values go to the places of these locators alone
-
-All of Gymnasium's fundamental and composite spaces but OneOf: of another one it says where it is.
-It needs gymnasium.
+It takes all of Gymnasium's fundamental and composite spaces but OneOf; ValueError says where another one is. It needs
+gymnasium and numpy.
 """
 
 import warnings
@@ -40,16 +31,19 @@ from gymnasium.vector.utils import batch_space, concatenate, create_empty_array,
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, quoted, spelled
 from netmq_example.messages import MessageError
 
-# Items, of whatever kind, that are looked at one by one.
-MOST = 50_000
+# So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.
+MOST_ITEMS = 50_000
 NUMBERS = (bool, int, float, np.generic, np.ndarray)
 # What indexing and casting raise.
 REASONS = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RecursionError)
 
 
 def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: set[str]) -> None:
-    """To all places of a locator or, with a LocatorError, to none."""
-    new, known = dict(observations), set(appended)
+    """To all places of a locator or, with a LocatorError, to none. `appended` are the sequences that were cleared."""
+    if not isinstance(locator, Locator):
+        raise TypeError(f"locator takes a Locator, as parse returns it, not {locator!r:.40}")
+    new = dict(observations)
+    known = set(appended)
     for mapping in locator.mappings:
         try:
             if not mapping.absolute:
@@ -60,8 +54,8 @@ def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: 
                 new[agent] = placed(new[agent], mapping.destination, part, place not in known)
                 known.add(place)
         except REASONS as error:
-            said = f"there is no {error}" if isinstance(error, KeyError) else str(error)
-            raise LocatorError(f"{str(mapping)[:100]}: {' '.join(said.split())[:200]}") from None
+            why = f"there is no {error}" if isinstance(error, KeyError) else str(error)
+            raise LocatorError(f"{str(mapping)[:100]}: {' '.join(why.split())[:200]}") from None
     observations.update(new)
     appended |= known
 
@@ -70,7 +64,8 @@ def placed(old: Any, path: Path, value: Any, first: bool) -> Any:
     """A copy of what is there, with the value at the end of the path."""
     if not path:
         return like(old, value)
-    step, rest = path[0], path[1:]
+    step = path[0]
+    rest = path[1:]
     if step is APPEND:
         return one_more(old, value, first)
     if isinstance(old, dict):
@@ -95,14 +90,17 @@ def one_more(old: Any, value: Any, first: bool) -> Any:
         return np.concatenate([old[:0] if first else old, item[None]])
     if type(old) not in (list, tuple):
         raise TypeError(f"{type(old).__name__} is no sequence")
-    return type(old)([*(() if first else old), like(old[0], value) if old else value])
+    item = like(old[0], value) if old else value
+    return type(old)([item] if first else [*old, item])
 
 
 def like(old: Any, value: Any) -> Any:
-    """The value as what is there."""
+    """The value, as what is there."""
     if isinstance(old, NUMBERS):
         array = cast(np.asarray(old), value)
-        return array if isinstance(old, np.ndarray) else array[()] if isinstance(old, np.generic) else array.item()
+        if isinstance(old, np.ndarray):
+            return array
+        return array[()] if isinstance(old, np.generic) else array.item()
     if isinstance(old, str):
         return "" if value is None else str(value)
     if isinstance(old, dict):
@@ -112,15 +110,18 @@ def like(old: Any, value: Any) -> Any:
         return value
     if isinstance(value, str | bytes | dict):
         raise TypeError(f"{type(value).__name__} is no {type(old).__name__}")
-    if isinstance(value, np.ndarray) and value.shape[:1] > (MOST,):
-        # Nobody takes so many one by one.
+    if isinstance(value, np.ndarray) and value.shape[:1] > (MOST_ITEMS,):
+        # Too many to be taken one by one.
         return value
+    if not old:
+        return type(old)(value)
     # A sequence can become longer, and its items are of one kind.
-    kinds = old if len(old) == len(value) else [*old[:1]] * len(value)
-    return type(old)(like(kind, part) for kind, part in zip(kinds, value, strict=True)) if old else type(old)(value)
+    kinds = old if len(old) == len(value) else [old[0]] * len(value)
+    return type(old)(like(kind, part) for kind, part in zip(kinds, value, strict=True))
 
 
 def cast(old: Any, value: Any) -> Any:
+    """The value with the dtype of an array; ValueError says that it would become another number."""
     given = np.asarray(value)
     if given.dtype.kind == "O":
         # Among numbers null is NaN.
@@ -137,6 +138,7 @@ def cast(old: Any, value: Any) -> Any:
 
 
 def empty(space: Space[Any], where: str) -> Any:
+    """What a space has before anything was seen, and never a sample: zeros as near as it has them, "", (), no nodes."""
     match space:
         case spaces.Box():
             return np.asarray(np.clip(np.zeros(space.shape, space.dtype), space.low, space.high))
@@ -159,11 +161,15 @@ def empty(space: Space[Any], where: str) -> Any:
             return space.start.copy()
         case spaces.MultiBinary():
             return np.zeros(space.shape, space.dtype)
-    raise ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have, but OneOf")
+    raise no_place(space, where)
+
+
+def no_place(space: Any, where: str) -> ValueError:
+    return ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have, but OneOf")
 
 
 def warn(observations: dict[str, Space[Any]], locators: list[Locator]) -> None:
-    """Of what stays empty, because none of these locators goes there."""
+    """Names what stays empty, because none of these locators goes there."""
     for agent, space in observations.items():
         paths = [one.destination for locator in locators for one in locator.mappings if one.names(agent)]
         for path in unwritten(space, paths):
@@ -172,7 +178,7 @@ def warn(observations: dict[str, Space[Any]], locators: list[Locator]) -> None:
 
 
 def unwritten(space: Space[Any], paths: list[Path], at: Path = ()) -> Iterator[Path]:
-    """Keys, also of dicts in dicts, in which nothing arrives. Who gets a part of something gets something."""
+    """Keys, also of dicts in dicts, in which nothing arrives. Where a part of something arrives, something does."""
     if not any(path[: len(at)] == at for path in paths):
         yield at
     elif isinstance(space, spaces.Dict) and at not in paths:
@@ -181,6 +187,7 @@ def unwritten(space: Space[Any], paths: list[Path], at: Path = ()) -> Iterator[P
 
 
 def fitted(space: Space[Any], value: Any, where: str) -> Any:
+    """The value as something of its space: a fresh copy, cast to the space's dtype. MessageError names what is not."""
     fit: Any = value
     match space:
         case spaces.Dict() if isinstance(value, dict) and value.keys() == space.keys():
@@ -195,12 +202,15 @@ def fitted(space: Space[Any], value: Any, where: str) -> Any:
             pass
         case spaces.Dict() | spaces.Tuple() | spaces.Sequence() | spaces.Graph() | spaces.Text():
             raise misfit(space, value, where)
-        case _:
+        case spaces.Space():
             try:
                 fit = cast(np.empty(space.shape or (), space.dtype), value)
             except REASONS:
                 raise misfit(space, value, where) from None
-            fit = fit[()] if isinstance(space, spaces.Discrete) else fit
+            if isinstance(space, spaces.Discrete):
+                fit = fit[()]
+        case _:
+            raise no_place(space, where)
     if fit not in space:
         raise misfit(space, value, where)
     return fit
@@ -213,19 +223,21 @@ def sequence(space: spaces.Sequence, value: Any, where: str) -> Any:
         # A dict of stacked arrays is a stack as well.
         items = iterate(space.stacked_feature_space, value) if isinstance(value, dict) and space.stack else value
         items = items if isinstance(items, np.ndarray) else list(items)
-        count, numbers = len(items), None
+        count = len(items)
     except REASONS:
         raise misfit(space, value, where) from None
+    numbers = None
     if count and isinstance(feature, spaces.Box | spaces.Discrete | spaces.MultiBinary | spaces.MultiDiscrete):
         with suppress(*REASONS):
-            numbers = cast(np.empty(0, feature.dtype), items)
+            array = cast(np.empty(0, feature.dtype), items)
             # The shape first: a space of so many items may be larger than the memory.
-            fits = numbers.shape == (count, *(feature.shape or ())) and numbers in batch_space(feature, count)
-            numbers = numbers if fits else None
+            if array.shape == (count, *(feature.shape or ())) and array in batch_space(feature, count):
+                numbers = array
     if space.stack and numbers is not None:
         return numbers
-    if count > MOST:
-        raise MessageError("too-many", f"{where}: {count} items, but at most {MOST}, or a stack of numbers that fit")
+    if count > MOST_ITEMS:
+        most = f"at most {MOST_ITEMS}, or a stack of numbers that fit"
+        raise MessageError("too-many", f"{where}: {count} items, but {most}")
     if numbers is not None:
         return tuple(numbers[at] if isinstance(feature, spaces.Discrete) else numbers[at, ...] for at in range(count))
     # Or one of them is wrong, and this says which.

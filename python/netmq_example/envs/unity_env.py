@@ -1,30 +1,30 @@
-"""Lesson 11, the environment: an agent of a Unity scene for Gymnasium. Several agents are in unity_parallel.py.
+"""An agent of a Unity scene for Gymnasium. Several agents at once are in unity_parallel_env.py.
 
-    import gymnasium, observations
+    import gymnasium
+    import netmq_example.envs                          registers it, where the package is not installed
+
     env = gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", observation_space=…, action_space=…)
+    seen, info = env.reset(seed=1)
+    seen, reward, terminated, truncated, info = env.step(action)
 
-Without `launch=["Build/Coins.exe"]`, or `file_name="Build/Coins"`, it waits for Play. The spaces are declared here,
-what is in them is declared in C#, at the fields that hold it.
+Without `launch=["Build/Coins.exe"]`, or `file_name="Build/Coins"`, it waits for Play. The spaces are declared here; what
+is in them is declared in C#, at the fields that hold it.
 
-Lesson 11, agents: what some agents of a Unity scene see and get, one message for all of them.
-
-    agents = Agents("Coins", {"car": observation_space}, {"car": action_space})       waits for Play
-    seen, info = agents.reset(["car"], seed=1)["car"]
-    seen, reward, terminated, truncated, info = agents.step({"car": action})["car"]
-
-An answer is complete: whoever is asked for several agents waits for all of them. What a message does not write stays as
-it was; what it writes must fit the spaces. Observations are copies. `info` is {"env": [...], "agent": [...]}, what the
-scene and the agent had to say since the last answer; if the simulator is lost, or the agent has left, `lost` says so.
-The C# side is SceneSimulator.cs.
+`info` is {"env": [...], "agent": [...]}, what the scene and the agent have sent since the last answer. If the simulator
+is lost, or the agent has left, the episode is truncated, and `info["lost"]` says why. MessageError is the simulator's
+refusal, or says what is wrong with its answer. In C# the other side is SceneSimulator.cs. It needs gymnasium and numpy.
 """
 
 import functools
+import os
 import weakref
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import gymnasium
 from gymnasium.spaces import Space
 
+from netmq_example import check
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.envs.merge import empty, fitted, merge, warn
 from netmq_example.locator import LocatorError, parse, quoted
@@ -33,88 +33,12 @@ from netmq_example.spaces import read, request
 
 Spaces = dict[str, Space[Any]]
 ENDPOINT = "tcp://127.0.0.1:5561"
-# Each is read once; a scene has few, and one that sends ever new ones fills no memory.
+# Each is read once. A scene has few; one that sends ever new ones fills no memory.
 known = functools.lru_cache(10_000)(parse)
 
 
-class Agents:
-    """`where` is what lesson 09's Simulators takes: endpoint, launch, wait, timeout, socket."""
-
-    def __init__(self, env_name: str, observations: Spaces, actions: Spaces, **where: Any) -> None:
-        self.env_name, self.observations, self.actions = env_name, observations, actions
-        self.seen: dict[str, Any] = {}
-        for name, space in observations.items():
-            # What has no place in a message is named before anybody is waited for.
-            empty(space, f"{quoted(name)}@")
-            empty(actions[name], f"action of {name}")
-        self.simulators = Simulators(default=ENDPOINT, **where)
-        try:
-            self.simulators.find(self.accept)
-        except BaseException:
-            self.simulators.close()
-            raise
-
-    def accept(self, hello: Message) -> None:
-        if (name := take(hello.values, "name", str)) != self.env_name:
-            raise MessageError("wrong-name", f"this environment is {self.env_name}, the simulator's is {name!a:.40}")
-
-    def reset(self, names: list[str], seed: int, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Observation and info of each."""
-        if not isinstance(options, dict | None):
-            raise ValueError(f"options must be a dict: {options!r:.80}")
-        asked = {"agents": names, "options": options or {}}
-        state = self.simulators.begin(self.accept, lambda _: self.ask("reset", asked, seed=seed))
-        self.seen = {name: empty(space, name) for name, space in self.observations.items()}
-        said = self.taken(names, state)
-        # What C# alone has, was an error. What Python alone has may come later, from a sensor that is disabled now.
-        warn(self.observations, [known(text) for text, _ in state["observations"]])
-        return {name: (parts[0], parts[-1]) for name, parts in said.items()}
-
-    def step(self, actions: dict[str, Any]) -> dict[str, Any]:
-        """Observation, reward, terminated, truncated and info of each."""
-        fits = {name: fitted(self.actions[name], action, f"action of {name}") for name, action in actions.items()}
-        try:
-            return self.taken(list(actions), self.ask("step", {"actions": fits}))
-        except Lost as lost:
-            return {name: self.gone(name, str(lost)) for name in actions}
-
-    def send_info(self, info: Any, to: str) -> None:
-        """To an agent's OnInfo; to "", the scene's."""
-        self.ask("info", {"to": to, "info": info})
-
-    def ask(self, kind: str, said: dict[str, Any], **values: int) -> dict[str, Any]:
-        answer = self.simulators.connection.ask(kind, *request(kind, said, values))
-        return {} if answer.kind == "ok" else read(take(answer.values, "state", str), answer.arrays)
-
-    def taken(self, names: list[str], state: dict[str, Any]) -> dict[str, Any]:
-        there, infos, appended = take(state, "agents", dict), take(state, "infos", list), set[str]()
-        try:
-            for pair in take(state, "observations", list):
-                if type(pair) is not list or len(pair) != 2 or type(pair[0]) is not str:
-                    raise LocatorError(f"{pair!a:.60} is no locator with a value")
-                merge(self.seen, known(pair[0]), pair[1], appended)
-        except LocatorError as error:
-            raise MessageError("bad-observation", str(error)) from None
-        result = dict[str, Any]()
-        for name in names:
-            if name not in there:
-                result[name] = self.gone(name, f"agent {name} has left the scene")
-                continue
-            ends = (take(there[name], end, bool) for end in ("terminated", "truncated"))
-            info = {"env": infos, "agent": take(there[name], "infos", list)}
-            result[name] = self.copy(name), take(there[name], "reward", float), *ends, info
-        return result
-
-    def gone(self, name: str, why: str) -> tuple[Any, ...]:
-        """Nobody knows what came after the last observation."""
-        return self.copy(name), 0.0, False, True, {"env": [], "agent": [], "lost": why}
-
-    def copy(self, name: str) -> Any:
-        return fitted(self.observations[name], self.seen[name], f"{quoted(name)}@")
-
-
-class UnityEnv(gymnasium.Env[Any, Any]):
-    """One agent. `where` is what lesson 09's Simulators takes: endpoint, launch, wait, timeout, socket."""
+class UnityGymEnv(gymnasium.Env[Any, Any]):
+    """One agent. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012, Gymnasium's own way.
 
@@ -124,16 +48,16 @@ class UnityEnv(gymnasium.Env[Any, Any]):
         observation_space: Space[Any],
         action_space: Space[Any],
         agent_name: str = "agent",
-        file_name: str | None = None,
+        file_name: str | os.PathLike[str] | None = None,
         render_mode: str | None = None,
         **where: Any,
     ) -> None:
-        if render_mode is not None:
-            raise ValueError(f"render_mode takes None, not {render_mode!r:.40}: lesson 12 makes films")
-        self.observation_space, self.action_space, self.name = observation_space, action_space, agent_name
+        refuse_render_mode(render_mode)
+        self.observation_space = observation_space
+        self.action_space = action_space
         self.render_mode = render_mode
-        where = {"launch": file_name or (), **where}
-        self.agents = Agents(env_name, {agent_name: observation_space}, {agent_name: action_space}, **where)
+        self.name = check.text("agent_name", agent_name)
+        self.agents = Agents(env_name, {self.name: observation_space}, {self.name: action_space}, file_name, **where)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = weakref.finalize(self, self.agents.simulators.close)
 
@@ -158,4 +82,122 @@ class UnityEnv(gymnasium.Env[Any, Any]):
         self.close_once()
 
 
-gymnasium.register("NetMQExample/Unity-v0", f"{__name__}:UnityEnv")
+def refuse_render_mode(mode: Any) -> None:
+    if mode is not None:
+        raise ValueError(f"render_mode takes None, not {mode!r:.40}: lesson 12 makes films")
+
+
+class Agents:
+    """What some agents of a scene see and do, in one message for all of them.
+
+    agents = Agents("Coins", {"car": observation_space}, {"car": action_space})       waits for Play
+    seen, info = agents.reset(["car"], seed=1)["car"]
+    seen, reward, terminated, truncated, info = agents.step({"car": action})["car"]
+
+    An answer is complete: for several agents it waits until all of them have one. What a message does not write stays
+    as it was; what it writes must fit the spaces. Observations are copies. `where` is what Simulators takes; `file_name`
+    is gymize's name for its `launch`.
+    """
+
+    def __init__(
+        self,
+        env_name: str,
+        observations: Spaces,
+        actions: Spaces,
+        file_name: str | os.PathLike[str] | None = None,
+        **where: Any,
+    ) -> None:
+        self.env_name = check.text("env_name", env_name)
+        self.observations = observations
+        self.actions = actions
+        self.seen: dict[str, Any] = {}
+        check_spaces(observations, actions)
+        if file_name is not None:
+            if not isinstance(file_name, str | os.PathLike) or not os.fspath(file_name):
+                raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
+            where = {"launch": file_name, **where}
+        self.simulators = Simulators(default=ENDPOINT, **where)
+        try:
+            self.simulators.find(self.accept)
+        except BaseException:
+            self.simulators.close()
+            raise
+
+    def accept(self, hello: Message) -> None:
+        name = take(hello.values, "name", str)
+        if name != self.env_name:
+            raise MessageError("wrong-name", f"this environment is {self.env_name}, the simulator's is {name!a:.40}")
+
+    def reset(self, names: list[str], seed: int, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """Observation and info of each."""
+        if not isinstance(options, dict | None):
+            raise ValueError(f"options must be a dict: {options!r:.80}")
+        asked = {"agents": names, "options": options or {}}
+        state = self.simulators.begin(self.accept, lambda _: self.ask("reset", asked, seed=seed))
+        self.seen = {name: empty(space, name) for name, space in self.observations.items()}
+        results = self.results(names, state)
+        # What C# alone has was an error. What Python alone has may come later, from a sensor that is disabled now.
+        warn(self.observations, [known(text) for text, _ in state["observations"]])
+        return {name: (result[0], result[-1]) for name, result in results.items()}
+
+    def step(self, actions: dict[str, Any]) -> dict[str, Any]:
+        """Observation, reward, terminated, truncated and info of each."""
+        fits = {name: fitted(self.actions[name], action, f"action of {name}") for name, action in actions.items()}
+        try:
+            return self.results(actions, self.ask("step", {"actions": fits}))
+        except Lost as lost:
+            return {name: self.gone(name, str(lost)) for name in actions}
+
+    def send_info(self, info: Any, to: str) -> None:
+        """To an agent's OnInfo; to "", the scene's."""
+        self.ask("info", {"to": to, "info": info})
+
+    def ask(self, kind: str, content: dict[str, Any], **values: int) -> dict[str, Any]:
+        answer = self.simulators.connection.ask(kind, *request(kind, content, values))
+        if answer.kind == "ok":
+            return {}
+        state: dict[str, Any] = read(take(answer.values, "state", str), answer.arrays)
+        return state
+
+    def results(self, names: Iterable[str], state: dict[str, Any]) -> dict[str, Any]:
+        """What a state says of these agents, after its observations are written."""
+        present = take(state, "agents", dict)
+        env_infos = take(state, "infos", list)
+        appended: set[str] = set()
+        try:
+            for pair in take(state, "observations", list):
+                if type(pair) is not list or len(pair) != 2 or type(pair[0]) is not str:
+                    raise LocatorError(f"{pair!a:.60} is no locator with a value")
+                merge(self.seen, known(pair[0]), pair[1], appended)
+        except LocatorError as error:
+            raise MessageError("bad-observation", str(error)) from None
+        results = dict[str, Any]()
+        for name in names:
+            if name not in present:
+                results[name] = self.gone(name, f"agent {name} has left the scene")
+                continue
+            agent = present[name]
+            terminated = take(agent, "terminated", bool)
+            truncated = take(agent, "truncated", bool)
+            info = {"env": env_infos, "agent": take(agent, "infos", list)}
+            results[name] = self.copy(name), take(agent, "reward", float), terminated, truncated, info
+        return results
+
+    def gone(self, name: str, why: str) -> tuple[Any, ...]:
+        """What came after its last observation is not known."""
+        return self.copy(name), 0.0, False, True, {"env": [], "agent": [], "lost": why}
+
+    def copy(self, name: str) -> Any:
+        return fitted(self.observations[name], self.seen[name], f"{quoted(name)}@")
+
+
+def check_spaces(observations: Any, actions: Any) -> None:
+    """What has no place in a message is named before anybody is waited for."""
+    for which, spaces in (("observation", observations), ("action", actions)):
+        if not isinstance(spaces, Mapping) or not spaces:
+            raise ValueError(f"{which} spaces take a dict of agents and spaces, not {spaces!r:.40}")
+    if observations.keys() != actions.keys():
+        raise ValueError(f"the agents with observations are {[*observations]}, those with actions {[*actions]}")
+    for name, space in observations.items():
+        empty(space, f"{quoted(check.text('the name of an agent', name))}@")
+        empty(actions[name], f"action of {name}")

@@ -1,47 +1,52 @@
-"""Lesson 11, several agents of a Unity scene as PettingZoo wants them.
+"""Several agents of a Unity scene for PettingZoo: all at once, or one after the other.
 
-env = unity_parallel.UnityParallelEnv("Coins", observation_spaces={"car": …, "bus": …}, action_spaces={…})
-env = pettingzoo.utils.parallel_to_aec(env)                          one after the other
+    spaces = {"observation_spaces": {"car": …, "bus": …}, "action_spaces": {"car": …, "bus": …}}
+    env = UnityParallelEnv("Coins", **spaces)                           waits for Play
+    seen, infos = env.reset(seed=1)
+    seen, rewards, terminations, truncations, infos = env.step({"car": …, "bus": …})
+
+    env = UnityAECEnv("Coins", **spaces)                                one after the other: for agent in env.agent_iter()
+
+Infos, errors, and where the simulator comes from are those of unity_env.py. It needs pettingzoo, gymnasium and numpy.
 """
 
 import copy
+import os
 import weakref
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Space
 from pettingzoo import ParallelEnv
+from pettingzoo.utils import BaseWrapper, parallel_to_aec
 
-from netmq_example.envs.unity_env import Agents, Spaces
-
-
-def own(spaces: Spaces) -> Spaces:
-    """Copies: who samples from the space of one agent must not change what another one samples."""
-    return {name: copy.deepcopy(space) for name, space in spaces.items()}
+from netmq_example.envs.unity_env import Agents, Spaces, refuse_render_mode
 
 
 class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
-    """Agents may end one after the other. `where` is what lesson 09's Simulators takes."""
+    """Agents may end one after the other. `where` is what Simulators takes."""
 
     def __init__(
         self,
         env_name: str,
         observation_spaces: Spaces,
         action_spaces: Spaces,
-        file_name: str | None = None,
+        file_name: str | os.PathLike[str] | None = None,
         render_mode: str | None = None,
         **where: Any,
     ) -> None:
+        refuse_render_mode(render_mode)
         self.metadata = {"name": env_name, "render_modes": []}
-        self.observation_spaces, self.action_spaces = own(observation_spaces), own(action_spaces)
-        if render_mode is not None:
-            raise ValueError(f"render_mode takes None, not {render_mode!r:.40}: lesson 12 makes films")
         self.render_mode = render_mode
-        self.possible_agents, self.agents = list(observation_spaces), list[str]()
-        self.random = np.random.default_rng()
-        where = {"launch": file_name or (), **where}
-        self.scene = Agents(env_name, self.observation_spaces, self.action_spaces, **where)
+        self.observation_spaces = copies(observation_spaces)
+        self.action_spaces = copies(action_spaces)
+        self.scene = Agents(env_name, self.observation_spaces, self.action_spaces, file_name, **where)
+        # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = weakref.finalize(self, self.scene.simulators.close)
+        self.possible_agents = list(self.observation_spaces)
+        self.agents: list[str] = []
+        self.random = np.random.default_rng()
 
     # The same object each time: whoever samples has seeded it.
     def observation_space(self, agent: str) -> Space[Any]:
@@ -55,16 +60,16 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
         if seed is not None:
             self.random = np.random.default_rng(seed)
         self.agents = self.possible_agents.copy()
-        said = self.scene.reset(self.agents, int(self.random.integers(2**53)), options)
-        return tuple({name: parts[at] for name, parts in said.items()} for at in range(2))
+        return by_agent(self.scene.reset(self.agents, int(self.random.integers(2**53)), options), 2)
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminations, truncations and infos, also of those that end with this step."""
         if not isinstance(actions, dict) or not actions or actions.keys() != set(self.agents):
             raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
-        said = self.scene.step({name: actions[name] for name in self.agents})
-        self.agents = [name for name, (_, _, *ends, _) in said.items() if not any(ends)]
-        return tuple({name: parts[at] for name, parts in said.items()} for at in range(5))
+        results = by_agent(self.scene.step({name: actions[name] for name in self.agents}), 5)
+        _, _, terminations, truncations, _ = results
+        self.agents = [name for name in self.agents if not terminations[name] and not truncations[name]]
+        return results
 
     def send_info(self, info: Any, agent: str = "") -> None:
         """To an agent, or to the scene itself, which is ""."""
@@ -72,3 +77,24 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
 
     def close(self) -> None:
         self.close_once()
+
+
+class UnityAECEnv(BaseWrapper):  # type: ignore[misc, unused-ignore]
+    """One after the other: it takes what UnityParallelEnv takes. Nothing moves until the last agent has chosen."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(parallel_to_aec(UnityParallelEnv(*args, **kwargs)))
+
+    def send_info(self, info: Any, agent: str = "") -> None:
+        """To an agent, or to the scene itself, which is ""."""
+        self.unwrapped.send_info(info, agent)
+
+
+def copies(spaces: Spaces) -> Spaces:
+    """Whoever samples from the space of one agent must not change what is sampled for another one."""
+    return {name: copy.deepcopy(space) for name, space in spaces.items()} if isinstance(spaces, Mapping) else spaces
+
+
+def by_agent(results: dict[str, Any], count: int) -> tuple[dict[str, Any], ...]:
+    """For each agent a tuple of so many things becomes for each thing a dict of the agents."""
+    return tuple({name: result[at] for name, result in results.items()} for at in range(count))

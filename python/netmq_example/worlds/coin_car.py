@@ -1,6 +1,10 @@
-"""Lesson 11, the world: a car that collects coins on a field of 10 by 10 m. In C#: CoinCar.cs.
+"""A car that collects coins on a field of 10 by 10 m. Its fields say what is seen of it.
 
-Its fields say what is seen of them. At home your own agent takes its place.
+    car = CoinCar("agent")
+    SceneSimulator("Coins", 0.1, [car])
+
+An action is {"push": float32 [2] from -1 to 1, "boost": 0 or 1}. Each coin is a reward of 1, each tick costs 0.01, and
+with the last coin the episode ends. In C# it is CoinCar.cs, which sees the same to the last byte. It needs numpy.
 """
 
 from typing import Annotated, Any
@@ -9,7 +13,10 @@ import numpy as np
 
 from netmq_example.simulation.scene import Agent, Obs
 
-FIELD, COINS, REACH, SPEED = 10.0, 3, 0.5, 3.0
+FIELD_METRES = 10.0
+COINS = 3
+REACH_METRES = 0.5
+METRES_A_SECOND = 3.0
 GRASS, COIN, CAR = (40, 80, 40), (240, 200, 40), (200, 30, 30)
 
 
@@ -25,24 +32,27 @@ class CoinCar(Agent):
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.x = self.y = 0.0
-        self.spots, self.steps = list[tuple[float, float]](), 0
+        self.spots: list[tuple[float, float]] = []
+        self.steps = 0
 
     def on_reset(self) -> None:
-        self.x = self.y = FIELD / 2
+        self.x = self.y = FIELD_METRES / 2
         self.spots = [(1 + 8 * next(self.chance), 1 + 8 * next(self.chance)) for _ in range(COINS)]
-        self.push, self.boost, self.says, self.steps = np.zeros(2, np.float32), 0, "", 0
+        self.push = np.zeros(2, np.float32)
+        self.boost = 0
+        self.says = ""
+        self.steps = 0
         self.look()
 
     def on_action(self, action: Any) -> None:
-        self.push, self.boost = action["push"], action["boost"]
+        self.push = action["push"]
+        self.boost = action["boost"]
         self.steps += 1
 
     def on_tick(self, dt: float) -> None:
-        metres = SPEED * (1 + self.boost) * dt
-        self.x, self.y = (
-            min(FIELD, max(0.0, at + float(part) * metres))
-            for at, part in zip((self.x, self.y), self.push, strict=True)
-        )
+        metres = METRES_A_SECOND * (1 + self.boost) * dt
+        self.x = on_the_field(self.x + float(self.push[0]) * metres)
+        self.y = on_the_field(self.y + float(self.push[1]) * metres)
         self.reward -= 0.01
         for spot in [(x, y) for x, y in self.spots if self.near(x, y)]:
             self.spots.remove(spot)
@@ -53,11 +63,12 @@ class CoinCar(Agent):
         self.look()
 
     def near(self, x: float, y: float) -> bool:
-        return (x - self.x) * (x - self.x) + (y - self.y) * (y - self.y) < REACH * REACH
+        return (x - self.x) * (x - self.x) + (y - self.y) * (y - self.y) < REACH_METRES * REACH_METRES
 
     def look(self) -> None:
-        """What the fields have from now on."""
-        self.place, self.left = np.array([self.x, self.y], np.float32), len(self.spots)
+        """What the fields hold from now on."""
+        self.place = np.array([self.x, self.y], np.float32)
+        self.left = len(self.spots)
         self.coins = [np.array(spot, np.float32) for spot in self.spots]
         self.picture = self.draw()
 
@@ -65,6 +76,11 @@ class CoinCar(Agent):
         """The field from above, uint8 [24, 32, 3], the highest row first."""
         picture = np.full((24, 32, 3), GRASS, np.uint8)
         for (x, y), colour in [*((spot, COIN) for spot in self.spots), ((self.x, self.y), CAR)]:
-            row, column = int((FIELD - y) / FIELD * 22), int(x / FIELD * 30)
+            row = int((FIELD_METRES - y) / FIELD_METRES * 22)
+            column = int(x / FIELD_METRES * 30)
             picture[row : row + 2, column : column + 2] = colour
         return picture
+
+
+def on_the_field(metres: float) -> float:
+    return min(FIELD_METRES, max(0.0, metres))
