@@ -1,7 +1,6 @@
 // Lesson 11, an agent: what it is told, and what is known of it between two answers to Python.
 //
-// Without
-// UnityEngine: a component is Agent.cs.
+// It needs no UnityEngine: the component is Agent.cs. In Python: netmq_example/simulation/scene.py.
 using System;
 using System.Collections.Generic;
 using System.Linq;

@@ -1,4 +1,4 @@
-// Lesson 11, the world: a car that collects coins on a field of 10 by 10 m. In Python: coin_car.py.
+// Lesson 11, the world: a car that collects coins on a field of 10 by 10 m. In Python: worlds/coin_car.py.
 //
 // Its members say what is seen of them. At home your own agent takes its place.
 using System;

@@ -8,8 +8,7 @@
 //     Console.WriteLine(Locator.Parse(".speed", scope: scope));          prints: 'car'@['body']['speed'] = $
 //
 // What is printed is the canonical text: two locators are equal if these are. The guide has the whole language, in
-// docs/guide/11_locators.md; the Python side is locator.py. They need
-// neither NetMQ nor UnityEngine.
+// docs/guide/11_locators.md; the Python side is netmq_example/locator.py. It needs neither NetMQ nor UnityEngine.
 using System;
 using System.Collections.Generic;
 using System.Linq;

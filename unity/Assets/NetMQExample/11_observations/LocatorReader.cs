@@ -6,7 +6,7 @@
 //     []                                      to append
 //     (0, 1:3, ..., newaxis)                  an index of numpy's; np.newaxis is the same
 //
-// Blanks between two signs are free. The Python side is reader.py.
+// Blanks between two signs are free. The Python side is netmq_example/locator.py.
 using System;
 using System.Collections.Generic;
 using System.Globalization;

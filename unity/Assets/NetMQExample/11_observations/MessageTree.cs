@@ -5,7 +5,7 @@
 //     {"dict": {"speed": 5, "picture": {"array": 0}}}            Dictionary<string, object>
 //     {"graph": {"nodes": …, "edges": …, "edge_links": …}}       MessageGraph; without edges both are null
 //
-// The Python side is tree.py.
+// The Python side is netmq_example/spaces.py.
 using System;
 using System.Collections.Generic;
 using System.Linq;

@@ -8,7 +8,7 @@
 // A managed code stripper takes away what nobody mentions, and reflection mentions nothing. Unity's spares whatever has
 // an attribute of the name PreserveAttribute, whosever it is: from such a one these derive, so that neither this file
 // nor your class needs UnityEngine. (Where stripping is set to High, put Unity's own [Preserve] on the class as well.)
-// The Python side is merge.py.
+// The Python side is netmq_example/envs/merge.py.
 using System;
 
 namespace NetMQExample

@@ -5,7 +5,7 @@
 //     info             {"to": name or "", "info": value}        ok        "observations": [[locator, value], ...]}
 // Each { } is the text "state" of its message, a tree (MessageTree.cs). Only the agents that are asked for act, and
 // only what they see is sent.
-// The Python side is unity_agents.py.
+// The Python side is netmq_example/envs/unity_env.py.
 using System;
 using System.Collections.Generic;
 using System.Linq;

@@ -6,8 +6,7 @@
 //
 // Two pictures are on the way to Python at most, and two more are with a camera or wait. What would be the fifth one is
 // skipped and counted, so nothing piles up, and the game waits for nobody.
-// The Python side is
-// film_view.py.
+// In Python: netmq_example/video/view_sender.py.
 using System;
 using System.Collections.Generic;
 using System.Globalization;

@@ -3,7 +3,7 @@
 // It says hello with the views' names and largest sizes; then Python begins and ends films, whenever it wants to. When
 // Python is gone no more pictures are taken; the game goes on, and when Python is back it is offered the views again.
 // Each try to connect has a new socket.
-// The Python side is python/netmq_example/video/films.py.
+// The Python side is netmq_example/video/films.py; a sender in Python is netmq_example/video/view_sender.py.
 // Trouble: stop the Python program while it films, and start it again.
 using System;
 using System.Collections.Generic;
