@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from typing import Any
 
 import pytest
 import zmq
@@ -18,14 +19,12 @@ from tests.programs import LIMIT, ROOT
 
 np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
 Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
-from tests.lessons.test_12_video import is_whole, shown  # noqa: E402
-
-sys.path += [str(ROOT / "python" / folder) for folder in ("12_video", "05_messages")]
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.video.film_writer import open_film  # noqa: E402
 from netmq_example.video.films import Films  # noqa: E402
 from netmq_example.video.game import Lost  # noqa: E402
 from netmq_example.video.view_sender import FilmView, ViewSender  # noqa: E402
+from tests.lessons.test_12_video import is_whole, shown  # noqa: E402
 
 each_format = pytest.mark.parametrize("end", [".gif", ".png", ".webp"])
 needs_ffmpeg = pytest.mark.skipif(not shutil.which("ffprobe"), reason="MP4 needs ffmpeg: apt install ffmpeg")
@@ -221,7 +220,7 @@ def test_what_cannot_be_done_is_said(films, game, tmp_path):
     for wrong, why in (
         ({"view": "side"}, "unknown-view: there is no view 'side'; there are: one, two"),
         ({"width": 65}, "bad-size: one is at most 64 x 48"),
-        ({"fps": 0}, "bad-rate: fps is more than 0, and at most 1000"),
+        ({"fps": 0, "path": None}, "bad-rate: fps is more than 0, and at most 1000"),
     ):
         with pytest.raises(MessageError, match=why):
             films.begin_render(**wrong)
@@ -329,8 +328,10 @@ def test_a_game_of_hunters_and_rabbits_becomes_a_film(launch, tmp_path):
     """Lesson 10's agents: the pictures of a whole game, in the world's own time, read by Pillow and in its order."""
     pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
     sys.path.append(str(ROOT / "python" / "10_many_agents"))
-    parallel, players = importlib.import_module("parallel"), importlib.import_module("players")
-    env = parallel.ZmqParallelEnv("Pursuit", launch=launch("python", key="10_many_agents"), render_mode="rgb_array")
+    players = importlib.import_module("players")
+    from netmq_example.envs.parallel_env import ZmqParallelEnv
+
+    env: Any = ZmqParallelEnv("Pursuit", launch=launch("python", key="10_many_agents"), render_mode="rgb_array")
     with contextlib.closing(env):
         seen, _ = env.reset(seed=1)
         film, pictures, second = open_film(tmp_path / "pursuit.gif"), [env.render()], 1 / env.metadata["render_fps"]

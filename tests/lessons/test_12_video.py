@@ -4,6 +4,7 @@ sides. What a script does with films is in test_12_films.py.
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import sys
 import time
@@ -18,11 +19,11 @@ np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install num
 Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
 
 KEY = "12_video"
-sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "05_messages")]
-from self_driving import SelfDriving, scaled  # noqa: E402
-
 from netmq_example.messages import Array, Message, read  # noqa: E402
 
+sys.path.append(str(ROOT / "python" / KEY))
+self_driving = importlib.import_module("self_driving")
+SelfDriving, scaled = self_driving.SelfDriving, self_driving.scaled
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 each_terminal = pytest.mark.parametrize("kind", [kind for kind in CLIENTS if kind != "unity"])
 each_format = pytest.mark.parametrize("end", [".gif", ".png", ".webp"])

@@ -1,4 +1,4 @@
-"""Lesson 12, films: what the views of a running game show becomes films, on command.
+"""What the views of a running game show becomes films, on command.
 
     films = Films()                                     the game comes to tcp://127.0.0.1:5562
     films.wait()                                        its views: {"front": (320, 240), "map": (320, 240)}
@@ -6,124 +6,41 @@
     ...                                                 whatever else Python does with the game
     film = films.end_render("front")                    prints: film drive.gif: 125 frames, 5.0 s, 0 skipped
     pictures = films.render_all()                       {"front": uint8 [240, 320, 3], "map": …}
+    films.close()                                       or: with Films() as films
 
-A thread of its own receives and writes. The game sends at most two pictures that were not taken: when writing is slow,
-it skips the others, and says how many they were.
-They need numpy and Pillow.
+A thread of its own receives and writes. The game sends at most two pictures that were not acknowledged: when writing is
+slow, it skips the others, and says how many they were. ValueError and OSError say why there can be no file, a
+MessageError is the game's refusal, a ConnectionError says that the game is gone.
 
-Lesson 12, filming: the thread that hears a game, keeps what its views show, and says that it was taken.
+The messages are those of lesson 05. The game sends `hello` with its `views`, names with commas between them, and their
+largest widths and heights as int32 [n, 2]; the reply is `welcome`. A `begin` has `view`, `width`, `height` and `fps`;
+it is answered by `begun`. From then on each `frame` has the id of that begin, `view`, `number`, `time`, in seconds
+since it began, and one array, uint8 [height, width, 3 or 4], with `bottom_up` the lowest row first; the reply is
+`took`. An `end` of a `view` is answered by `ended`, with `frames`, `skipped` and `time`.
+
+The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and Pillow, and ffmpeg for an MP4.
 """
 
 import contextlib
 import itertools
+import math
+import os
 import queue
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from operator import index
-from pathlib import Path
 from typing import Any, Self
 
 import zmq
 
+from netmq_example import check
 from netmq_example.messages import Message, MessageError
-from netmq_example.video.game import Game, Lost, bound
+from netmq_example.video.game import ENDPOINT, Game, Lost, bound
 from netmq_example.video.view_film import ViewFilm
 
 
-class Filming:
-    """The socket belongs to the thread; others ask it to say something."""
-
-    def __init__(self, socket: zmq.Socket[bytes], timeout: float, report: Callable[[str], object]) -> None:
-        self.timeout, self.tell, self.ids = timeout, report, itertools.count(1)
-        self.game = Game(socket, self.lose)
-        # What is to be said to the game, who waits for an answer, and the newest film of each view.
-        self.requests, self.films = queue.SimpleQueue[Message](), dict[str, ViewFilm]()
-        self.asked = dict[int, tuple[Future[None], ViewFilm | None]]()
-        self.over, self.thread = threading.Event(), threading.Thread(target=self.run, daemon=True)
-
-    def start(self) -> None:
-        """Not before it is needed: by then there is somebody who will call close."""
-        if self.over.is_set():
-            raise ValueError("these films are closed: make new ones")
-        if not self.thread.is_alive():
-            self.thread.start()
-
-    def report(self, line: str) -> None:
-        """What cannot be told, as into a pipe that is closed, ends no film."""
-        with contextlib.suppress(Exception):
-            self.tell(line)
-
-    def ask(self, kind: str, values: dict[str, Any], film: ViewFilm | None = None) -> None:
-        """For any thread: ask the game for something, and wait until it is done. MessageError is its refusal."""
-        self.start()
-        request, done = Message(kind, next(self.ids), values), Future[None]()
-        self.asked[request.id] = done, film
-        self.requests.put(request)
-        try:
-            done.result(self.timeout)
-        except TimeoutError:
-            # Without it a game that is only slow would be filmed for ever.
-            self.requests.put(Message("end", next(self.ids), {"view": values["view"]}))
-            raise TimeoutError(f"no answer to {kind} within {self.timeout:g} s; does the game hang?") from None
-        finally:
-            self.asked.pop(request.id, None)
-
-    def run(self) -> None:
-        while not self.over.is_set():
-            try:
-                while not self.requests.empty():
-                    self.say(self.requests.get())
-                if message := self.game.receive():
-                    self.hear(message)
-            except Exception as error:
-                # Unforeseen. It ends the films, and not this thread: whoever asks would wait for nothing.
-                self.report(f"trouble: {error!r:.200}")
-                self.game.forget()
-
-    def say(self, request: Message) -> None:
-        try:
-            if not self.game.peer:
-                raise Lost("there is no game, or it is gone")
-            self.game.send(request.kind, request.id, request.values)
-        except Exception as error:
-            self.answer(request.id, error)
-
-    def hear(self, message: Message) -> None:
-        values, view = message.values, str(message.values.get("view"))
-        if message.kind == "error":
-            self.answer(message.id, MessageError(str(values.get("code"))[:40], str(values.get("text"))[:200]))
-        elif message.kind == "begun" and (film := self.asked.get(message.id, (None, None))[1]):
-            film.attempt(self.report, film.begin, message, self.game.views.get(film.view, (0, 0)))
-            self.films[film.view] = film
-            self.answer(message.id)
-        elif (film := self.films.get(view)) and message.kind == "frame" and message.id == film.id:
-            film.attempt(self.report, film.add, message)
-            self.game.send("took", film.id, {"view": view, "number": values.get("number", 0)})
-        elif film and message.kind == "ended" and not film.over:
-            film.attempt(self.report, film.end, message)
-            if film.path:
-                self.report(str(film))
-            self.answer(message.id)
-
-    def answer(self, id: int, error: Exception | None = None) -> None:
-        if waiting := self.asked.pop(id, None):
-            waiting[0].set_exception(error) if error else waiting[0].set_result(None)
-
-    def lose(self) -> None:
-        """The game is gone: what came is a film."""
-        for film in [film for film in list(self.films.values()) if not film.over]:
-            film.attempt(self.report, film.close)
-            self.report(f"trouble: the game is gone; {film}")
-        for id in list(self.asked):
-            self.answer(id, Lost("the game is gone"))
-
-
-ENDPOINT = "tcp://127.0.0.1:5562"
-
-
-class Films(Filming):
+class Films:
     """For any thread. `report` gets a line about each film. A socket that is given is not closed."""
 
     def __init__(
@@ -133,32 +50,53 @@ class Films(Filming):
         timeout: float = 10,
         report: Callable[[str], object] = print,
     ) -> None:
-        self.own, self.seen = socket is None, 0
-        super().__init__(socket or bound(endpoint), timeout, report)
+        self.timeout = check.seconds("timeout", timeout)
+        if not callable(report):
+            raise ValueError(f"report takes a function that gets a line, such as print, not {report!r:.40}")
+        self.print_line = report
+        self.owns_socket = socket is None
+        self.game = Game(socket or bound(endpoint), self.lose)
+        # Which of the games that came wait has returned.
+        self.returned = 0
+        # The newest film of each view.
+        self.films: dict[str, ViewFilm] = {}
+        # What is to be sent to the game, and by id who waits for the answer.
+        self.requests = queue.SimpleQueue[Message]()
+        self.ids = itertools.count(1)
+        self.waiting: dict[int, tuple[Future[None], ViewFilm | None]] = {}
+        self.over = threading.Event()
+        self.thread = threading.Thread(target=self.run, daemon=True)
 
     def wait(self, seconds: float = 60) -> dict[str, tuple[int, int]]:
         """The next game's views, with their largest width and height. TimeoutError says that none came."""
+        if seconds != math.inf:
+            check.seconds_or_none("seconds", seconds)
         self.start()
         end = time.monotonic() + seconds
-        while self.game.count == self.seen or not self.game.views:
+        while self.game.count == self.returned or not self.game.views:
             if time.monotonic() > end:
                 raise TimeoutError(f"no game came within {seconds:g} s; is it running, with a ViewRecorder in it?")
             time.sleep(0.02)
-        self.seen = self.game.count
+        self.returned = self.game.count
         return self.game.views
 
     def begin_render(
-        self, view: str = "", path: str | Path | None = "", width: int = 0, height: int = 0, fps: float = 25
+        self,
+        view: str = "",
+        path: str | os.PathLike[str] | None = "",
+        width: int = 0,
+        height: int = 0,
+        fps: float = 25,
     ) -> None:
         """Begin a film of a view, or of the first one. 0 is the view's largest width or height.
 
-        Without a path it becomes VIEW_1.gif, or the next number that is free; None writes no file. ValueError and
-        OSError say why there can be no file, MessageError is the game's refusal.
+        Without a path it becomes VIEW_1.gif, or the next number that is free; None writes no file.
         """
-        view = view or next(iter(self.game.views), "")
+        view = a_view(view) or next(iter(self.game.views), "")
+        size = {"width": check.count("width", width, least=0), "height": check.count("height", height, least=0)}
         film = ViewFilm(view, path, fps)
         try:
-            self.ask("begin", {"view": view, "width": index(width), "height": index(height), "fps": float(fps)}, film)
+            self.ask("begin", {"view": view, **size, "fps": float(fps)}, film)
         except BaseException:
             film.close()
             raise
@@ -167,7 +105,7 @@ class Films(Filming):
 
     def end_render(self, view: str = "") -> ViewFilm:
         """The film, whole. Of a game that is gone it is what came."""
-        view = view or next(iter(self.films), "")
+        view = a_view(view) or next(iter(self.films), "")
         film = self.films.get(view)
         if not film or not film.over:
             try:
@@ -176,6 +114,14 @@ class Films(Filming):
                 if not film:
                     raise
         return self.films.pop(view)
+
+    def end_all(self) -> None:
+        """End each film, whatever goes wrong with another one; that is reported."""
+        for view in list(self.films):
+            try:
+                self.end_render(view)
+            except (OSError, MessageError) as error:
+                self.report(f"trouble: {str(error)!a:.200}")
 
     def render_all(self) -> dict[str, Any]:
         """The newest picture of each view; of one that is not filmed a new one."""
@@ -199,7 +145,7 @@ class Films(Filming):
         if self.thread.is_alive():
             self.thread.join()
         self.lose()
-        if self.own:
+        if self.owns_socket:
             self.game.socket.context.destroy()
 
     def __enter__(self) -> Self:
@@ -207,3 +153,100 @@ class Films(Filming):
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+    def start(self) -> None:
+        """Not before it is needed: by then there is somebody who will call close."""
+        if self.over.is_set():
+            raise ValueError("these films are closed: make new ones")
+        if not self.thread.is_alive():
+            self.thread.start()
+
+    def ask(self, kind: str, values: dict[str, Any], film: ViewFilm | None = None) -> None:
+        """Ask the game for something, and wait until it is done. MessageError is its refusal."""
+        self.start()
+        request = Message(kind, next(self.ids), values)
+        done = Future[None]()
+        self.waiting[request.id] = done, film
+        self.requests.put(request)
+        try:
+            done.result(self.timeout)
+        except TimeoutError:
+            # Without it a game that is only slow would be filmed for ever.
+            self.requests.put(Message("end", next(self.ids), {"view": values["view"]}))
+            raise TimeoutError(f"no answer to {kind} within {self.timeout:g} s; does the game hang?") from None
+        finally:
+            self.waiting.pop(request.id, None)
+
+    def report(self, line: str) -> None:
+        """A line that cannot be printed, as into a pipe that is closed, ends no film."""
+        with contextlib.suppress(Exception):
+            self.print_line(line)
+
+    # The thread, to which the socket belongs
+
+    def run(self) -> None:
+        while not self.over.is_set():
+            try:
+                while not self.requests.empty():
+                    self.send(self.requests.get())
+                message = self.game.receive()
+                if message:
+                    self.hear(message)
+            except Exception as error:
+                # Unforeseen. It ends the films, and not this thread: whoever asks would wait for nothing.
+                self.report(f"trouble: {error!r:.200}")
+                self.game.forget()
+
+    def send(self, request: Message) -> None:
+        try:
+            if not self.game.peer:
+                raise Lost("there is no game, or it is gone")
+            self.game.send(request.kind, request.id, request.values)
+        except Exception as error:
+            self.answer(request.id, error)
+
+    def hear(self, message: Message) -> None:
+        """What the game has sent."""
+        values = message.values
+        view = str(values.get("view"))
+        _, begun = self.waiting.get(message.id, (None, None))
+        film = self.films.get(view)
+        if message.kind == "error":
+            self.answer(message.id, MessageError(str(values.get("code"))[:40], str(values.get("text"))[:200]))
+        elif message.kind == "begun" and begun:
+            begun.attempt(self.report, begun.begin, message, self.game.views.get(begun.view, (0, 0)))
+            self.films[begun.view] = begun
+            self.answer(message.id)
+        elif message.kind == "frame" and film and message.id == film.id:
+            film.attempt(self.report, film.add, message)
+            self.game.send("took", film.id, {"view": view, "number": values.get("number", 0)})
+        elif message.kind == "ended" and film and not film.over:
+            film.attempt(self.report, film.end, message)
+            if film.path:
+                self.report(str(film))
+            self.answer(message.id)
+
+    def answer(self, id: int, error: Exception | None = None) -> None:
+        """Whoever waits for this answer goes on."""
+        waiter = self.waiting.pop(id, None)
+        if waiter is None:
+            return
+        done, _ = waiter
+        if error:
+            done.set_exception(error)
+        else:
+            done.set_result(None)
+
+    def lose(self) -> None:
+        """The game is gone: what came is a film."""
+        for film in [film for film in list(self.films.values()) if not film.over]:
+            film.attempt(self.report, film.close)
+            self.report(f"trouble: the game is gone; {film}")
+        for id in list(self.waiting):
+            self.answer(id, Lost("the game is gone"))
+
+
+def a_view(name: Any) -> str:
+    if isinstance(name, str):
+        return name
+    raise ValueError(f"view takes the name of a view, not {name!r:.40}")

@@ -1,7 +1,11 @@
-"""Lesson 12, the game as Python sees it: one at a time, at the other end of a ROUTER socket.
+"""The game that films.py films: one at a time, at the other end of a ROUTER socket.
 
-A game says `hello` with its views. One that is gone is noticed within a second, because a ROUTER socket can say that it
-has no way to a peer.
+    game = Game(bound("tcp://127.0.0.1:5562"), lost=lambda: print("gone"))
+    while True:
+        message = game.receive()            None for a moment without one; afterwards game.views are those of the game
+
+A game sends `hello` with its views. One that is gone is noticed within a second, because a ROUTER socket can say that
+it has no way to a peer. Another one is refused until then. The messages are in films.py.
 """
 
 import math
@@ -12,10 +16,12 @@ from typing import Any
 
 import zmq
 
+from netmq_example import check
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
 
-# Seconds of silence after which it is asked whether it is there.
-SILENCE = 1.0
+ENDPOINT = "tcp://127.0.0.1:5562"
+# After so much silence it is asked whether it is there.
+SILENCE_SECONDS = 1.0
 # A view's name becomes the name of a file.
 NAME = re.compile(r"[A-Za-z0-9_ -]{1,40}")
 
@@ -25,13 +31,13 @@ class Lost(ConnectionError):
 
 
 def bound(endpoint: str) -> zmq.Socket[bytes]:
-    # libzmq itself would listen on port 99999 - 65536 without a word.
-    port = re.fullmatch(r"tcp://[\w.*-]+:(\*|\d{1,5})", endpoint, re.ASCII)
-    if not port or int(port[1].replace("*", "0")) > 65535:
-        raise ValueError(f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5562, port 0 to 65535")
+    """A socket that listens, in a context of its own. ValueError and OSError say why it cannot."""
+    check.endpoint(endpoint, ENDPOINT, lowest_port=0)
     socket = zmq.Context().socket(zmq.ROUTER)
-    # Who announces more than the largest message is disconnected before it is in memory.
-    socket.linger, socket.maxmsgsize, socket.rcvtimeo = 0, 4 * LIMIT, 200
+    socket.linger = 0
+    # A peer that announces a larger message is disconnected before it arrives.
+    socket.maxmsgsize = 4 * LIMIT
+    socket.rcvtimeo = 200
     try:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
@@ -45,24 +51,28 @@ class Game:
     """Make it anywhere; after that it belongs to one thread. `lost` is called when the game is gone."""
 
     def __init__(self, socket: zmq.Socket[bytes], lost: Callable[[], None]) -> None:
-        self.socket, self.lost = socket, lost
+        self.socket = socket
+        self.lost = lost
         # To send to a peer that is gone is then an error, and not silence.
         socket.router_mandatory = True
         self.endpoint = socket.getsockopt_string(zmq.LAST_ENDPOINT)
-        self.peer, self.heard = b"", 0.0
-        # How many came so far, and the views of the one that is there with their largest width and height.
-        self.count, self.views = 0, dict[str, tuple[int, int]]()
+        self.peer = b""
+        # When its last message came.
+        self.heard = 0.0
+        # How many games came so far, and the views of the one that is there, with their largest width and height.
+        self.count = 0
+        self.views: dict[str, tuple[int, int]] = {}
 
     def receive(self) -> Message | None:
         """The next message of the game; None if nothing came for a moment, or nothing that matters."""
         if not self.socket.poll(20):
-            if self.peer and time.monotonic() > self.heard + SILENCE:
+            if self.peer and time.monotonic() > self.heard + SILENCE_SECONDS:
                 self.heard = time.monotonic()
                 if not self.send("alive"):
                     self.forget()
             return None
-        frames: list[Any] = self.socket.recv_multipart(copy=False)
-        peer = bytes(frames.pop(0))
+        identity, *frames = self.socket.recv_multipart(copy=False)
+        peer = identity.bytes
         try:
             message = read(frames)
             if message.kind == "hello":
@@ -80,29 +90,35 @@ class Game:
         if self.peer and self.send("alive"):
             raise MessageError("busy", "there is a game already: one at a time")
         names = take(hello.values, "views", str).split(",")
-        sizes = hello.arrays[0] if hello.arrays else None
-        if not sizes or (sizes.dtype, sizes.shape) != ("int32", (len(names), 2)) or not all(map(NAME.fullmatch, names)):
+        forms = [(array.dtype, array.shape) for array in hello.arrays[:1]]
+        if forms != [("int32", (len(names), 2))] or not all(map(NAME.fullmatch, names)):
             raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
-        views = {name: (width, height) for name, (width, height) in zip(names, sizes.numpy().tolist(), strict=True)}
+        sizes = hello.arrays[0].numpy().tolist()
+        views = {name: (width, height) for name, (width, height) in zip(names, sizes, strict=True)}
         if len(views) < len(names) or not all(min(one) > 0 and 3 * math.prod(one) <= LIMIT for one in views.values()):
             raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
         self.forget()
-        self.peer, self.views, self.heard, self.count = peer, views, time.monotonic(), self.count + 1
-        # Said last: by then it can be filmed. One that is gone already is forgotten with the first silence.
+        self.peer = peer
+        self.views = views
+        self.heard = time.monotonic()
+        self.count += 1
+        # Sent last: by then it can be filmed. One that is gone already is forgotten with the first silence.
         self.send("welcome", hello.id)
 
     def forget(self) -> None:
-        self.peer, self.views = b"", {}
+        self.peer = b""
+        self.views = {}
         self.lost()
 
     def send(self, kind: str, id: int = 0, values: dict[str, Any] | None = None, peer: bytes = b"") -> bool:
         """False if there is no way to it any more."""
+        frames = Message(kind, id, values or {}).frames()
         # A game hangs up on what it cannot read: MessageError says so before it is sent.
-        read(frames := Message(kind, id, values or {}).frames())
+        read(frames)
         try:
             self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:
-            # What has come from it is heard; with the first silence it is forgotten.
+            # What has come from it is still received; with the first silence it is forgotten.
             self.heard = -math.inf
             return False
         return True

@@ -1,7 +1,15 @@
-"""Lesson 12, one film of one view: what came, what was skipped, and the file."""
+"""One film of one view, as films.py makes it: what came, what was skipped, and the file.
+
+    film.frames, film.skipped, film.seconds, film.path         read by anybody, at any time
+    print(film)                                                film drive.gif: 125 frames, 5.0 s, 0 skipped
+
+A game is not trusted: a picture of another size than was begun, or a time longer than it was filmed, ends the film with
+a line that says why. It needs numpy and Pillow.
+"""
 
 import contextlib
 import itertools
+import os
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -9,24 +17,39 @@ from time import monotonic
 from typing import Any
 
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.video.film_writer import open_film
+from netmq_example.video.film_writer import new_path, open_film
 
 
 def free_path(view: str) -> Path:
     """VIEW_1.gif, or the next number that is free."""
-    return next(path for i in itertools.count(1) if not (path := Path(f"{view}_{i}.gif")).exists())
+    paths = (Path(f"{view}_{number}.gif") for number in itertools.count(1))
+    return next(path for path in paths if not path.exists())
 
 
 class ViewFilm:
-    """Made by one thread, and then belongs to another one; whoever has it may read how far it is."""
+    """Made by one thread, and then belongs to another one.
 
-    def __init__(self, view: str, path: str | Path | None, fps: float) -> None:
-        self.view, self.id, self.size = view, 0, (0, 0)
-        self.path = free_path(view) if path == "" else Path(path) if path else None
-        self.file = open_film(self.path, fps) if self.path else None
-        self.made, self.began, self.seconds, self.frames, self.skipped = monotonic(), 0.0, 0.0, 0, 0
-        # Why nothing is written any more. And whether it has come to its end.
-        self.trouble, self.over = "", False
+    The path "" is the next free one; None keeps the newest picture only, and writes no file.
+    """
+
+    def __init__(self, view: str, path: str | os.PathLike[str] | None, fps: float) -> None:
+        self.view = view
+        if path == "":
+            path = free_path(view)
+        self.path = None if path is None else new_path("path", path)
+        self.file = None if self.path is None else open_film(self.path, fps)
+        # The id of its begin, and height and width; the game says both.
+        self.id = 0
+        self.size = (0, 0)
+        self.frames = 0
+        self.skipped = 0
+        # How long it is, and by the game's clock when its first picture was seen.
+        self.seconds = 0.0
+        self.began = 0.0
+        self.made = monotonic()
+        # Why nothing is written any more, and whether it has come to its end.
+        self.trouble = ""
+        self.over = False
         self.newest: Any = None
         self.first = threading.Event()
 
@@ -37,21 +60,23 @@ class ViewFilm:
 
     def begin(self, begun: Message, largest: tuple[int, int]) -> None:
         """The game has begun, and says how large its pictures are."""
-        self.id, width, height = begun.id, take(begun.values, "width", int), take(begun.values, "height", int)
+        self.id = begun.id
+        width = take(begun.values, "width", int)
+        height = take(begun.values, "height", int)
         if not (0 < width <= largest[0] and 0 < height <= largest[1]):
             raise MessageError("bad-size", f"{self.view} has no pictures of {width} x {height}")
         self.size = (height, width)
 
-    def attempt(self, report: Callable[[str], object], do: Callable[..., None], *what: Any) -> None:
-        """Whatever goes wrong with a film is said once, and ends that film alone."""
+    def attempt(self, report: Callable[[str], object], do: Callable[..., None], *args: Any) -> None:
+        """Whatever goes wrong with a film is reported once, and ends that film alone."""
         try:
-            do(*what)
+            do(*args)
         except Exception as error:
             if not self.trouble:
                 self.stop(str(error) or repr(error))
                 report(f"trouble: {self}")
 
-    def seen(self, values: dict[str, Any]) -> float:
+    def time_of(self, values: dict[str, Any]) -> float:
         """A time of the game, which cannot have filmed for longer than it was asked to; clocks differ a little."""
         time: float = take(values, "time", float)
         if not 0 <= time <= monotonic() - self.made + 60:
@@ -60,7 +85,8 @@ class ViewFilm:
 
     def add(self, frame: Message) -> None:
         """The next picture. MessageError says why it is none, OSError why it cannot be written."""
-        time, number = self.seen(frame.values), take(frame.values, "number", int)
+        time = self.time_of(frame.values)
+        number = take(frame.values, "number", int)
         shape = frame.arrays[0].shape if len(frame.arrays) == 1 else ()
         if shape[:2] != self.size or shape[2:] not in ((3,), (4,)) or frame.arrays[0].dtype != "uint8":
             raise MessageError("bad-picture", f"a picture is uint8 {[*self.size]} and 3 or 4, not {[*shape]}")
@@ -72,12 +98,17 @@ class ViewFilm:
             return
         if self.file:
             self.file.add(self.newest, time)
-        self.began = self.began if self.frames else time
-        self.frames, self.skipped, self.seconds = self.frames + 1, number - self.frames - 1, time - self.began
+        if not self.frames:
+            self.began = time
+        self.frames += 1
+        self.skipped = number - self.frames
+        self.seconds = time - self.began
 
     def stop(self, why: str) -> None:
         """Nothing more is written."""
-        self.trouble, file, self.file = f"its file has ended early: {why[:200]}", self.file, None
+        self.trouble = f"its file has ended early: {why[:200]}"
+        file = self.file
+        self.file = None
         with contextlib.suppress(Exception):
             if file:
                 file.close(self.began + self.seconds)
@@ -90,7 +121,7 @@ class ViewFilm:
 
     def end(self, ended: Message) -> None:
         """The game has taken the last picture, and says when it was over."""
-        self.close(self.seen(ended.values), take(ended.values, "skipped", int))
+        self.close(self.time_of(ended.values), take(ended.values, "skipped", int))
 
     def close(self, time: float | None = None, skipped: int | None = None) -> None:
         """Without a time it ends with its last picture: nobody knows how long that was seen."""
@@ -100,7 +131,8 @@ class ViewFilm:
         self.first.set()
         if self.trouble:
             return
-        self.skipped = self.skipped if skipped is None else skipped
+        if skipped is not None:
+            self.skipped = skipped
         if self.frames and time is not None:
             self.seconds = time - self.began
         if self.file:

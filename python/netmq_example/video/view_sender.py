@@ -1,18 +1,19 @@
-"""Lesson 12, the sender of views: offers them to Python, and sends what it asks for. In C#: ViewSender.cs.
+"""The game's side of a film: offers views to Python, and sends the pictures that it asks for.
 
-Each try to connect has a new socket. When Python is gone no more pictures are taken; the game goes on, and when Python
-is back it is offered the views again.
+    view = FilmView("front", 320, 240)                       the largest size that Python may ask for
+    sender = ViewSender("tcp://127.0.0.1:5562", 30)          gives up after 30 s without Python
+    threading.Thread(target=sender.run, args=([view], stop)).start()          until stop.set()
 
-Lesson 12, a view of the game: what can be filmed, and the film that Python makes of it now. In C#: FilmView.cs.
-
-    picture = view.due()            the game, in each of its frames: is a picture to be taken now?
-    view.take(picture, pixels)      uint8 [height, width, 3], the lowest row first
+    picture = view.due()                in each frame of the game: is a picture to be taken now?
+    if picture:
+        view.take(picture, pixels)      uint8 [height, width, 3], the lowest row first, as large as picture.film says
 
 Two pictures are on the way to Python at most, and two more are with a camera or wait. What would be the fifth one is
-skipped and counted, so nothing piles up, and the game waits for nobody.
+skipped and counted, so nothing piles up, and the game never waits. When Python is gone no more pictures are taken; the
+game goes on, and when Python is back it is offered the views again. The messages are in films.py. In C# it is
+ViewSender.cs and FilmView.cs. It needs only pyzmq.
 """
 
-import itertools
 import re
 import threading
 import time
@@ -23,27 +24,34 @@ from typing import Any, NamedTuple
 
 import zmq
 
+from netmq_example import check
 from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
 
-# Pictures that were sent and are not yet with Python, and pictures at all.
-CREDIT, ROOM = 2, 4
+# Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
+MOST_SENT = 2
+MOST_PICTURES = 4
+# For a connection, and then for the answer to hello.
+TRY_SECONDS = 1.0
 
 
 @dataclass
 class Film:
-    """What Python has asked for, and how far it is."""
+    """What Python has asked for, and how far it is. Its pictures are counted from 1."""
 
     id: int
     width: int
     height: int
     interval: float
     began: float = field(default_factory=time.monotonic)
+    # The second of the next picture, and the number of the last one that was due.
     next: float = 0.0
     number: int = 0
     skipped: int = 0
     sent: int = 0
+    # Those that are sent and not acknowledged, and those that are to be sent.
     away: set[Any] = field(default_factory=set)
     ready: deque[Message] = field(default_factory=deque)
+    # The request to end it, and when that came.
     ending: Message | None = None
     seconds: float = 0.0
 
@@ -63,30 +71,42 @@ class FilmView:
 
     def __init__(self, name: str, width: int, height: int) -> None:
         # It becomes the name of a file.
-        if not re.fullmatch(r"[A-Za-z0-9_ -]{1,40}", name):
+        if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z0-9_ -]{1,40}", name):
             raise ValueError(f"a view cannot be {name!a:.50}: give it a name of letters, digits, - and _")
-        if not (width > 0 and height > 0 and 4 * width * height <= LIMIT):
-            raise ValueError(f"a view of {width} x {height} is too small, or too large for a message")
-        self.name, self.width, self.height = name, int(width), int(height)
+        whole = all(check.is_number(side) and side == int(side) and side > 0 for side in (width, height))
+        if not whole or 4 * int(width) * int(height) > LIMIT:
+            raise ValueError(f"a view of {width!a:.20} x {height!a:.20} is too small, or too large for a message")
+        self.name = name
+        self.width = int(width)
+        self.height = int(height)
         self.film: Film | None = None
 
     # The game's half.
 
     def due(self) -> Picture | None:
+        """The picture that is to be taken now, if there is one."""
         film = self.film
-        if not film or film.ending or (now := film.now()) < film.next:
+        if not film or film.ending:
+            return None
+        now = film.now()
+        if now < film.next:
             return None
         # As often as it was asked for, whenever the game has its frames; more than one is not made up for.
         film.next = max(film.next + film.interval, now - film.interval)
         film.number += 1
-        if film.number - film.skipped - film.sent + len(film.away) > ROOM:
+        if film.number - film.skipped - film.sent + len(film.away) > MOST_PICTURES:
             film.skipped += 1
             return None
         return Picture(film, {"view": self.name, "number": film.number, "time": now, "bottom_up": True})
 
     def take(self, picture: Picture, pixels: Any) -> None:
-        film, pictures = picture.film, [Array("uint8", pixels.shape, pixels)]
-        film.ready.append(Message("frame", film.id, picture.values, pictures))
+        """What it shows, now or some frames later: uint8 [height, width, 3 or 4], the lowest row first."""
+        film = picture.film
+        shape = tuple(getattr(pixels, "shape", ()))
+        if shape[:2] != (film.height, film.width) or shape[2:] not in ((3,), (4,)) or str(pixels.dtype) != "uint8":
+            given = f"{pixels.dtype} {[*shape]}" if shape else f"{pixels!r:.40}"
+            raise ValueError(f"pixels takes uint8 [{film.height}, {film.width}, 3 or 4], not {given}")
+        film.ready.append(Message("frame", film.id, picture.values, [Array("uint8", shape, pixels)]))
 
     # The network's half.
 
@@ -94,7 +114,8 @@ class FilmView:
         if self.film:
             raise MessageError("busy-view", f"{self.name} is being filmed already: end that film first")
         width = take(request.values, "width", int) or self.width
-        height, fps = take(request.values, "height", int) or self.height, take(request.values, "fps", float)
+        height = take(request.values, "height", int) or self.height
+        fps = take(request.values, "fps", float)
         if not (0 < width <= self.width and 0 < height <= self.height):
             raise MessageError("bad-size", f"{self.name} is at most {self.width} x {self.height}")
         if not 0 < fps <= 1000:
@@ -103,9 +124,10 @@ class FilmView:
         return Message("begun", request.id, {"view": self.name, "width": width, "height": height})
 
     def end(self, request: Message) -> None:
-        if not (film := self.film) or film.ending:
+        if not self.film or self.film.ending:
             raise MessageError("not-filmed", f"{self.name} is not being filmed: begin a film first")
-        film.seconds, film.ending = film.now(), request
+        self.film.seconds = self.film.now()
+        self.film.ending = request
 
     def took(self, request: Message) -> None:
         if self.film and self.film.id == request.id:
@@ -114,43 +136,51 @@ class FilmView:
     def outgoing(self) -> Iterator[Message]:
         """The pictures that are there, and the answer to `end` after the last one."""
         film = self.film
-        while film and film.ready and len(film.away) < CREDIT:
+        if not film:
+            return
+        while film.ready and len(film.away) < MOST_SENT:
+            picture = film.ready.popleft()
             film.sent += 1
-            film.away.add(film.ready[0].values["number"])
-            yield film.ready.popleft()
+            film.away.add(picture.values["number"])
+            yield picture
         # What a camera still has is waited for, but not for ever.
-        if film and film.ending and (film.sent + film.skipped == film.number or film.now() > film.seconds + 1):
+        if film.ending and (film.sent + film.skipped == film.number or film.now() > film.seconds + 1):
             values = {"view": self.name, "frames": film.sent, "skipped": film.skipped, "time": film.seconds}
             yield Message("ended", film.ending.id, values)
             # Not before it is sent: a game may end when it is not filmed any more.
             self.film = None
 
 
-# Seconds for a connection, and then for the answer to hello.
-TRY = 1.0
-
-
 class ViewSender:
-    """What happens is told to `report`, line by line."""
+    """`report` gets a line about each connection and film."""
 
-    def __init__(self, endpoint: str, timeout: float, report: Callable[[str], None] = print) -> None:
-        self.endpoint, self.timeout, self.report, self.heard = endpoint, timeout, report, 0.0
-        # Whether Python is there.
+    def __init__(self, endpoint: str, timeout: float, report: Callable[[str], object] = print) -> None:
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5562")
+        self.timeout = check.seconds("timeout", timeout)
+        if not callable(report):
+            raise ValueError(f"report takes a function that gets a line, such as print, not {report!r:.40}")
+        self.report = report
+        # When Python was last there, and whether it is now.
+        self.heard = 0.0
         self.connected = False
 
     def run(self, views: list[FilmView], stop: threading.Event) -> None:
         """Until `stop`. TimeoutError says that Python was not there for `timeout` seconds."""
         if not 0 < len({view.name for view in views}) == len(views):
             raise ValueError(f"each view needs a name of its own: {', '.join(view.name for view in views) or 'none'}")
-        self.heard, why = time.monotonic(), "no connection"
+        self.heard = time.monotonic()
+        why = "no connection"
         while not stop.is_set():
             if time.monotonic() > self.heard + self.timeout:
                 waited = f"nobody films at {self.endpoint} within {self.timeout:g} s"
                 raise TimeoutError(f"{waited}; is the server running? ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
                 # Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
-                socket.linger, socket.maxmsgsize, socket.immediate, socket.reconnect_ivl = 0, LIMIT, True, -1
-                socket.sndtimeo = int(1000 * min(TRY, self.timeout))
+                socket.immediate = True
+                socket.reconnect_ivl = -1
+                socket.linger = 0
+                socket.maxmsgsize = LIMIT
+                socket.sndtimeo = int(1000 * min(TRY_SECONDS, self.timeout))
                 socket.connect(self.endpoint)
                 try:
                     self.talk(socket, views, stop)
@@ -158,8 +188,8 @@ class ViewSender:
                     pass
                 except (MessageError, TimeoutError) as error:
                     why = str(error)
-                    # Whoever refuses at once is not asked again at once.
-                    stop.wait(min(TRY / 5, self.timeout))
+                    # A peer that refuses at once is not asked again at once.
+                    stop.wait(min(TRY_SECONDS / 5, self.timeout))
                 finally:
                     self.connected = False
                     for view in views:
@@ -169,7 +199,7 @@ class ViewSender:
         sizes = b"".join(side.to_bytes(4, "little") for view in views for side in (view.width, view.height))
         names = {"views": ",".join(view.name for view in views)}
         socket.send_multipart(Message("hello", 0, names, [Array("int32", (len(views), 2), sizes)]).frames())
-        welcome = self.receive(socket, min(TRY, self.timeout))
+        welcome = self.receive(socket, min(TRY_SECONDS, self.timeout))
         if not welcome or welcome.kind != "welcome":
             raise MessageError("no-welcome", "no answer to hello")
         shown = ", ".join(f"{view.name} {view.width} x {view.height}" for view in views)
@@ -187,23 +217,36 @@ class ViewSender:
             self.heard = time.monotonic()
 
     def serve(self, socket: zmq.Socket[bytes], views: list[FilmView]) -> None:
+        """A moment of it: what Python asks for, and what there is to send."""
         request = self.receive(socket)
-        answers = [self.do(views, request)] if request and request.kind in ("begin", "end", "took") else []
-        for message in filter(None, itertools.chain(answers, *(view.outgoing() for view in views))):
-            socket.send_multipart(message.frames())
-            if message.kind == "ended":
-                view, frames, skipped = (message.values[name] for name in ("view", "frames", "skipped"))
-                self.report(f"{view}: {frames} pictures, {skipped} skipped")
+        answer = self.do(views, request) if request else None
+        if answer:
+            socket.send_multipart(answer.frames())
+        for view in views:
+            for message in view.outgoing():
+                socket.send_multipart(message.frames())
+                if message.kind == "ended":
+                    values = message.values
+                    self.report(f"{view.name}: {values['frames']} pictures, {values['skipped']} skipped")
 
     def do(self, views: list[FilmView], request: Message) -> Message | None:
+        """The answer to a request that has one."""
+        if request.kind not in ("begin", "end", "took"):
+            return None
         try:
-            wanted, there = take(request.values, "view", str), {view.name: view for view in views}
-            if wanted not in there:
-                raise MessageError("unknown-view", f"there is no view {wanted!a:.40}; there are: {', '.join(there)}")
-            view = there[wanted]
-            return {"begin": view.begin, "end": view.end, "took": view.took}[request.kind](request)
+            name = take(request.values, "view", str)
+            there = {view.name: view for view in views}
+            if name not in there:
+                raise MessageError("unknown-view", f"there is no view {name!a:.40}; there are: {', '.join(there)}")
+            if request.kind == "begin":
+                return there[name].begin(request)
+            if request.kind == "end":
+                there[name].end(request)
+            else:
+                there[name].took(request)
         except MessageError as error:
             return Message("error", request.id, {"code": error.code, "text": error.text})
+        return None
 
     def receive(self, socket: zmq.Socket[bytes], seconds: float = 0.01) -> Message | None:
         if not socket.poll(int(1000 * seconds)):
