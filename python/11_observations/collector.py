@@ -1,7 +1,7 @@
 """Lesson 11, the collector: what Python declares of the car that collects coins, and how it drives it by hand.
 
-The keys are those that the car's class has marked: CoinCar.cs, or netmq_example/worlds/coin_car.py. In a project of yours
-your own spaces take its place, and an agent that learns.
+The keys are those that the car's class has marked: CoinCar.cs, or netmq_example/worlds/coin_car.py. In a project of
+yours, your spaces and an agent that learns take its place.
 """
 
 import string

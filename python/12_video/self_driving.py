@@ -1,6 +1,6 @@
 """Lesson 12, the world: lesson 08's car drives along its road by itself, seen by two views. In C#: SelfDriving.cs.
 
-Both sides give the same pictures, to the last byte. In a project of yours your own game takes its place.
+Both sides give the same pictures, to the last byte. In a project of yours, your game takes its place.
 """
 
 from typing import Any

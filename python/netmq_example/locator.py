@@ -1,4 +1,4 @@
-r"""A locator: into whose observation a value goes, to which place in it, and which part of the value, as one line of text.
+r"""A locator, one line of text: into whose observation a value goes, to which place, and which part of the value.
 
     car@.speed                     into the observation of the agent car, under the key speed, the whole value
     car@.speed = $[0]              the same, but of the value its first item alone

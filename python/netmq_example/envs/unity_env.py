@@ -7,8 +7,8 @@
     seen, info = env.reset(seed=1)
     seen, reward, terminated, truncated, info = env.step(action)
 
-Without `launch=["Build/Coins.exe"]`, or `file_name="Build/Coins"`, it waits for Play. The spaces are declared here; what
-is in them is declared in C#, at the fields that hold it.
+Without `launch=["Build/Coins.exe"]`, or `file_name="Build/Coins"`, it waits for Play. The spaces are declared here;
+what is in them is declared in C#, at the fields that hold it.
 
 `info` is {"env": [...], "agent": [...]}, what the scene and the agent have sent since the last answer. If the simulator
 is lost, or the agent has left, the episode is truncated, and `info["lost"]` says why. MessageError is the simulator's
@@ -95,8 +95,8 @@ class Agents:
     seen, reward, terminated, truncated, info = agents.step({"car": action})["car"]
 
     An answer is complete: for several agents it waits until all of them have one. What a message does not write stays
-    as it was; what it writes must fit the spaces. Observations are copies. `where` is what Simulators takes; `file_name`
-    is gymize's name for its `launch`.
+    as it was; what it writes must fit the spaces. Observations are copies. `where` is what Simulators takes;
+    `file_name` is gymize's name for its `launch`.
     """
 
     def __init__(

@@ -5,7 +5,7 @@
     seen, infos = env.reset(seed=1)
     seen, rewards, terminations, truncations, infos = env.step({"car": …, "bus": …})
 
-    env = UnityAECEnv("Coins", **spaces)                                one after the other: for agent in env.agent_iter()
+    env = UnityAECEnv("Coins", **spaces)                                one after the other, as env.agent_iter() says
 
 Infos, errors, and where the simulator comes from are those of unity_env.py. It needs pettingzoo, gymnasium and numpy.
 """

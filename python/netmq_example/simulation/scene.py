@@ -15,8 +15,8 @@ Its messages are those of lesson 05. Each has one value `state`, the text of a t
     step             {"actions": {name: action}}                        "infos": [...],
     info             {"to": name or "", "info": value}        ok        "observations": [[locator, value], ...]}
 
-A wrong class is a LocatorError that names class and field; a wrong request is answered with an error. In C# it is Obs.cs,
-AgentState.cs and SceneSimulator.cs. It needs gymnasium and numpy.
+A wrong class is a LocatorError that names class and field; a wrong request is answered with an error. In C# it is
+Obs.cs, AgentState.cs and SceneSimulator.cs. It needs gymnasium and numpy.
 """
 
 from collections.abc import Iterable, Iterator
@@ -41,8 +41,8 @@ class Obs:
 class Agent:
     """Your own derives from it, and has on_reset, on_action, on_tick and on_info as it needs them.
 
-    They set `reward`, `terminated` and `truncated`, append to `infos`, and draw numbers from `chance`. An agent that has
-    ended has no more ticks until the next reset.
+    They set `reward`, `terminated` and `truncated`, append to `infos`, and draw numbers from `chance`. An agent that
+    has ended has no more ticks until the next reset.
     """
 
     def __init__(self, name: str = "agent") -> None:

@@ -186,7 +186,7 @@ class ViewSender:
                     self.talk(socket, views, stop)
                 except zmq.Again:
                     pass
-                except (MessageError, TimeoutError) as error:
+                except (MessageError, ConnectionError) as error:
                     why = str(error)
                     # A peer that refuses at once is not asked again at once.
                     stop.wait(min(TRY_SECONDS / 5, self.timeout))
@@ -210,7 +210,7 @@ class ViewSender:
                 self.serve(socket, views)
             # So many milliseconds for what was sent last; without them it would be dropped.
             socket.linger = 200
-        except (MessageError, TimeoutError, zmq.Again) as error:
+        except (MessageError, ConnectionError, zmq.Again) as error:
             self.report(f"trouble: {error}: no more pictures are taken")
             raise
         finally:
@@ -251,7 +251,7 @@ class ViewSender:
     def receive(self, socket: zmq.Socket[bytes], seconds: float = 0.01) -> Message | None:
         if not socket.poll(int(1000 * seconds)):
             if not socket.poll(0, zmq.POLLOUT):
-                raise TimeoutError("Python is gone")
+                raise ConnectionError("Python is gone")
             return None
         message = read(socket.recv_multipart())
         if message.kind == "error":
