@@ -1,4 +1,4 @@
-"""Lesson 13 on lesson 09's steps, the example: a ball falls, Python sets its gravity, and hears how fast it lands.
+"""Lesson 13 on the steps of an environment: a ball falls, Python sets its gravity, and hears how fast it lands.
 
     python python/13_side_channels/falling_ball.py        prints: gravity 9.81: 32 steps, landed at 6.28 m/s
                                                                   gravity 1.62: 79 steps, landed at 2.56 m/s
@@ -8,28 +8,28 @@ once more, as its simulator. In Unity that half is your scene.
 They need gymnasium.
 """
 
+import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.program import importing, run
 from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.side_channel.stats_side_channel import StatsSideChannel
 from netmq_example.side_channel.unity_channels import EnvironmentParameters, StatsRecorder
 
-try:
-    # The first of them makes lesson 09's folder known.
-    from netmq_example.envs.side_channels import SideChannelSimulator, carry  # isort: skip
+with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
     import numpy as np
     from gymnasium.spaces import Box, Discrete
 
     from netmq_example.envs.gym_env import ZmqEnv
+    from netmq_example.envs.side_channels import carry
+    from netmq_example.simulation.side_channels import SideChannelSimulator
     from netmq_example.simulation.simulation import Simulation
     from netmq_example.simulation.simulator import EnvironmentClient, Simulator
-except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; pip install gymnasium, or let kit.py run 9 do it")
 
 
 def drop(gravity: float) -> None:
@@ -40,9 +40,11 @@ def drop(gravity: float) -> None:
         carry(env, SideChannelManager([parameters, stats]))
         parameters.set_float_parameter("gravity", gravity)
         env.reset(seed=1)
-        steps, over = 0, False
-        while not over:
-            over, steps = env.step(0)[2], steps + 1
+        steps = 0
+        landed = False
+        while not landed:
+            _, _, landed, _, _ = env.step(0)
+            steps += 1
         ((speed, _),) = stats.get_and_reset_stats()["landing"]
         print(f"gravity {gravity}: {steps} steps, landed at {speed:.2f} m/s", flush=True)
     finally:
@@ -52,14 +54,20 @@ def drop(gravity: float) -> None:
 class Ball(Simulation):
     """What a scene does: it asks for its parameters when it needs them, and records what it likes."""
 
-    name, dt, size = "Ball", 0.02, 1
-    observation, action = Box(-100, 100, (1,)), Discrete(1)
+    name = "Ball"
+    dt = 0.02
+    # How many numbers its state has: the height.
+    size = 1
+    observation = Box(-100, 100, (1,))
+    action = Discrete(1)
 
     def __init__(self) -> None:
-        self.parameters, self.stats = EnvironmentParameters(), StatsRecorder()
+        self.parameters = EnvironmentParameters()
+        self.stats = StatsRecorder()
 
     def reset(self, chance: Iterator[float], options: dict[str, Any], state: list[float]) -> None:
-        (self.height,), self.speed = state or [2.0], 0.0
+        self.height = state[0] if state else 2.0
+        self.speed = 0.0
 
     def apply(self, action: Any) -> None:
         self.speed -= self.parameters.get_with_default("gravity", 9.81) * self.dt
@@ -80,10 +88,16 @@ def simulate(endpoint: str) -> None:
     EnvironmentClient(endpoint, 20).run(SideChannelSimulator(Simulator(ball), manager))
 
 
-if __name__ == "__main__":
-    # The environment adds this to what it starts.
-    if "--endpoint" in sys.argv:
-        simulate(sys.argv[sys.argv.index("--endpoint") + 1])
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--endpoint", help="the environment adds this to what it starts")
+    options = parser.parse_args()
+    if options.endpoint:
+        simulate(options.endpoint)
     else:
         drop(9.81)
         drop(1.62)
+
+
+if __name__ == "__main__":
+    run(main, stopped="stopped")

@@ -9,18 +9,13 @@ import time
 import uuid
 from collections.abc import Callable
 
-from trouble import Trouble
-
+from netmq_example.exception import UnitySideChannelException
+from netmq_example.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
 from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
-from netmq_example.side_channel.side_channel import (
-    IncomingMessage,
-    OutgoingMessage,
-    SideChannel,
-    UnitySideChannelException,
-)
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod
+from netmq_example.side_channel.trouble import Trouble
 from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
 
 # What goes wrong on command.
@@ -28,11 +23,12 @@ TROUBLES = ("none", "unknown", "cut", "throw")
 
 
 class StringLogChannel(SideChannel):
-    """In C#: StringLogChannel.cs: Python's lines come here, and errors go to Python."""
+    """The other end of server.py's, in C# StringLogChannel.cs: Python's lines come here, and errors go to Python."""
 
     def __init__(self, log: Callable[[str], None], throws: bool) -> None:
         super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
-        self.log, self.throws = log, throws
+        self.log = log
+        self.throws = throws
 
     def on_message_received(self, msg: IncomingMessage) -> None:
         if self.throws:
@@ -49,22 +45,19 @@ class Rounds:
     """`limit` is how many seconds a round may take."""
 
     def __init__(self, count: int, trouble: str, limit: float, log: Callable[[str], None]) -> None:
-        self.count, self.trouble, self.limit, self.log, self.round = count, trouble, limit, log, 0
+        self.count = count
+        self.trouble = trouble
+        self.limit = limit
+        self.log = log
+        self.round = 0
         self.began = time.monotonic()
-        self.string_log = StringLogChannel(log, trouble == "throw")
-        self.parameters, self.stats, self.properties = (
-            EnvironmentParameters(),
-            StatsRecorder(),
-            FloatPropertiesChannel(),
-        )
+        self.string_log = StringLogChannel(log, throws=trouble == "throw")
+        self.properties = FloatPropertiesChannel()
+        settings = EngineSettings(lambda *setting: log(describe(*setting)))
+        self.parameters = EnvironmentParameters()
         self.parameters.register_callback("gravity", lambda value: log(f"gravity is now {value:.2f}"))
-        channels = [
-            self.string_log,
-            self.properties,
-            EngineSettings(lambda *setting: log(describe(*setting))),
-            self.parameters,
-            self.stats,
-        ]
+        self.stats = StatsRecorder()
+        channels = [self.string_log, self.properties, settings, self.parameters, self.stats]
         self.manager = SideChannelManager(channels, Trouble(log))
 
     @property
@@ -84,7 +77,8 @@ class Rounds:
             except UnitySideChannelException as error:
                 self.manager.report(str(error))
         if self.seen and self.round < self.count:
-            self.round, self.began = self.round + 1, time.monotonic()
+            self.round += 1
+            self.began = time.monotonic()
             self.begin_round()
         elif not self.seen and time.monotonic() > self.began + self.limit:
             raise TimeoutError(f"round {self.round} was not seen within {self.limit:g} s; is that lesson 13's server?")

@@ -1,10 +1,11 @@
 """Lesson 13, what the server does with what it hears: prints it, and says that it has seen a round."""
 
-from trouble import Trouble
+import functools
 
+from netmq_example.side_channel import IncomingMessage
 from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
-from netmq_example.side_channel.side_channel import IncomingMessage
 from netmq_example.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.side_channel.trouble import Trouble
 
 
 class PrintedStats(StatsSideChannel):
@@ -16,7 +17,7 @@ class PrintedStats(StatsSideChannel):
 
 
 class SeenRounds(FloatPropertiesChannel):
-    """The simulator sets `round`, and hears that this was seen: that of round 0 says only that somebody is here."""
+    """The simulator sets `round` and hears that this was seen; a `seen` of 0 says only that somebody is here."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -27,4 +28,4 @@ class SeenRounds(FloatPropertiesChannel):
         self.set_property("seen", self.get_property("round") or 0.0)
 
 
-report = Trouble(lambda line: print(line, flush=True))
+report = Trouble(functools.partial(print, flush=True))

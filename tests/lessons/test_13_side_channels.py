@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
-import sys
 import time
 
 import pytest
@@ -13,6 +11,12 @@ import zmq
 
 from kitlib.docs import guide
 from kitlib.setup import dotnet
+from netmq_example.side_channel.carrier import Carrier
+from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
+from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.side_channel.unity_channels import EnvironmentParameters
 from tests.conftest import PYTHON
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,
@@ -27,14 +31,6 @@ from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
 PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
-sys.path.insert(0, str(ROOT / "python" / KEY))
-
-from netmq_example.side_channel.carrier import Carrier  # noqa: E402
-from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
-from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel  # noqa: E402
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel  # noqa: E402
-from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
-from netmq_example.side_channel.unity_channels import EnvironmentParameters  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -161,15 +157,13 @@ def test_python_speaks_whenever_it_likes(start, client_command):
 
 
 def test_the_programs_of_the_page_talk(start, console, engine, tmp_path):
-    """With the files that the page names. Whoever comes again gets all of it again."""
+    """Whoever comes again gets all of it again."""
     program, script = (block.body for block in guide.blocks(PAGE) if "a file of yours" in block.source)
     (tmp_path / "wind.py").write_text(program, encoding="utf-8")
     (tmp_path / "Weather.cs").write_text(script, encoding="utf-8")
-    for name in re.findall(r"`(\w+\.py)`", PAGE.read_text(encoding="utf-8").partition("`wind.py` beside")[2])[:6]:
-        shutil.copy(ROOT / "python" / KEY / name, tmp_path)
     scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "Weather.cs"])
     endpoint = steady_endpoint()
-    start(PYTHON, tmp_path / "wind.py", endpoint, folder=tmp_path).wait_for("^listening on")
+    start(PYTHON, "wind.py", endpoint, folder=tmp_path, PYTHONPATH=str(ROOT / "python")).wait_for("^listening on")
     for _ in range(2):
         player = start(*console, scripts, "--unity", "--endpoint", endpoint)
         player.wait_for("^rain in Rome$")

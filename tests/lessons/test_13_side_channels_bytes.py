@@ -17,29 +17,16 @@ import uuid
 import pytest
 
 from kitlib.setup import dotnet
-from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT
-from tests.unity.test_unity_play import needs_mono
-
-KEY = "13_side_channels"
-sys.path.insert(0, str(ROOT / "python" / KEY))
-
-from rounds import StringLogChannel  # noqa: E402
-
-from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel  # noqa: E402
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
-from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel  # noqa: E402
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel  # noqa: E402
-from netmq_example.side_channel.raw_side_channel import SideChannel as RawSideChannel  # noqa: E402
-from netmq_example.side_channel.side_channel import (  # noqa: E402
-    IncomingMessage,
-    OutgoingMessage,
-    SideChannel,
-    UnitySideChannelException,
-)
-from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
-from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel  # noqa: E402
-from netmq_example.side_channel.unity_channels import (  # noqa: E402  # noqa: E402
+from netmq_example.exception import UnitySideChannelException
+from netmq_example.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.side_channel.raw_side_channel import SideChannel as RawSideChannel
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
+from netmq_example.side_channel.unity_channels import (
     EngineSettings,
     EnvironmentParameters,
     StatsRecorder,
@@ -48,6 +35,14 @@ from netmq_example.side_channel.unity_channels import (  # noqa: E402  # noqa: E
     multi_range_uniform,
     uniform,
 )
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import ROOT
+from tests.unity.test_unity_play import needs_mono
+
+KEY = "13_side_channels"
+sys.path.insert(0, str(ROOT / "python" / KEY))
+
+from rounds import StringLogChannel  # noqa: E402
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / f"{KEY}.json").read_text(encoding="utf-8"))
 LOG, STRANGER = uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"), uuid.UUID("00112233-4455-6677-8899-aabbccddeeff")
@@ -336,6 +331,120 @@ def test_classes_written_for_ml_agents_move_over(runtime, csharp_says):
     assert stats.get_and_reset_stats() == {}
     SideChannelManager([old]).process_side_channel_message(sent_raw)
     assert old.lines == ["as in 2020"]
+
+
+# As somebody has them in a project of ML-Agents: its modules, its names, and what is done with them.
+MOVED = {
+    "a channel as in its documentation": """
+import uuid
+from mlagents_envs.side_channel.side_channel import SideChannel, IncomingMessage, OutgoingMessage
+from mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+
+class Log(SideChannel):
+    def __init__(self) -> None:
+        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
+        self.lines = []
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        self.lines.append(msg.read_string())
+    def send_string(self, data: str) -> None:
+        msg = OutgoingMessage()
+        msg.write_string(data)
+        super().queue_message_to_send(msg)
+
+here, there = Log(), Log()
+here.send_string("Hello")
+SideChannelManager([there]).process_side_channel_message(SideChannelManager([here]).generate_side_channel_messages())
+assert there.lines == ["Hello"]
+""",
+    "the package's own names, and exceptions": """
+import uuid
+from mlagents_envs.exception import UnityCommunicationException, UnityException, UnitySideChannelException
+from mlagents_envs.side_channel import SideChannel, OutgoingMessage, IncomingMessage
+
+class OneWay(SideChannel):
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        raise UnityCommunicationException("it only sends")
+
+channel = OneWay(channel_id=uuid.uuid4())
+channel.queue_message_to_send(OutgoingMessage())
+assert channel.message_queue == [b""] and channel.channel_id.version == 4
+assert issubclass(UnitySideChannelException, UnityException)
+""",
+    "messages": """
+from mlagents_envs.side_channel.incoming_message import IncomingMessage
+from mlagents_envs.side_channel.outgoing_message import OutgoingMessage
+
+out = OutgoingMessage()
+out.write_bool(True)
+out.write_int32(7)
+out.write_float32(0.5)
+out.write_float32_list([1.0, 2.0])
+out.write_string("end")
+msg = IncomingMessage(bytes(out.buffer), offset=0)
+assert (msg.read_bool(default_value=False), msg.read_int32(), msg.read_float32()) == (True, 7, 0.5)
+assert (msg.read_float32_list(), msg.read_string(), msg.read_string("over")) == ([1.0, 2.0], "end", "over")
+out.set_raw_bytes(bytearray(b"raw"))
+assert IncomingMessage(out.buffer).get_raw_bytes() == b"raw"
+""",
+    "engine": """
+from mlagents_envs.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
+
+channel = EngineConfigurationChannel()
+channel.set_configuration_parameters(time_scale=2.0)
+channel.set_configuration(EngineConfig.default_config())
+channel.set_configuration(EngineConfig(80, 80, 1, 4.0, 30, 30)._replace(time_scale=1.0))
+assert len(channel.message_queue) == 11
+assert EngineConfigurationChannel.ConfigurationType.TIME_SCALE == 2
+""",
+    "parameters": """
+from mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+
+channel = EnvironmentParametersChannel()
+channel.set_float_parameter("parameter_1", 2.0)
+channel.set_uniform_sampler_parameters("a", 1.2, 2.4, 3)
+channel.set_gaussian_sampler_parameters("b", 0.0, 1.0, 4)
+channel.set_multirangeuniform_sampler_parameters("c", [[0.2, 0.4], [0.8, 1.0]], 5)
+assert len(channel.message_queue) == 4
+""",
+    "properties": """
+from mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
+
+channel = FloatPropertiesChannel()
+channel.set_property("speed", 2.0)
+assert channel.get_property("speed") == 2.0 and channel.get_property("other") is None
+assert channel.list_properties() == ["speed"] and channel.get_property_dict_copy() == {"speed": 2.0}
+""",
+    "raw bytes": """
+import uuid
+from mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
+from mlagents_envs.side_channel.side_channel_manager import SideChannelManager
+
+channel = RawBytesChannel(channel_id=uuid.uuid4())
+channel.send_raw_data(data=bytearray(b"foo"))
+manager = SideChannelManager([channel])
+manager.process_side_channel_message(manager.generate_side_channel_messages())
+assert channel.get_and_clear_received_messages() == [b"foo"]
+assert channel.get_and_clear_received_messages() == []
+""",
+    "statistics": """
+from mlagents_envs.side_channel import IncomingMessage, OutgoingMessage
+from mlagents_envs.side_channel.stats_side_channel import EnvironmentStats, StatsAggregationMethod, StatsSideChannel
+
+out = OutgoingMessage()
+out.write_string("score")
+out.write_float32(1.5)
+out.write_int32(StatsAggregationMethod.MOST_RECENT.value)
+channel = StatsSideChannel()
+channel.on_message_received(IncomingMessage(out.buffer))
+stats: EnvironmentStats = channel.get_and_reset_stats()
+assert stats == {"score": [(1.5, StatsAggregationMethod.MOST_RECENT)]}
+""",
+}
+
+
+@pytest.mark.parametrize("text", MOVED.values(), ids=MOVED)
+def test_a_channel_moves_over_by_one_word_of_its_imports(text):
+    exec(compile(text.replace("mlagents_envs", "netmq_example"), "moved.py", "exec"), {"__name__": "moved"})
 
 
 # Where the two halves of ML-Agents do not agree, and what else Python alone decides

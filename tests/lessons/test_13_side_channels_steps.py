@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 
 import pytest
 
@@ -23,18 +22,18 @@ def program(engine):
 
 MOON = f"""
 import sys
-sys.path += [{str(ROOT / "python" / "09_environment")!r}, {str(ROOT / "python" / KEY)!r}]
+sys.path.insert(0, {str(ROOT / "python")!r})
 import numpy as np
 from netmq_example.simulation.simulator import EnvironmentClient
 from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from gymnasium.spaces import Box, Discrete
 from netmq_example.messages import MessageError
-from netmq_example.side_channel.side_channel import OutgoingMessage
+from netmq_example.side_channel import OutgoingMessage
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.simulation.simulation import Simulation
 from netmq_example.simulation.simulator import Simulator
 from netmq_example.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.envs.side_channels import SideChannelSimulator
+from netmq_example.simulation.side_channels import SideChannelSimulator
 
 class Parameters(EnvironmentParametersChannel):
     gravity = 9.75
@@ -58,11 +57,9 @@ class Moon(Simulation):
 
 parameters, stats, simulator = Parameters(), StatsSideChannel(), Simulator(Moon())
 if "--areas" in sys.argv:
-    sys.path.append({str(ROOT / "python" / "10_many_agents")!r})
     from netmq_example.simulation.areas import AreaSimulator
     simulator = AreaSimulator([Moon(), Moon()])
 if "--lesson-10" in sys.argv:
-    sys.path.append({str(ROOT / "python" / "10_many_agents")!r})
     from netmq_example.simulation.simulation import AgentSimulation
     from netmq_example.simulation.agents import AgentSimulator
 
@@ -79,7 +76,6 @@ if "--lesson-10" in sys.argv:
 
     simulator = AgentSimulator(Game())
 if "--lesson-11" in sys.argv:
-    sys.path.append({str(ROOT / "python" / "11_observations")!r})
     from typing import Annotated
     from netmq_example.simulation.scene import Agent, Obs
     from netmq_example.simulation.scene import SceneSimulator
@@ -102,7 +98,6 @@ EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], 20).run(simulator)
 def moon(tmp_path):
     """moon(*words): an environment that launches such a simulator, and its channels."""
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
-    sys.path += [str(ROOT / "python" / folder) for folder in (KEY, "09_environment", "05_messages")]
     from netmq_example.envs.gym_env import ZmqEnv
     from netmq_example.envs.side_channels import carry
     from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
@@ -174,7 +169,6 @@ def test_what_was_said_to_a_lost_simulator_is_said_to_the_next_one(moon):
 
 
 def test_areas_of_lesson_10_carry_them_as_well(moon, tmp_path):
-    sys.path.append(str(ROOT / "python" / "10_many_agents"))
     from netmq_example.envs.vector_env import ZmqVectorEnv
 
     words = PYTHON, tmp_path / "moon.py", "--areas"
@@ -191,7 +185,6 @@ def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
     pytest.importorskip("pettingzoo")
     from gymnasium.spaces import Box, Dict, Discrete
 
-    sys.path += [str(ROOT / "python" / folder) for folder in ("10_many_agents", "11_observations")]
     from netmq_example.envs.parallel_env import ZmqParallelEnv
     from netmq_example.envs.unity_parallel_env import UnityParallelEnv
 
@@ -210,7 +203,6 @@ def test_agents_of_lessons_10_and_11_carry_them_as_well(lesson, moon, tmp_path):
 
 def test_a_vector_that_gymnasium_makes_is_refused_with_the_cure():
     gymnasium = pytest.importorskip("gymnasium")
-    sys.path.append(str(ROOT / "python" / KEY))
     from netmq_example.envs.side_channels import carry
 
     envs = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make("CartPole-v1")])

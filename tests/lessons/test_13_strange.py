@@ -6,13 +6,25 @@ from __future__ import annotations
 
 import re
 import struct
-import sys
 import uuid
 
 import pytest
 import zmq
 
 from kitlib.setup import dotnet
+from netmq_example.exception import UnitySideChannelException
+from netmq_example.side_channel import IncomingMessage, OutgoingMessage
+from netmq_example.side_channel import carrier as one_peer
+from netmq_example.side_channel.carrier import Carrier
+from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
+from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
+from netmq_example.side_channel.float_properties_channel import MOST_PROPERTIES, FloatPropertiesChannel
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, MOST_QUEUED_BYTES
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from netmq_example.side_channel.stats_side_channel import StatsSideChannel
+from netmq_example.side_channel.trouble import Trouble
+from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, uniform
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,
@@ -27,17 +39,6 @@ from tests.lessons.test_13_side_channels_bytes import (
 from tests.programs import ROOT, steady_endpoint
 
 KEY = "13_side_channels"
-sys.path.insert(0, str(ROOT / "python" / KEY))
-
-from netmq_example.side_channel import carrier as one_peer  # noqa: E402
-from netmq_example.side_channel.carrier import Carrier  # noqa: E402
-from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel  # noqa: E402
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel  # noqa: E402
-from netmq_example.side_channel.float_properties_channel import MOST, FloatPropertiesChannel  # noqa: E402
-from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel  # noqa: E402
-from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE, MOST_BYTES, UnitySideChannelException  # noqa: E402
-from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
-from netmq_example.side_channel.stats_side_channel import StatsSideChannel  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 PROPERTIES = FloatPropertiesChannel().channel_id
@@ -83,7 +84,7 @@ def test_the_parts_of_an_exchange_are_the_exchange():
 
 
 def test_of_one_that_sends_faster_than_it_is_read_not_everything_is_kept(monkeypatch):
-    monkeypatch.setattr(one_peer, "MOST_UNREAD", 1000)
+    monkeypatch.setattr(one_peer, "MOST_UNREAD_BYTES", 1000)
     peer = one_peer.Peer(SideChannelManager())
     assert peer.take_in(frame(LOG, b"x" * 600))
     assert not peer.take_in(frame(LOG, b"x" * 600))
@@ -130,10 +131,10 @@ def test_what_a_peer_may_make_the_other_keep_has_a_limit(csharp_says):
     assert csharp_says(".net", [f"process {digits(long)}"]) == [said]
     lines, properties = [], FloatPropertiesChannel()
     manager = SideChannelManager([properties], lines.append)
-    for number in [*range(MOST + 3), 0]:
+    for number in [*range(MOST_PROPERTIES + 3), 0]:
         key = f"{number}".encode()
         manager.process_side_channel_message(frame(PROPERTIES, struct.pack("<i", len(key)) + key))
-    assert (len(properties.list_properties()), len(lines)) == (MOST, 3)
+    assert (len(properties.list_properties()), len(lines)) == (MOST_PROPERTIES, 3)
 
 
 def test_half_a_character_is_not_ascii_in_either_language(csharp_says):
@@ -157,9 +158,9 @@ def test_what_nobody_takes_has_a_limit_and_is_counted(csharp_says):
     assert (len(sent) // 23, sent[20:23]) == (69_999, (50_001).to_bytes(3, "big"))
     assert csharp_says(".net", ["keep 120000"]) == [f"{'|'.join(lines)} 69999 {digits(sent[20:23])}"]
     for _ in range(6):
-        channel.send_raw_data(bytes(LARGEST_EXCHANGE // 2 + 1))
-        channel.send_raw_data(bytes(LARGEST_EXCHANGE // 2 + 1))
-    assert channel.size <= MOST_BYTES
+        channel.send_raw_data(bytes(LARGEST_EXCHANGE_BYTES // 2 + 1))
+        channel.send_raw_data(bytes(LARGEST_EXCHANGE_BYTES // 2 + 1))
+    assert channel.queued_bytes <= MOST_QUEUED_BYTES
     assert len(lines) == 3, "said once"
 
 
@@ -224,3 +225,67 @@ def test_the_names_are_those_of_ml_agents():
     log.send_string("sent")
     data = SideChannelManager([log]).generate_side_channel_messages()
     assert bytes(data) == frame(LOG, b"\4\0\0\0sent")
+
+
+def engine(**settings):
+    return EngineConfigurationChannel().set_configuration_parameters(**settings)
+
+
+PARAMETERS = EnvironmentParametersChannel()
+CONTEXT = zmq.Context.instance()
+NAN = float("nan")
+# The parameter that the error has to name, a call, and what it is given. The spaces only make two names of one.
+WRONG = {
+    "channel_id": [RawBytesChannel, 0, None, "", STRANGER.bytes],
+    "buffer": [IncomingMessage, 5, -1, None, NAN, "text"],
+    "offset": [lambda value: IncomingMessage(b"", value), -1, None, NAN, "", 0.5],
+    "b": [OutgoingMessage().write_bool, None, NAN, -1, "", []],
+    "i": [OutgoingMessage().write_int32, None, NAN, 2**31, "", 0.5],
+    "f": [OutgoingMessage().write_float32, None, 1e300, "", [1.0]],
+    "float_list": [OutgoingMessage().write_float32_list, None, 0, [None], "x", [1e300]],
+    "s": [OutgoingMessage().write_string, None, 0, NAN, b"x"],
+    "buffer ": [OutgoingMessage().set_raw_bytes, 5, None, "text"],
+    "msg": [RawBytesChannel(STRANGER).queue_message_to_send, None, 0, "", b"x"],
+    "data": [RawBytesChannel(STRANGER).queue_bytes, None, 5, "text"],
+    "data ": [SideChannelManager().process_side_channel_message, None, 5, "text"],
+    "count": [RawBytesChannel(STRANGER).take, -1, None, NAN, ""],
+    "side_channels": [SideChannelManager, 0, "", PARAMETERS],
+    "channel": [SideChannelManager().register_side_channel, 0, None, ""],
+    "report": [lambda value: SideChannelManager([], value), 0, None, ""],
+    "key": [FloatPropertiesChannel().get_property, 0, None, NAN],
+    "key ": [lambda value: FloatPropertiesChannel().set_property(value, 1), 0, None, NAN, ""],
+    "value": [lambda value: FloatPropertiesChannel().set_property("a", value), None, "", "1"],
+    "width": [lambda value: engine(width=value, height=80), NAN, "", 0.5],
+    "time_scale": [lambda value: engine(time_scale=value), "", [1]],
+    "config": [EngineConfigurationChannel().set_configuration, None, 0, (80, 80, 1, 20.0, -1, 60)],
+    "key  ": [lambda value: PARAMETERS.set_float_parameter(value, 1), 0, None, NAN, ""],
+    "max_value": [lambda value: PARAMETERS.set_uniform_sampler_parameters("a", 1, value, 1), None, ""],
+    "st_dev": [lambda value: PARAMETERS.set_gaussian_sampler_parameters("a", 1, value, 1), None, ""],
+    "seed": [lambda value: PARAMETERS.set_gaussian_sampler_parameters("a", 1, 1, value), None, "", NAN, 2**31],
+    "intervals": [
+        lambda value: PARAMETERS.set_multirangeuniform_sampler_parameters("a", value, 1),
+        *(None, 0, [1.0], [(1.0,)], [(0.0, None)]),
+    ],
+    "seed ": [lambda value: uniform(0, 1, value), None, "", NAN, 0.5],
+    "apply": [EngineSettings, None, 0, ""],
+    "action": [lambda value: EnvironmentParameters().register_callback("a", value), None, 0],
+    "value ": [lambda value: StatsRecorder().add("a", value), None, ""],
+    "StatsAggregationMethod": [lambda value: StatsRecorder().add("a", 1, value), None, "", -1, 4],
+    "show": [Trouble, None, 0, ""],
+    "socket": [lambda value: one_peer.Carrier(value, SideChannelManager, print), None, 0, ""],
+    "manager": [one_peer.Peer, None, 0, ""],
+    "endpoint": [lambda value: one_peer.ClientCarrier(CONTEXT, value), None, 0, "", "tcp://x:99999"],
+    "timeout": [lambda value: one_peer.ClientCarrier(CONTEXT, "tcp://x:1", value), None, 0, -1, NAN, ""],
+    "context": [lambda value: one_peer.ClientCarrier(value, "tcp://x:1"), None, 0, ""],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "call", "value"),
+    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
+    ids=lambda value: None if callable(value) else f"{value!r:.20}",
+)
+def test_what_a_method_cannot_use_is_named(name, call, value):
+    with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
+        call(value)
+    assert "\n" not in str(caught.value)

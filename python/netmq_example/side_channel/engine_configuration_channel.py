@@ -1,19 +1,21 @@
-"""Lesson 13, engine settings: how fast the game's time passes, and how it is drawn. From Python to Unity.
+"""How fast the game's time passes, and how it is drawn. From Python to Unity.
 
-One message for each setting: its number as int32, then int32 width and height, or float32 time scale, or one int32.
-The C# side is EngineConfigurationChannel.cs.
+    engine = EngineConfigurationChannel()
+    engine.set_configuration_parameters(time_scale=2.0, target_frame_rate=60)
+
+Bytes: one message for each setting: its number as int32, then int32 width and height, or float32 time scale, or one
+int32. In C# it is EngineConfigurationChannel.cs.
 """
 
 import uuid
 from enum import IntEnum
 from typing import NamedTuple
 
-from netmq_example.side_channel.side_channel import (
-    IncomingMessage,
-    OutgoingMessage,
-    SideChannel,
-    UnitySideChannelException,
-)
+from netmq_example import check
+from netmq_example.exception import UnitySideChannelException
+from netmq_example.side_channel.incoming_message import FLOAT32, INT32
+from netmq_example.side_channel.outgoing_message import packed
+from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
 
 class EngineConfig(NamedTuple):
@@ -55,23 +57,21 @@ class EngineConfigurationChannel(SideChannel):
     ) -> None:
         if (width is None) != (height is None):
             raise UnitySideChannelException("width and height are one setting: give both, or neither")
-        self._queue(self.ConfigurationType.SCREEN_RESOLUTION, width, height)
-        self._queue(self.ConfigurationType.QUALITY_LEVEL, quality_level)
-        self._queue(self.ConfigurationType.TIME_SCALE, time_scale)
-        self._queue(self.ConfigurationType.TARGET_FRAME_RATE, target_frame_rate)
-        self._queue(self.ConfigurationType.CAPTURE_FRAME_RATE, capture_frame_rate)
+        self._queue(self.ConfigurationType.SCREEN_RESOLUTION, width=width, height=height)
+        self._queue(self.ConfigurationType.QUALITY_LEVEL, quality_level=quality_level)
+        self._queue(self.ConfigurationType.TIME_SCALE, time_scale=time_scale)
+        self._queue(self.ConfigurationType.TARGET_FRAME_RATE, target_frame_rate=target_frame_rate)
+        self._queue(self.ConfigurationType.CAPTURE_FRAME_RATE, capture_frame_rate=capture_frame_rate)
 
     def set_configuration(self, config: EngineConfig) -> None:
-        self.set_configuration_parameters(**config._asdict())
+        self.set_configuration_parameters(**check.kind("config", config, EngineConfig)._asdict())
 
-    def _queue(self, kind: ConfigurationType, *values: float | None) -> None:
+    def _queue(self, kind: ConfigurationType, **values: float | None) -> None:
         msg = OutgoingMessage()
         msg.write_int32(kind)
-        for value in values:
+        for name, value in values.items():
             if value is None:
                 return
-            if kind == self.ConfigurationType.TIME_SCALE:
-                msg.write_float32(value)
-            else:
-                msg.write_int32(value)  # type: ignore[arg-type]
+            number = FLOAT32 if kind == self.ConfigurationType.TIME_SCALE else INT32
+            msg.buffer += packed(number, name, value)
         self.queue_message_to_send(msg)

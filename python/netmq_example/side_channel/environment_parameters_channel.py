@@ -1,18 +1,22 @@
-"""Lesson 13, parameters: numbers by name for a scene, or how to draw them by chance. From Python to Unity.
+"""Numbers by name for a scene, or how the scene is to draw them by chance. From Python to Unity.
+
+    parameters = EnvironmentParametersChannel()
+    parameters.set_float_parameter("gravity", 9.81)
+    parameters.set_uniform_sampler_parameters("mass", 0.5, 2.5, seed=1)
 
 Bytes: string key, int32 type; type 0 is followed by a float32, type 1 by int32 seed, int32 kind of sampler and what
-that takes. The C# side is EnvironmentParameters.cs, and Samplers.cs draws.
+that takes. In C# it is EnvironmentParameters.cs, and Samplers.cs draws.
 """
 
 import uuid
+from collections.abc import Sequence
 from enum import IntEnum
 
-from netmq_example.side_channel.side_channel import (
-    IncomingMessage,
-    OutgoingMessage,
-    SideChannel,
-    UnitySideChannelException,
-)
+from netmq_example import check
+from netmq_example.exception import UnitySideChannelException
+from netmq_example.side_channel.incoming_message import FLOAT32, INT32
+from netmq_example.side_channel.outgoing_message import packed
+from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
 
 class EnvironmentParametersChannel(SideChannel):
@@ -33,37 +37,40 @@ class EnvironmentParametersChannel(SideChannel):
 
     def set_float_parameter(self, key: str, value: float) -> None:
         msg = self._begin(key, self.EnvironmentDataTypes.FLOAT)
-        msg.write_float32(value)
-        self.queue_message_to_send(msg)
+        self._queue(msg, value=value)
 
     def set_uniform_sampler_parameters(self, key: str, min_value: float, max_value: float, seed: int) -> None:
         msg = self._begin_sampler(key, seed, self.SamplerTypes.UNIFORM)
-        msg.write_float32(min_value)
-        msg.write_float32(max_value)
-        self.queue_message_to_send(msg)
+        self._queue(msg, min_value=min_value, max_value=max_value)
 
     def set_gaussian_sampler_parameters(self, key: str, mean: float, st_dev: float, seed: int) -> None:
         msg = self._begin_sampler(key, seed, self.SamplerTypes.GAUSSIAN)
-        msg.write_float32(mean)
-        msg.write_float32(st_dev)
-        self.queue_message_to_send(msg)
+        self._queue(msg, mean=mean, st_dev=st_dev)
 
     def set_multirangeuniform_sampler_parameters(
-        self, key: str, intervals: list[tuple[float, float]], seed: int
+        self, key: str, intervals: Sequence[tuple[float, float]], seed: int
     ) -> None:
         msg = self._begin_sampler(key, seed, self.SamplerTypes.MULTIRANGEUNIFORM)
-        msg.write_float32_list([bound for interval in intervals for bound in interval])
+        try:
+            msg.write_float32_list([bound for low, high in intervals for bound in (low, high)])
+        except (TypeError, ValueError):
+            takes = "pairs of a lower and a higher number"
+            raise ValueError(f"intervals takes {takes}, not {intervals!r:.40}") from None
         self.queue_message_to_send(msg)
 
-    @staticmethod
-    def _begin(key: str, kind: int) -> OutgoingMessage:
+    def _begin(self, key: str, kind: int) -> OutgoingMessage:
         msg = OutgoingMessage()
-        msg.write_string(key)
+        msg.write_string(check.text("key", key))
         msg.write_int32(kind)
         return msg
 
     def _begin_sampler(self, key: str, seed: int, kind: int) -> OutgoingMessage:
         msg = self._begin(key, self.EnvironmentDataTypes.SAMPLER)
-        msg.write_int32(seed)
+        msg.buffer += packed(INT32, "seed", seed)
         msg.write_int32(kind)
         return msg
+
+    def _queue(self, msg: OutgoingMessage, **values: float) -> None:
+        for name, value in values.items():
+            msg.buffer += packed(FLOAT32, name, value)
+        self.queue_message_to_send(msg)

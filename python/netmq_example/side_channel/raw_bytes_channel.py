@@ -1,6 +1,10 @@
-"""Lesson 13, raw bytes: messages, such as pictures, to which you give a meaning yourself. Both ways.
+"""Messages of bytes, such as pictures, to which you give a meaning yourself. Both ways.
 
-The C# side is RawBytesChannel.cs.
+    pictures = RawBytesChannel(uuid.UUID("00112233-4455-6677-8899-aabbccddeeff"))
+    pictures.send_raw_data(b"...")
+    for picture in pictures.get_and_clear_received_messages(): ...
+
+In C# it is RawBytesChannel.cs.
 """
 
 import uuid
@@ -17,7 +21,8 @@ class RawBytesChannel(SideChannel):
         self.received.append(bytes(msg.get_raw_bytes()))
 
     def get_and_clear_received_messages(self) -> list[bytes]:
-        received, self.received = self.received, []
+        received = self.received
+        self.received = []
         return received
 
     def send_raw_data(self, data: bytes | bytearray) -> None:

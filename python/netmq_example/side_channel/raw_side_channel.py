@@ -1,7 +1,10 @@
-"""Lesson 13, the raw layout: channels as ML-Agents had them early in 2020, where a message was bytes and nothing else.
+"""Channels as ML-Agents had them early in 2020, when a message was bytes and nothing else.
 
-The exchange is the same, and such a channel talks to any other. Only a text had no length in front of it then: it was
-the whole message. A class from that time derives from this SideChannel.
+    class Log(SideChannel):
+        def on_message_received(self, data: bytes) -> None:
+            print(data.decode("ascii"))
+
+The exchange is the same, and such a channel talks to any other; only a text had no length in front of it then.
 """
 
 from abc import abstractmethod
@@ -10,8 +13,6 @@ from netmq_example.side_channel.side_channel import Channel
 
 
 class SideChannel(Channel):
-    """One conversation in bytes."""
-
     @abstractmethod
     def on_message_received(self, data: bytes) -> None:
         """A message of the other side's channel with the same id."""

@@ -1,30 +1,42 @@
-"""Lesson 13, side channels: many small conversations share one exchange, and none knows the others.
+"""One of many small conversations that share one exchange and know nothing of each other.
 
-Derive from SideChannel for each conversation. The names are ML-Agents': a channel class that was written for it works
-here, and talks to the one that it was written for. The C# side is SideChannel.cs.
+    class Weather(SideChannel):
+        def __init__(self) -> None:
+            super().__init__(uuid.UUID("8d4c1c4e-3c0a-4a5e-9d5b-6f0f6f3c2b11"))    uuid.uuid4() makes one of your own
+
+        def on_message_received(self, msg: IncomingMessage) -> None:
+            print(msg.read_string())
+
+The names are ML-Agents', so a channel that was written for it works here, and talks to its other half in C#.
+In C# it is SideChannel.cs.
 """
 
 import uuid
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from netmq_example.side_channel.messages import IncomingMessage, OutgoingMessage, UnitySideChannelException
+from netmq_example import check
+from netmq_example.exception import UnitySideChannelException
+from netmq_example.side_channel.incoming_message import IncomingMessage
+from netmq_example.side_channel.outgoing_message import OutgoingMessage
 
-__all__ = ["Channel", "IncomingMessage", "OutgoingMessage", "SideChannel", "UnitySideChannelException"]
+__all__ = ["Channel", "IncomingMessage", "OutgoingMessage", "SideChannel"]
 
 # An exchange is at most this large, with the 20 bytes in front of each message.
-LARGEST_EXCHANGE = 16 * 1024 * 1024
-# What a channel keeps while nobody takes its messages: so many, with so many bytes together.
-MOST_QUEUED, MOST_BYTES = 100_000, 4 * LARGEST_EXCHANGE
+LARGEST_EXCHANGE_BYTES = 16 * 1024 * 1024
+# What a channel keeps while nobody takes its messages.
+MOST_QUEUED = 100_000
+MOST_QUEUED_BYTES = 4 * LARGEST_EXCHANGE_BYTES
 
 
 class Channel(ABC):
-    """What the manager knows of a conversation: its id, what it has to say, and that it takes bytes."""
+    """What the manager knows of a channel: its id, the messages that wait, and that it takes bytes."""
 
     def __init__(self, channel_id: uuid.UUID) -> None:
-        self._channel_id = channel_id
+        self._channel_id = check.kind("channel_id", channel_id, uuid.UUID)
         self.message_queue: list[bytes] = []
-        self.size = self.dropped = 0
+        self.queued_bytes = 0
+        self.dropped = 0
         # The manager's, once it is registered.
         self.report: Callable[[str], None] = print
 
@@ -36,25 +48,28 @@ class Channel(ABC):
     def process_message(self, message: bytes) -> None: ...
 
     def queue_bytes(self, data: bytes | bytearray) -> None:
-        if len(data) > LARGEST_EXCHANGE - 20:
-            raise UnitySideChannelException(f"a message of {len(data)} bytes is too large: send it in parts")
-        # A copy: who writes on in the message does not change what was queued.
-        self.message_queue.append(bytes(data))
-        self.size += len(data)
-        if len(self.message_queue) > MOST_QUEUED or self.size > MOST_BYTES:
+        # A copy: writing on in the message does not change what was queued.
+        message = check.data("data", data)
+        if len(message) > LARGEST_EXCHANGE_BYTES - 20:
+            raise UnitySideChannelException(f"a message of {len(message)} bytes is too large: send it in parts")
+        self.message_queue.append(message)
+        self.queued_bytes += len(message)
+        if len(self.message_queue) > MOST_QUEUED or self.queued_bytes > MOST_QUEUED_BYTES:
             if not self.dropped:
                 self.report(f"channel {self.channel_id}: nobody takes its messages, the oldest are dropped")
             self.dropped += len(self.take((len(self.message_queue) + 1) // 2))
 
     def take(self, count: int) -> list[bytes]:
-        """The oldest, which are then no longer queued."""
-        taken, self.message_queue = self.message_queue[:count], self.message_queue[count:]
-        self.size = sum(map(len, self.message_queue))
+        """The oldest messages, which are then no longer queued."""
+        count = check.count("count", count, least=0)
+        taken = self.message_queue[:count]
+        self.message_queue = self.message_queue[count:]
+        self.queued_bytes = sum(map(len, self.message_queue))
         return taken
 
 
 class SideChannel(Channel):
-    """One conversation. Give it an id that no other has: uuid.uuid4() makes one."""
+    """Derive from it, with an id that no other channel has."""
 
     @abstractmethod
     def on_message_received(self, msg: IncomingMessage) -> None:
@@ -62,7 +77,7 @@ class SideChannel(Channel):
 
     def queue_message_to_send(self, msg: OutgoingMessage) -> None:
         """It leaves with the next exchange."""
-        self.queue_bytes(msg.buffer)
+        self.queue_bytes(check.kind("msg", msg, OutgoingMessage).buffer)
 
     def process_message(self, message: bytes) -> None:
         self.on_message_received(IncomingMessage(message))

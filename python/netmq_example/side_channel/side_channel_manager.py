@@ -1,4 +1,8 @@
-"""Lesson 13, the manager: packs what all channels have queued into one exchange, and hands out what has come in one.
+"""Packs what all channels have queued into one exchange, and hands out what has come in one.
+
+    manager = SideChannelManager([StringLogChannel(), EnvironmentParametersChannel()])
+    socket.send(manager.generate_side_channel_messages())
+    manager.process_side_channel_message(socket.recv())
 
 An exchange is any number of messages, one after the other; none at all is an exchange, too. It is what ML-Agents sends:
 
@@ -6,7 +10,7 @@ An exchange is any number of messages, one after the other; none at all is an ex
     4 bytes     how long the message is, int32, little-endian
     ...         the message, which only its channel understands
 
-The C# side is SideChannelManager.cs.
+In C# it is SideChannelManager.cs.
 """
 
 import struct
@@ -16,10 +20,13 @@ import uuid
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE, Channel, UnitySideChannelException
+from netmq_example import check
+from netmq_example.exception import UnityException, UnitySideChannelException
+from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, Channel
 
-# How much is kept for channels that nobody has registered yet: messages, and bytes of each.
-MOST_KEPT, LARGEST_KEPT = 100, 65_536
+# What is kept for channels that nobody has registered yet.
+MOST_KEPT = 100
+LARGEST_KEPT_BYTES = 65_536
 
 
 def to_standard_error(line: str) -> None:
@@ -35,16 +42,17 @@ class SideChannelManager:
         # By the bytes on the wire: to make a UUID of each message's would take longer than the rest.
         self.channels: dict[bytes, Channel] = {}
         self.unknown: list[tuple[bytes, bytes]] = []
-        self.report = report
-        for channel in side_channels or ():
+        self.report = check.function("report", report)
+        for channel in check.kind("side_channels", [] if side_channels is None else side_channels, list, tuple):
             self.register_side_channel(channel)
 
     def register_side_channel(self, channel: Channel) -> None:
         """At any time: what came for it before is delivered now."""
-        channel_id = channel.channel_id.bytes_le
+        channel_id = check.kind("channel", channel, Channel).channel_id.bytes_le
         if channel_id in self.channels:
             raise UnitySideChannelException(f"channel {channel.channel_id} is registered already: give each its own id")
-        self.channels[channel_id], channel.report = channel, self.report
+        self.channels[channel_id] = channel
+        channel.report = self.report
         early = [message for known, message in self.unknown if known == channel_id]
         self.unknown = [kept for kept in self.unknown if kept[0] != channel_id]
         for message in early:
@@ -54,13 +62,14 @@ class SideChannelManager:
         """What all channels have queued: in the order of registration, then of queueing; after what could not be sent.
         What makes it too large stays queued for the next exchange.
         """
-        data = bytearray(unsent)
+        data = bytearray(check.data("unsent", unsent))
         for channel_id, channel in self.channels.items():
             if channel.dropped:
                 self.report(f"channel {channel.channel_id}: {channel.dropped} messages were dropped")
-            channel.dropped = count = 0
+            channel.dropped = 0
+            count = 0
             for message in channel.message_queue:
-                if len(data) + 20 + len(message) > LARGEST_EXCHANGE:
+                if len(data) + 20 + len(message) > LARGEST_EXCHANGE_BYTES:
                     break
                 data += channel_id + struct.pack("<i", len(message)) + message
                 count += 1
@@ -69,17 +78,18 @@ class SideChannelManager:
 
     def process_side_channel_message(self, data: bytes) -> None:
         """Each message to its channel. UnitySideChannelException when the last one is cut: those before it are done."""
+        data = check.data("data", data)
         offset = 0
         while offset < len(data):
             if len(data) - offset < 20:
                 raise UnitySideChannelException(f"an exchange that ends with {len(data) - offset} bytes of a header")
-            channel_id = bytes(data[offset : offset + 16])
+            channel_id = data[offset : offset + 16]
             (length,) = struct.unpack_from("<i", data, offset + 16)
             offset += 20
             if not 0 <= length <= len(data) - offset:
                 here = f"{length} bytes, of which {len(data) - offset} are there"
                 raise UnitySideChannelException(f"a message to channel {uuid.UUID(bytes_le=channel_id)} of {here}")
-            message = bytes(data[offset : offset + length])
+            message = data[offset : offset + length]
             offset += length
             if channel := self.channels.get(channel_id):
                 self._deliver(channel, message)
@@ -90,7 +100,7 @@ class SideChannelManager:
         """What goes wrong in one conversation is not the others' business."""
         try:
             channel.process_message(message)
-        except UnitySideChannelException as error:
+        except UnityException as error:
             self.report(f"channel {channel.channel_id}: {error}")
         except Exception as error:
             calls = traceback.extract_tb(error.__traceback__)[1:]
@@ -99,7 +109,7 @@ class SideChannelManager:
 
     def _keep(self, channel_id: bytes, message: bytes) -> None:
         name = uuid.UUID(bytes_le=channel_id)
-        if len(self.unknown) == MOST_KEPT or len(message) > LARGEST_KEPT:
+        if len(self.unknown) == MOST_KEPT or len(message) > LARGEST_KEPT_BYTES:
             self.report(f"unknown channel {name}: dropped, too much is kept")
             return
         if channel_id not in [known for known, _ in self.unknown]:

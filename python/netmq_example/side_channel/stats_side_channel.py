@@ -1,12 +1,17 @@
-"""Lesson 13, statistics: numbers that Unity wants to see beside the trainer's own. From Unity to Python.
+"""Numbers that Unity wants to see beside the trainer's own. From Unity to Python.
 
-Bytes: string key, float32 value, int32 how to aggregate. The C# side is StatsRecorder.cs.
+    stats = StatsSideChannel()
+    for key, values in stats.get_and_reset_stats().items():
+        for value, method in values: ...
+
+Bytes: string key, float32 value, int32 how to aggregate. In C# it is StatsRecorder.cs.
 """
 
 import uuid
 from enum import IntEnum
 
-from netmq_example.side_channel.side_channel import IncomingMessage, SideChannel, UnitySideChannelException
+from netmq_example.exception import UnitySideChannelException
+from netmq_example.side_channel.side_channel import IncomingMessage, SideChannel
 
 
 class StatsAggregationMethod(IntEnum):
@@ -18,7 +23,8 @@ class StatsAggregationMethod(IntEnum):
     HISTOGRAM = 3
 
 
-EnvironmentStats = dict[str, list[tuple[float, StatsAggregationMethod]]]
+StatList = list[tuple[float, StatsAggregationMethod]]
+EnvironmentStats = dict[str, StatList]
 
 
 class StatsSideChannel(SideChannel):
@@ -33,5 +39,6 @@ class StatsSideChannel(SideChannel):
         self.stats.setdefault(key, []).append((value, StatsAggregationMethod(method)))
 
     def get_and_reset_stats(self) -> EnvironmentStats:
-        stats, self.stats = self.stats, {}
+        stats = self.stats
+        self.stats = {}
         return stats

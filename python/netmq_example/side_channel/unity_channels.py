@@ -1,10 +1,13 @@
-"""Lesson 13, Unity's halves in Python: the channels of a simulation that is written in Python, as client.py.
+"""Unity's half of ML-Agents' channels, for a simulation that is written in Python: it receives settings and parameters.
 
-What ML-Agents has in C# alone: settings and parameters are received, statistics are sent.
+    parameters = EnvironmentParameters()
+    parameters.get_with_default("gravity", 9.81)
+    stats = StatsRecorder()
+    stats.add("score", 12.5)
 
-Lesson 13, samplers: numbers drawn by chance, the same for the same seed in Python and C#. In C#: Samplers.cs.
-
-Unity's own are drawn by System.Random, so the same seed gives others there, spread in the same way.
+A parameter is a number or a sampler, which draws another number each time, the same for the same seed in Python and
+C#. (Unity's own ML-Agents draws with System.Random: other numbers, spread in the same way.) Values are float32.
+In C# they are EngineSettings.cs, EnvironmentParameters.cs, Samplers.cs and StatsRecorder.cs.
 """
 
 import math
@@ -12,9 +15,13 @@ import struct
 from collections.abc import Callable
 from itertools import islice
 
+from netmq_example import check
+from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel.engine_configuration_channel import EngineConfigurationChannel
 from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, UnitySideChannelException
+from netmq_example.side_channel.incoming_message import FLOAT32
+from netmq_example.side_channel.outgoing_message import packed
+from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage
 from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
 from netmq_example.split_mix import draws
 
@@ -30,8 +37,8 @@ def to_float32(value: float) -> float:
 
 
 def uniform(low: float, high: float, seed: int) -> Sampler:
-    check(low, high)
-    chance = draws(seed)
+    finite(low, high)
+    chance = draws(check_seed(seed))
     return lambda: to_float32(low + next(chance) * (high - low))
 
 
@@ -39,8 +46,8 @@ def gaussian(mean: float, st_dev: float, seed: int) -> Sampler:
     """The sum of twelve numbers from 0 to 1 is bell-shaped with deviation 1, and needs no logarithm: those of two
     systems differ in the last bit.
     """
-    check(mean, st_dev)
-    chance = draws(seed)
+    finite(mean, st_dev)
+    chance = draws(check_seed(seed))
 
     def draw() -> float:
         total = -6.0
@@ -54,14 +61,14 @@ def gaussian(mean: float, st_dev: float, seed: int) -> Sampler:
 
 def multi_range_uniform(bounds: list[float], seed: int) -> Sampler:
     """From several intervals, `[low, high, low, high, ...]`: a longer one is hit more often."""
-    check(*bounds)
+    finite(*bounds)
     intervals = list(zip(bounds[::2], bounds[1::2], strict=True)) if len(bounds) % 2 == 0 else []
     if not intervals or any(low > high for low, high in intervals):
         raise UnitySideChannelException("ranges are pairs of a lower and a higher number")
     length = 0.0
     for low, high in intervals:
         length += high - low
-    chance = draws(seed)
+    chance = draws(check_seed(seed))
 
     def draw() -> float:
         at = next(chance) * length
@@ -74,16 +81,21 @@ def multi_range_uniform(bounds: list[float], seed: int) -> Sampler:
     return draw
 
 
-def check(*numbers: float) -> None:
-    if not all(map(math.isfinite, numbers)):
-        raise UnitySideChannelException("a sampler takes numbers, not NaN or infinity")
+def finite(*numbers: float) -> None:
+    for number in numbers:
+        if not check.is_number(number):
+            raise UnitySideChannelException("a sampler takes numbers, not NaN or infinity")
+
+
+def check_seed(seed: int) -> int:
+    """An int32, as it is on the wire."""
+    return check.count("seed", seed, least=-(2**31))
 
 
 def describe(name: str, values: tuple[float, ...]) -> str:
     """A setting in words: `engine: time scale 2.0`."""
-    return f"engine: {name} " + " x ".join(
-        f"{value:.1f}" if isinstance(value, float) else f"{value}" for value in values
-    )
+    numbers = (f"{value:.1f}" if isinstance(value, float) else f"{value}" for value in values)
+    return f"engine: {name} {' x '.join(numbers)}"
 
 
 class EngineSettings(EngineConfigurationChannel):
@@ -91,7 +103,7 @@ class EngineSettings(EngineConfigurationChannel):
 
     def __init__(self, apply: Callable[[str, tuple[float, ...]], None]) -> None:
         super().__init__()
-        self.apply = apply
+        self.apply = check.function("apply", apply)
 
     def on_message_received(self, msg: IncomingMessage) -> None:
         kind = msg.read_int32()
@@ -123,11 +135,12 @@ class EnvironmentParameters(EnvironmentParametersChannel):
 
     def get_with_default(self, key: str, default_value: float) -> float:
         """Of a sampler each call draws another number."""
-        return self.parameters[key]() if key in self.parameters else default_value
+        sampler = self.parameters.get(check.kind("key", key, str))
+        return sampler() if sampler else default_value
 
     def register_callback(self, key: str, action: Callable[[float], None]) -> None:
         """One for each key, called when a number comes for it, and not for a sampler."""
-        self.callbacks[key] = action
+        self.callbacks[check.text("key", key)] = check.function("action", action)
 
     def keys(self) -> list[str]:
         return list(self.parameters)
@@ -166,7 +179,7 @@ class StatsRecorder(StatsSideChannel):
         self, key: str, value: float, aggregation_method: StatsAggregationMethod = StatsAggregationMethod.AVERAGE
     ) -> None:
         msg = OutgoingMessage()
-        msg.write_string(key)
-        msg.write_float32(value)
-        msg.write_int32(aggregation_method)
+        msg.write_string(check.text("key", key))
+        msg.buffer += packed(FLOAT32, "value", value)
+        msg.write_int32(StatsAggregationMethod(aggregation_method))
         self.queue_message_to_send(msg)

@@ -1,7 +1,7 @@
 // Lesson 13, samplers: numbers drawn by chance, the same for the same seed in Python and C#.
 //
 // ML-Agents' own are drawn by System.Random, so the same seed gives others there, spread in the same way.
-// The Python side is samplers.py.
+// The Python side is unity_channels.py.
 using System;
 using System.Collections.Generic;
 using System.Linq;

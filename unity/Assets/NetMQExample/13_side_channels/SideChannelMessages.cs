@@ -3,7 +3,7 @@
 // Values stand one after the other, little-endian, without a name, a type or a gap: whoever reads has to know the
 // order. A value that is not there at all, because the message is over, is the default.
 // Bytes: bool 1; int32 and float32 4; a string its length as int32, then its ASCII; a list its count as int32, then its
-// float32s. The Python side is side_channel_messages.py.
+// float32s. In Python: incoming_message.py, outgoing_message.py.
 using System;
 using System.Collections.Generic;
 using System.IO;

@@ -4,7 +4,7 @@
 //
 // So what Python sets before a step is there in that step, and what the scene records in it comes with its state.
 // Bytes: lesson 09's, with the value side_channel, true, and the exchange as one more array, the last one, uint8. The
-// Python side is step_carrier.py.
+// Python side is simulation/side_channels.py.
 namespace NetMQExample.SideChannels
 {
     /// <summary>Around a simulator, whose requests and answers then carry this program's side channels.</summary>

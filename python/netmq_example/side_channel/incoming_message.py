@@ -1,39 +1,43 @@
-"""Lesson 13, messages: the values in one message of a side channel, as ML-Agents lays them out.
+"""A message of a side channel as it came: its values are read in the order in which they were written.
 
-Values stand one after the other, little-endian, without a name, a type or a gap: whoever reads has to know the order.
-A value that is not there at all, because the message is over, is the default.
-Bytes: bool 1; int32 and float32 4; a string its length as int32, then its ASCII; a list its count as int32, then its
-float32s. The C# side is SideChannelMessages.cs.
+    msg = IncomingMessage(data)
+    name, score = msg.read_string(), msg.read_float32()
+
+Values stand one after the other, little-endian, without a name, a type or a gap: bool 1 byte; int32 and float32 4; a
+string its length as int32, then its ASCII; a list its count as int32, then its float32s. A value that is not there at
+all, because the message is over, is the default; one that is cut raises UnitySideChannelException.
+In C# it is SideChannelMessages.cs.
 """
 
 import struct
 from typing import Any
 
+from netmq_example import check
+from netmq_example.exception import UnitySideChannelException
+
 # Both halves of ML-Agents make zeros of a list's items that are missing. More than so many would only fill the memory.
 MOST_MISSING = 65_536
 
-
-BOOL, INT32, FLOAT32 = struct.Struct("?"), struct.Struct("<i"), struct.Struct("<f")
-
-
-class UnitySideChannelException(Exception):
-    """What is wrong with a message, a channel or a setting."""
+BOOL = struct.Struct("?")
+INT32 = struct.Struct("<i")
+FLOAT32 = struct.Struct("<f")
 
 
 class IncomingMessage:
-    """Read its values in the order in which they were written."""
+    """`offset` is where in the bytes the first value begins."""
 
     def __init__(self, buffer: bytes, offset: int = 0) -> None:
-        self.buffer, self.offset = bytes(buffer), offset
+        self.buffer = check.data("buffer", buffer)
+        self.offset = check.count("offset", offset, least=0)
 
     def read_bool(self, default_value: bool = False) -> bool:
         return bool(self._read(BOOL, default_value))
 
     def read_int32(self, default_value: int = 0) -> int:
-        return int(self._read(INT32, default_value))
+        return self._read(INT32, default_value)  # type: ignore[no-any-return]
 
     def read_float32(self, default_value: float = 0.0) -> float:
-        return float(self._read(FLOAT32, default_value))
+        return self._read(FLOAT32, default_value)  # type: ignore[no-any-return]
 
     def read_float32_list(self, default_value: list[float] | None = None) -> list[float]:
         if self._left() <= 0:
@@ -75,33 +79,3 @@ class IncomingMessage:
             raise UnitySideChannelException(f"a number of which only {self._left()} bytes are there")
         self.offset += kind.size
         return kind.unpack_from(self.buffer, self.offset - kind.size)[0]
-
-
-class OutgoingMessage:
-    """Write its values in the order in which they will be read."""
-
-    def __init__(self) -> None:
-        self.buffer = bytearray()
-
-    def write_bool(self, b: bool) -> None:
-        self.buffer += BOOL.pack(b)
-
-    def write_int32(self, i: int) -> None:
-        self.buffer += INT32.pack(i)
-
-    def write_float32(self, f: float) -> None:
-        self.buffer += FLOAT32.pack(f)
-
-    def write_float32_list(self, float_list: list[float]) -> None:
-        # At once: when one of them is no number, nothing is written.
-        self.buffer += struct.pack(f"<i{len(float_list)}f", len(float_list), *float_list)
-
-    def write_string(self, s: str, utf8: bool = False) -> None:
-        if not utf8 and not s.isascii():
-            raise UnitySideChannelException("text that is not ASCII: write it with utf8=True")
-        data = s.encode(errors="replace")
-        self.buffer += INT32.pack(len(data)) + data
-
-    def set_raw_bytes(self, buffer: bytes | bytearray) -> None:
-        """The whole message, in place of what was written."""
-        self.buffer = bytearray(buffer)

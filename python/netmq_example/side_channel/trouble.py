@@ -1,0 +1,30 @@
+"""What went wrong, in a line a second at most: many messages that are wrong must not fill a disk.
+
+    report = Trouble(print)
+    report("unknown channel")                      prints: trouble: unknown channel (and 300 more)
+
+It is the `report` of a manager or a carrier. In C# it is Trouble.cs.
+"""
+
+import time
+from collections.abc import Callable
+
+from netmq_example import check
+
+PAUSE_SECONDS = 1.0
+
+
+class Trouble:
+    def __init__(self, show: Callable[[str], object]) -> None:
+        self.show = check.function("show", show)
+        self.silent_until = 0.0
+        self.left_out = 0
+
+    def __call__(self, line: str) -> None:
+        if time.monotonic() < self.silent_until:
+            self.left_out += 1
+            return
+        more = f" (and {self.left_out} more)" if self.left_out else ""
+        self.show(f"trouble: {line}{more}")
+        self.silent_until = time.monotonic() + PAUSE_SECONDS
+        self.left_out = 0
