@@ -3,9 +3,7 @@
 for step in small_talk(100, b"", "Who are you?", delay=0.05, seed=0): ...
 """
 
-import re
 import time
-from argparse import ArgumentTypeError
 from collections.abc import Iterator
 from zlib import crc32
 
@@ -25,7 +23,8 @@ ENDINGS = ("The toll is a story.", "Come back before the moon is up.", "Will you
 def reply(prompt: str, seed: int) -> str:
     # hash() is another one in each process.
     number = crc32(f"{seed} {prompt}".encode(errors="replace"))
-    opening, ending = OPENINGS[number % len(OPENINGS)], ENDINGS[number % len(ENDINGS)]
+    opening = OPENINGS[number % len(OPENINGS)]
+    ending = ENDINGS[number % len(ENDINGS)]
     tales = [TALES[(number + i) % len(TALES)] for i in range(3)]
     return " ".join([opening, f'You say "{prompt}", as they all do.', *tales, ending])
 
@@ -36,10 +35,3 @@ def small_talk(count: int, finished: bytes, prompt: str, *, delay: float, seed: 
     for done in range(1, len(words) + 1):
         time.sleep(delay)
         yield Step(done, len(words), " ".join(words[:done]))
-
-
-def seconds(text: str) -> float:
-    """The type of an option."""
-    if not re.fullmatch(r"\d{1,3}(\.\d{1,6})?", text, re.ASCII):
-        raise ArgumentTypeError(f"'{text}' are no seconds, such as 0.1")
-    return float(text)

@@ -7,7 +7,6 @@ from __future__ import annotations
 import itertools
 import os
 import re
-import shutil
 import signal
 import sys
 import time
@@ -19,7 +18,7 @@ import zmq
 
 from kitlib.setup import dotnet
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, memory, peer, read, units
+from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, memory, peer, read, units
 from tests.programs import LIMIT, ROOT, Mark, finds_processes, leaves_nothing_to_collect
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
@@ -279,13 +278,12 @@ def test_no_worker_outlives_a_killed_server(serve, peer):
 
 
 def test_a_mistake_in_the_work_aborts_the_job_and_is_shown(start, peer, tmp_path):
-    for path in (ROOT / "python" / KEY, ROOT / "python" / "05_messages"):
-        for file in path.glob("*.py"):
-            if not (tmp_path / file.name).exists():
-                shutil.copy(file, tmp_path)
-    work = (tmp_path / "work.py").read_text(encoding="utf-8")
-    (tmp_path / "work.py").write_text(work.replace("time.sleep(UNIT)", 'raise ValueError("my own\\nmistake")'), "utf-8")
-    server = start(PYTHON, tmp_path / "server.py", "--endpoint", "tcp://127.0.0.1:*", folder=tmp_path)
+    lesson = copied(tmp_path)
+    work = (lesson / "work.py").read_text(encoding="utf-8")
+    (lesson / "work.py").write_text(
+        work.replace("time.sleep(UNIT_SECONDS)", 'raise ValueError("my own\\nmistake")', 1), "utf-8"
+    )
+    server = start(PYTHON, lesson / "server.py", "--endpoint", "tcp://127.0.0.1:*", folder=tmp_path)
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     assert peer(endpoint).goal().result("aborted").values["text"] == r"ValueError('my own\nmistake')"
     server.wait_for(r'work\.py", line \d+, in count')

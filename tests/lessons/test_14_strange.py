@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import os
-import shutil
+import re
 import signal
 import sqlite3
 import sys
@@ -16,16 +16,29 @@ import pytest
 import zmq
 
 from kitlib.docs import guide
-from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.long_jobs.peers import KEY, Message, jobs_server, peer, read, units
-from tests.programs import LIMIT, ROOT, Mark, finds_processes
-
-sys.path.append(str(ROOT / "python" / "05_messages"))
+from netmq_example.jobs.client import JobClient
+from netmq_example.jobs.jobs import Jobs
+from netmq_example.jobs.journal import Journal
+from netmq_example.jobs.progress import Progress, share, words
+from netmq_example.jobs.work import Kind
+from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Array
+from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
+from tests.programs import LIMIT, ROOT, Mark, finds_processes
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 
 # A server's workers
+
+
+@pytest.mark.parametrize("key, work", [(KEY, "count"), ("21_talking_character", "talk")])
+def test_workers_find_their_work_from_every_folder(key, work, start, peer, tmp_path):
+    """A worker imports the program again, by the path by which it was started."""
+    words = ["--endpoint", "tcp://127.0.0.1:*", "--journal", tmp_path / "journal.sqlite3"]
+    server = start(PYTHON, f"../python/{key}/server.py", *words, folder=ROOT / "docs")
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    assert peer(endpoint).goal(work, 3).result("succeeded").values["done"] == 3
 
 
 OWN = """
@@ -49,14 +62,11 @@ def own_server(start, tmp_path):
     """own_server(more): lesson 14's, at home, with so much more in its work.py."""
 
     def own_server(more):
-        for path in (ROOT / "python" / KEY, ROOT / "python" / "05_messages"):
-            for file in path.glob("*.py"):
-                if not (tmp_path / file.name).exists():
-                    shutil.copy(file, tmp_path)
-        with (tmp_path / "work.py").open("a", encoding="utf-8") as work:
+        lesson = copied(tmp_path)
+        with (lesson / "work.py").open("a", encoding="utf-8") as work:
             work.write(more)
         words = ["--endpoint", "tcp://127.0.0.1:*", "--workers", "1"]
-        return start(PYTHON, tmp_path / "server.py", *words, folder=tmp_path)
+        return start(PYTHON, lesson / "server.py", *words, folder=tmp_path)
 
     return own_server
 
@@ -183,9 +193,13 @@ def test_a_server_that_was_crashed_on_purpose_goes_on_when_started_in_the_same_w
     ids=" ".join,
 )
 def test_numbers_have_limits(words, start, tmp_path):
-    server = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:0", *words)
+    command = [PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:0", *words]
+    server = start(*command, folder=tmp_path)
     assert server.wait() == 2
-    assert f"argument {words[0]}: '{words[1]}' is no " in server.lines[-1]
+    name = words[0].removeprefix("--")
+    assert re.search(rf"error: (argument --{name}: it|{name}) takes .*, not '?{words[1]}", server.lines[-1]), (
+        server.output
+    )
 
 
 # Journals
@@ -234,7 +248,7 @@ def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(j
 RACE = f"""
 import sys
 import threading
-sys.path.insert(0, {str(ROOT / "python" / KEY)!r})
+sys.path.insert(0, {str(ROOT / "python")!r})
 from netmq_example.jobs.journal import Journal
 journal = Journal(sys.argv[1])
 threading.Event().wait(600)
@@ -250,7 +264,7 @@ def test_of_servers_that_begin_together_one_gets_the_journal(start, tmp_path):
         programs = [start(PYTHON, race, path) for _ in range(3)]
         said = []
         for program in programs:
-            program.wait_for("^journal|ArgumentTypeError: ")
+            program.wait_for("^journal|ValueError: cannot use the journal")
             said.append(program.lines[0].startswith("journal"))
         assert sorted(said) == [False, False, True]
         for program in programs:
@@ -350,3 +364,60 @@ def test_numbers_have_the_same_limits_in_every_client(kind, start, client_comman
     words = [("--count", "0"), ("--count", "99999999999"), ("--cancel-at", "99999999999")]
     clients = [start(*client_command(kind, KEY, "tcp://127.0.0.1:1", *pair)) for pair in words]
     assert [client.wait() for client in clients] == [2, 2, 2], [client.output for client in clients]
+
+
+# What a method cannot use
+
+
+def nothing(total, finished, text):
+    yield from ()
+
+
+@pytest.fixture
+def made(context, tmp_path):
+    """One of each, by its name."""
+    journal = Journal(tmp_path / "journal.sqlite3")
+    kinds = {"nothing": Kind(nothing, most=1)}
+    with closing(Jobs(journal, kinds).workers), JobClient(context, "tcp://127.0.0.1:1") as client:
+        yield {"context": context, "journal": journal, "kinds": kinds, "client": client}
+
+
+NAN = float("nan")
+WRONG = {
+    "work": [lambda value, made: Kind(value, 1), None, 0, "count"],
+    "most": [lambda value, made: Kind(nothing, value), None, 0, -1, NAN, "", 0.5],
+    "context": [lambda value, made: JobClient(value, "tcp://127.0.0.1:1"), None, 0, ""],
+    "endpoint": [lambda value, made: JobClient(made["context"], value), None, 0, "", "tcp://127.0.0.1:99999"],
+    "job": [lambda value, made: JobClient(made["context"], "tcp://x:1", value), 0, -1, NAN, "", "../x", "x" * 65],
+    "timeout": [lambda value, made: JobClient(made["context"], "tcp://x:1", None, value), None, 0, -1, NAN, ""],
+    "tries": [lambda value, made: JobClient(made["context"], "tcp://x:1", None, 1, value), None, 0, -1, NAN, ""],
+    "report": [lambda value, made: JobClient(made["context"], "tcp://x:1", None, 1, 1, value), None, 0, ""],
+    "kind": [lambda value, made: made["client"].goal(value, 1), None, 0, NAN],
+    "count": [lambda value, made: made["client"].goal("count", value), None, 0, -1, NAN, "", 0.5],
+    "text": [lambda value, made: made["client"].goal("count", 1, value), None, 0, NAN],
+    "verb": [lambda value, made: made["client"].ask(value), None, 0, NAN, ""],
+    "request": [lambda value, made: next(made["client"].watch(value)), None, 0, "", "goal"],
+    "path": [lambda value, made: Journal(value), None, 0, -1, NAN],
+    "journal": [lambda value, made: Journal(value), "", ":memory:", "no/such/folder", "a\0b"],
+    "journal ": [lambda value, made: Jobs(value, made["kinds"]), None, 0, "journal.sqlite3"],
+    "kinds": [lambda value, made: Jobs(made["journal"], value), None, 0, "", {"count": nothing}],
+    "workers": [lambda value, made: Jobs(made["journal"], made["kinds"], value), None, 0, -1, NAN, "", 101],
+    "workers ": [lambda value, made: Workers(value, made["kinds"]), None, 0, -1, NAN, "", 101],
+    "queue": [lambda value, made: Jobs(made["journal"], made["kinds"], 1, value), None, 0, -1, NAN, ""],
+    "grace": [lambda value, made: Jobs(made["journal"], made["kinds"], 1, 1, value), None, -1, NAN, ""],
+    "line": [lambda value, made: Progress().show(value), None, 0, NAN],
+    "share": [lambda value, made: Progress().show("line", value), -1, NAN, "", 2],
+    "news": [lambda value, made: words(value), None, 0, ""],
+    "news ": [lambda value, made: share(value), None, 0, ""],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "call", "value"),
+    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
+    ids=lambda value: None if callable(value) else f"{value!r:.20}",
+)
+def test_what_a_method_cannot_use_is_named(name, call, value, made):
+    with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
+        call(value, made)
+    assert "\n" not in str(caught.value)

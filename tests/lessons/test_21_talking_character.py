@@ -16,13 +16,17 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
+from netmq_example.jobs.client import JobClient
+from netmq_example.talk.ollama import ollama_talk
+from netmq_example.talk.speech import Speech, ask
 from tests.bad_peers import web_server
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.long_jobs.peers import Message, Peer, read
 from tests.programs import LIMIT, ROOT, free_port, steady_endpoint
 
 KEY = "21_talking_character"
-sys.path += [str(ROOT / "python" / KEY), str(ROOT / "python" / "14_long_jobs")]
+# small_talk.py is beside the server.
+sys.path.append(str(ROOT / "python" / KEY))
 import small_talk  # noqa: E402
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
@@ -370,3 +374,39 @@ def test_an_address_that_is_none_is_wrong_usage(url, start):
     server = start(PYTHON, ROOT / "python" / KEY / "server.py", "--ollama", url)
     assert server.wait() == 2
     assert server.lines[-1].endswith(f"bad address '{url}': write it like http://127.0.0.1:11434")
+
+
+# What a method cannot use
+
+NAN = float("nan")
+WRONG = {
+    "client": [lambda value, client: ask(value, "Who are you?", 200), None, 0, ""],
+    "prompt": [lambda value, client: ask(client, value, 200), None, 0, NAN, "", "x" * 1001],
+    "most": [lambda value, client: ask(client, "Who are you?", value), None, 0, -1, NAN, "", 0.5],
+    "news": [lambda value, client: Speech().hear(value), None, 0, ""],
+    "line": [lambda value, client: Speech().say(value), None, 0, NAN],
+    "result": [lambda value, client: Speech().outcome(value), None, 0, ""],
+    "address": [
+        lambda value, client: next(ollama_talk(1, b"", "?", url=value, model="x")),
+        None,
+        0,
+        NAN,
+        "",
+        "ftp://x",
+    ],
+    "model": [lambda value, client: next(ollama_talk(1, b"", "?", url="http://x", model=value)), None, 0, NAN, ""],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "call", "value"),
+    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
+    ids=lambda value: None if callable(value) else f"{value!r:.20}",
+)
+def test_what_a_method_cannot_use_is_named(name, call, value, context):
+    with (
+        JobClient(context, "tcp://127.0.0.1:1") as client,
+        pytest.raises((ValueError, TypeError), match=rf"\b{name}\b") as caught,
+    ):
+        call(value, client)
+    assert "\n" not in str(caught.value)

@@ -1,51 +1,64 @@
-"""Lesson 14, the verbs: what a client may say about a job, and what it is answered.
+"""The jobs of a server: each ends exactly once, whatever is lost and whichever side is started again.
 
-    for client, news in exchange(jobs, socket): ...             one turn of the server, and what it has to send
-    answer(jobs, client, frames)                                the reply, and what it sets off, is in jobs.outbox
+    jobs = Jobs(Journal("long_jobs.sqlite3"), {"count": Kind(count, most=10_000)}, workers=2)
+    with closing(jobs.workers):
+        while True:
+            zmq.select([socket, jobs.workers.wake_socket], [], [], 0.1)
+            ...                                                 jobs.answer(client, frames), for each message that came
+            for client, news in jobs.turn(): socket.send_multipart([client, *news.frames()])
+
+What a client may say about a job, whose id is the client's:
 
     goal       begins the job, unless there is one with this id already
     cancel     asks for its end; after the end it changes nothing
     status     only asks
     forget     after the end: its result is deleted; its id stays known for 24 hours, so that a late goal begins nothing
-Each is answered with where the job stands, or with why not, `rejected`.
 
-Lesson 14, one job that has not ended: its goal, and the newest message about it.
+Each is answered with where the job stands, or with why not, `rejected`:
 
     accepted  ->  feedback, feedback, …  ->  result          whose status is succeeded, canceled or aborted
                              canceling   ->  result
 
-Lesson 14, the jobs: the rules by which each ends exactly once.
-
-The client makes the id. The same goal again is the same job, and is answered with where it stands: so a lost answer, a
-new connection, a second client that watches and a restart of either side are all one case. What is told is in the
-journal before, and of a job with a result nothing else is ever told.
+The same goal again is the same job. So a lost answer, a new connection, a second client that watches and a restart of
+either side are all one case. The journal knows of every message before a client does.
 """
 
-import re
 import sqlite3
 import time
 from collections import deque
-from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
 
-import zmq
-
+from netmq_example import check
+from netmq_example.jobs.client import job_id
 from netmq_example.jobs.journal import Journal
-from netmq_example.jobs.work import KINDS
-from netmq_example.jobs.workers import Workers
+from netmq_example.jobs.work import Kind
+from netmq_example.jobs.workers import MOST_WORKERS, Workers
 from netmq_example.messages import Message, MessageError, read, take
+
+# For which a client is told what is new after it asked: for one that is gone or stuck nothing piles up.
+WATCH_SECONDS = 5.0
+# So often a job may take its process with it.
+MOST_DEATHS = 3
+# Of a goal's text.
+MOST_CHARACTERS = 1000
+NOT_WRITTEN = MessageError("journal", "the server cannot write its journal now; try again later")
 
 
 @dataclass
 class Job:
+    """One that has not ended: its goal, and the newest message about it."""
+
     goal: Message
     news: Message
-    # Who is told what is new, and until when.
+    # The clients that are told what is new, and until when.
     watchers: dict[bytes, float] = field(default_factory=dict)
-    # When a worker that is deaf to cancel has had time enough, and how often one died.
+    # When a worker that ignores a cancel has had time enough, and how often one died.
     kill_at: float = 0
     deaths: int = 0
+
+    @property
+    def done(self) -> int:
+        return int(self.news.values.get("done", 0))
 
     @property
     def begun(self) -> bool:
@@ -62,48 +75,108 @@ class Job:
         return Message("result", values=facts | {"status": status, "text": why}, arrays=self.news.arrays)
 
 
-# Seconds for which a client is told what is new after it asked: for one that is gone or stuck nothing piles up.
-WATCH = 5.0
-# So often a job may take its process with it.
-DEATHS = 3
-
-
 class Jobs:
-    """`add` and `cancel` jobs, then let a `turn` be taken; what is to be sent is then in `outbox`."""
+    """`answer` what clients send, then take a `turn`, which returns what is to be sent. `live` has what has not ended.
 
-    def __init__(self, journal: Journal, size: int, queue: int, grace: float) -> None:
-        self.journal, self.workers, self.queue, self.grace = journal, Workers(size), queue, grace
+    At most `queue` jobs wait for a worker. One that ignores a cancel is killed after `grace` seconds.
+    """
+
+    def __init__(
+        self, journal: Journal, kinds: dict[str, Kind], workers: int = 2, queue: int = 100, grace: float = 2
+    ) -> None:
+        self.journal = check.kind("journal", journal, Journal)
+        self.kinds = kinds
+        self.queue = check.count("queue", queue)
+        self.grace = check.seconds_or_none("grace", grace)
+        self.workers = Workers(check.count("workers", workers, most=MOST_WORKERS), kinds)
         self.live: dict[str, Job] = {}
         self.waiting = deque[str]()
         # What happened and is not in the journal yet.
         self.pending: dict[str, Message] = {}
         self.outbox: list[tuple[bytes, Message]] = []
         for goal, news in reversed(journal.open()):
-            self.live[id := goal.values["job"]] = Job(goal, news)
+            id = goal.values["job"]
+            self.live[id] = Job(goal, news)
             self.interrupted(id, "the server was restarted")
 
-    def add(self, goal: Message) -> bool:
-        """False if it could not be written down."""
-        news = Message("accepted", values={"job": goal.values["job"], "seq": 0, "position": len(self.waiting) + 1})
-        if not self.journal.add(goal, news):
-            return False
-        self.live[goal.values["job"]] = Job(goal, news)
-        self.waiting.append(goal.values["job"])
-        self.start()
-        return True
+    # What clients say
 
-    def start(self) -> None:
-        """What waits, as far as there are workers."""
-        while self.waiting and self.workers.ready():
-            job = self.live[id := self.waiting[0]]
-            # It may do something from now on: that is in the journal before.
-            if job.news.kind == "accepted" and not self.tell({id: Message("accepted", values={"position": 0})}):
-                return
-            self.waiting.popleft()
-            done = job.news.values.get("done", 0)
-            goal = Message("goal", values=job.goal.values | {"done": done}, arrays=job.news.arrays)
-            process = self.workers.start(goal)
-            print(f"job {id:.8}: {goal.values['kind']} from {done}, in process {process}", flush=True)
+    def answer(self, client: bytes, frames: list[bytes]) -> None:
+        """The next turn returns the reply."""
+        request = Message("")
+        try:
+            request = read(frames)
+            reply = self.do(request)
+        except MessageError as error:
+            job = request.values.get("job", "")
+            reply = Message("rejected", values={"job": job, "code": error.code, "text": error.text})
+        self.outbox.append((client, reply))
+        if reply.kind != "rejected" and reply.values["job"] in self.live:
+            self.live[reply.values["job"]].watchers[client] = time.monotonic() + WATCH_SECONDS
+
+    def do(self, request: Message) -> Message:
+        """Where the job stands; MessageError says why there is no answer."""
+        id = take(request.values, "job", str)
+        try:
+            job_id("job", id)
+        except ValueError:
+            raise MessageError("bad-job", "'job' must have 1 to 64 letters, digits or -") from None
+        if request.kind == "goal":
+            self.begin(id, request)
+        elif request.kind == "cancel":
+            if id in self.live and not self.cancel(id):
+                raise NOT_WRITTEN
+        elif request.kind == "forget":
+            if id in self.live:
+                raise MessageError("not-ended", "cancel it first")
+            if not self.journal.save([Message("forgotten", values={"job": id})]):
+                raise NOT_WRITTEN
+        elif request.kind != "status":
+            raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of goal, cancel, status, forget")
+        known = self.find(id)
+        if not known:
+            raise MessageError("unknown-job", "there is no such job; was it given to another server, or is it too old?")
+        news = known[1]
+        if news.kind == "accepted" and id in self.waiting:
+            # It has moved up since.
+            return Message("accepted", values=news.values | {"position": self.waiting.index(id) + 1})
+        return news
+
+    def begin(self, id: str, request: Message) -> None:
+        """Begin a job, unless it is there already."""
+        known = self.find(id)
+        goal = self.read_goal(id, request)
+        if known:
+            if known[0].values != goal.values:
+                raise MessageError("other-goal", "this id belongs to a job with another goal")
+            return
+        if len(self.waiting) >= self.queue and not self.workers.idle:
+            raise MessageError("queue-full", f"{self.queue} jobs wait already; try again later")
+        news = Message("accepted", values={"job": id, "seq": 0, "position": len(self.waiting) + 1})
+        if not self.journal.add(goal, news):
+            raise NOT_WRITTEN
+        self.live[id] = Job(goal, news)
+        self.waiting.append(id)
+        self.start()
+
+    def read_goal(self, id: str, request: Message) -> Message:
+        kind, count = take(request.values, "kind", str), take(request.values, "count", int)
+        if kind not in self.kinds or not 1 <= count <= self.kinds[kind].most:
+            kinds = ", ".join(f"{name} up to {kind.most}" for name, kind in self.kinds.items())
+            raise MessageError("bad-goal", f"{kind!a:.40} with count {count} is none of: {kinds}")
+        text = take({"text": ""} | request.values, "text", str)
+        if len(text) > MOST_CHARACTERS:
+            raise MessageError("bad-goal", f"'text' has {len(text)} characters; the most are {MOST_CHARACTERS}")
+        return Message("goal", values={"job": id, "kind": kind, "count": count, "text": text})
+
+    def find(self, id: str) -> tuple[Message, Message] | None:
+        """A job's goal and the newest message about it, of one that has ended from the journal."""
+        if job := self.live.get(id):
+            return job.goal, job.news
+        try:
+            return self.journal.find(id)
+        except sqlite3.Error as error:
+            raise MessageError("journal", str(error)) from None
 
     def cancel(self, id: str) -> bool:
         """Ask for its end. False if that could not be written down."""
@@ -119,8 +192,10 @@ class Jobs:
             job.kill_at = time.monotonic() + self.grace
         return True
 
-    def turn(self) -> None:
-        """What the workers said, and who waited for it."""
+    # What workers do
+
+    def turn(self) -> list[tuple[bytes, Message]]:
+        """Take in what workers have done, and start what waits. Returns what is to be sent, and to which client."""
         for id, message in self.workers.news().items():
             if not message:
                 self.live[id].deaths += 1
@@ -133,117 +208,52 @@ class Jobs:
         if self.pending and self.tell(self.pending):
             self.pending = {}
         self.start()
+        outbox = self.outbox
+        self.outbox = []
+        return outbox
+
+    def start(self) -> None:
+        """Start what waits, as far as there are workers."""
+        while self.waiting and self.workers.ready():
+            id = self.waiting[0]
+            job = self.live[id]
+            # It may do something from now on: that is in the journal before.
+            if job.news.kind == "accepted" and not self.tell({id: Message("accepted", values={"position": 0})}):
+                return
+            self.waiting.popleft()
+            goal = Message("goal", values=job.goal.values | {"done": job.done}, arrays=job.news.arrays)
+            process = self.workers.start(goal)
+            print(f"job {id:.8}: {goal.values['kind']} from {job.done}, in process {process}", flush=True)
 
     def interrupted(self, id: str, why: str) -> None:
         """Neither a result nor more feedback will come. With a checkpoint it goes on from there."""
         job = self.live[id]
-        kind = KINDS.get(job.goal.values["kind"])
+        kind = self.kinds.get(job.goal.values["kind"])
         if job.news.kind == "canceling":
             self.pending[id] = job.result("canceled", "it did not listen, and was killed" if job.kill_at else why)
         elif not kind:
             self.pending[id] = job.result("aborted", "the server does not know this kind of work any more")
-        elif not job.begun or (kind.has_checkpoint and job.deaths < DEATHS):
+        elif not job.begun or (kind.has_checkpoint and job.deaths < MOST_DEATHS):
             self.waiting.appendleft(id)
         else:
             self.pending[id] = job.result("aborted", why)
 
     def tell(self, news: dict[str, Message]) -> bool:
-        """Write it down, then tell those who watch. False if it could not be written down."""
+        """Write it down, then tell the clients that watch. False if it could not be written down."""
         for id, message in news.items():
             message.values |= {"job": id, "seq": self.live[id].news.values["seq"] + 1}
         if not self.journal.save([*news.values()]):
             return False
         now = time.monotonic()
         for id, message in news.items():
-            job, facts = self.live[id], message.values
+            job = self.live[id]
             job.news = message
             job.watchers = {client: until for client, until in job.watchers.items() if until > now}
             self.outbox += [(client, message) for client in job.watchers]
             if message.kind == "result":
+                facts = message.values
                 print(f"job {id:.8}: {facts['status']} at {facts['done']} of {facts['total']}", flush=True)
                 del self.live[id]
                 if id in self.waiting:
                     self.waiting.remove(id)
         return True
-
-
-# So many messages are read before the workers have their turn, and so long may a goal's text be.
-MOST, LONGEST = 100, 1000
-NOT_WRITTEN = MessageError("journal", "the server cannot write its journal now; try again later")
-
-
-def exchange(jobs: Jobs, socket: zmq.Socket[bytes]) -> Iterator[tuple[bytes, Message]]:
-    # A wait with a limit: on Windows Ctrl-C does not interrupt a longer one, and a deaf worker has its time.
-    zmq.select([socket, jobs.workers.bell], [], [], 0.1)
-    with suppress(zmq.Again):
-        for _ in range(MOST):
-            client, *frames = socket.recv_multipart(zmq.NOBLOCK)
-            answer(jobs, client, frames)
-    jobs.turn()
-    yield from jobs.outbox
-    jobs.outbox.clear()
-
-
-def answer(jobs: Jobs, client: bytes, frames: list[bytes]) -> None:
-    request = Message("")
-    try:
-        request = read(frames)
-        reply = do(jobs, request)
-    except MessageError as error:
-        job = request.values.get("job", "")
-        reply = Message("rejected", values={"job": job, "code": error.code, "text": error.text})
-    jobs.outbox.append((client, reply))
-    # From here on it is told what is new, for a while.
-    if reply.kind != "rejected" and (job := jobs.live.get(reply.values["job"])):
-        job.watchers[client] = time.monotonic() + WATCH
-
-
-def do(jobs: Jobs, request: Message) -> Message:
-    """Where the job stands; MessageError says why there is no answer."""
-    id = take(request.values, "job", str)
-    if not re.fullmatch("[0-9A-Za-z][0-9A-Za-z-]{0,63}", id):
-        raise MessageError("bad-job", "'job' must have 1 to 64 letters, digits or -")
-    if request.kind not in ("goal", "cancel", "status", "forget"):
-        raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of goal, cancel, status, forget")
-    if request.kind == "goal":
-        known, goal = find(jobs, id), read_goal(id, request)
-        if known and known[0].values != goal.values:
-            raise MessageError("other-goal", "this id belongs to a job with another goal")
-        if not known and len(jobs.waiting) >= jobs.queue and not jobs.workers.idle:
-            raise MessageError("queue-full", f"{jobs.queue} jobs wait already; try again later")
-        if not known and not jobs.add(goal):
-            raise NOT_WRITTEN
-    if request.kind == "cancel" and id in jobs.live and not jobs.cancel(id):
-        raise NOT_WRITTEN
-    if request.kind == "forget" and id in jobs.live:
-        raise MessageError("not-ended", "cancel it first")
-    if request.kind == "forget" and not jobs.journal.save([Message("forgotten", values={"job": id})]):
-        raise NOT_WRITTEN
-    if not (known := find(jobs, id)):
-        raise MessageError("unknown-job", "there is no such job; was it given to another server, or is it too old?")
-    news = known[1]
-    if news.kind == "accepted" and id in jobs.waiting:
-        # It has moved up since.
-        return Message("accepted", values=news.values | {"position": jobs.waiting.index(id) + 1})
-    return news
-
-
-def read_goal(id: str, request: Message) -> Message:
-    kind, count = take(request.values, "kind", str), take(request.values, "count", int)
-    if kind not in KINDS or not 1 <= count <= KINDS[kind].most:
-        kinds = ", ".join(f"{name} up to {KINDS[name].most}" for name in KINDS)
-        raise MessageError("bad-goal", f"{kind!a:.40} with count {count} is none of: {kinds}")
-    text = take({"text": ""} | request.values, "text", str)
-    if len(text) > LONGEST:
-        raise MessageError("bad-goal", f"'text' has {len(text)} characters; the most are {LONGEST}")
-    return Message("goal", values={"job": id, "kind": kind, "count": count, "text": text})
-
-
-def find(jobs: Jobs, id: str) -> tuple[Message, Message] | None:
-    """Its goal and the newest message about it, of one that has ended from the journal."""
-    if job := jobs.live.get(id):
-        return job.goal, job.news
-    try:
-        return jobs.journal.find(id)
-    except sqlite3.Error as error:
-        raise MessageError("journal", str(error)) from None

@@ -1,37 +1,49 @@
-"""Lesson 14, the journal: what became of each job, also after the server was killed.
+"""What became of each job, also after the server was killed: a SQLite file.
 
     journal = Journal("long_jobs.sqlite3")                                prints: journal long_jobs.sqlite3, 0 jobs
     journal.save([news])                                                  False while it cannot be used
     goal, news = journal.find(job)                                        or None
 
 An entry is the goal and the newest message about the job, as it is sent: with what is finished, if there is a
-checkpoint. It is kept for 24 hours after the end. It is a SQLite file: delete it to forget all jobs, while no server
-runs. When it cannot be used, as on a full disk, it prints that once.
-
-Lesson 14, the journal's lock: of several servers that begin together with one journal one gets it.
+checkpoint. It is kept for 24 hours after the end. Delete the file to forget all jobs, while no server runs. Of several
+servers that begin together with one journal one gets it. ValueError says that it cannot be used; when that comes later,
+as on a full disk, it is printed once.
 """
 
 import os
 import random
 import sqlite3
-import sys
 import time
-from argparse import ArgumentTypeError
+from pathlib import Path
 
+from netmq_example import check
 from netmq_example.messages import Message, MessageError, read
 
-ALONE = "PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT"
+# By this number in its header the file is known for a journal of jobs.
+APPLICATION_ID = 1_246_708_275
+EXCLUSIVE = "PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT"
+# FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
+SCHEMA = f"""
+    PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA application_id = {APPLICATION_ID};
+    CREATE TABLE IF NOT EXISTS jobs (number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, goal BLOB NOT NULL,
+        news BLOB NOT NULL, data BLOB, ended REAL);
+    CREATE INDEX IF NOT EXISTS jobs_by_end ON jobs (ended);
+"""
+KEEP_SECONDS = 24 * 3600
+# How long to wait for another server that has the file.
+LOCK_SECONDS = 1.0
+CURE = "try --journal another.sqlite3"
 
 
-def alone(path: str) -> sqlite3.Connection:
+def open_exclusively(path: str) -> sqlite3.Connection:
     """The file, which nobody else can open any more; sqlite3.Error if another one has it, after a second."""
-    end = time.monotonic() + 1
+    end = time.monotonic() + LOCK_SECONDS
     while True:
-        # Who waits for the whole lock may hold a part of it, which the others need. Closing gives it back, and by
+        # One that waits for the whole lock may hold a part of it, which the others need. Closing gives it back, and by
         # chance they do not all do so at once.
         db = sqlite3.connect(path, timeout=random.uniform(0.05, 0.3))
         try:
-            db.executescript(ALONE)
+            db.executescript(EXCLUSIVE)
             return db
         except sqlite3.Error as error:
             db.close()
@@ -40,41 +52,27 @@ def alone(path: str) -> sqlite3.Connection:
             time.sleep(random.uniform(0, 0.1))
 
 
-# By this number in its header the file is known for a journal of this lesson.
-KNOWN = 1_246_708_275
-# FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
-SCHEMA = f"""
-    PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA application_id = {KNOWN};
-    CREATE TABLE IF NOT EXISTS jobs (number INTEGER PRIMARY KEY, id TEXT UNIQUE NOT NULL, goal BLOB NOT NULL,
-        news BLOB NOT NULL, data BLOB, ended REAL);
-    CREATE INDEX IF NOT EXISTS jobs_by_end ON jobs (ended);
-"""
-# Seconds after its end.
-KEEP = 24 * 3600
-CURE = "try --journal another.sqlite3"
-
-
 class Journal:
     """The jobs by their ids."""
 
-    def __init__(self, path: str) -> None:
-        """May be the type of an option: a journal that cannot be used is wrong usage."""
-        self.path, self.usable = path, True
+    def __init__(self, path: str | Path) -> None:
+        self.path = str(check.kind("path", path, str, Path))
+        self.usable = True
         try:
             # To SQLite these names mean a journal in memory, which forgets.
-            if path in ("", ":memory:"):
+            if self.path in ("", ":memory:"):
                 raise sqlite3.Error("it needs the name of a file")
             # From here on no other server gets it: it would do the same jobs.
-            self.db = alone(path)
+            self.db = open_exclusively(self.path)
             whose = self.db.execute("PRAGMA application_id").fetchone()[0]
-            if whose != KNOWN and self.db.execute("SELECT 1 FROM sqlite_master").fetchone():
+            if whose != APPLICATION_ID and self.db.execute("SELECT 1 FROM sqlite_master").fetchone():
                 raise sqlite3.Error("it is another program's")
             self.db.executescript(SCHEMA)
             jobs = self.db.execute("SELECT count(id), count(goal), count(news), count(data) FROM jobs").fetchone()[0]
-        except sqlite3.Error as error:
-            raise ArgumentTypeError(f"cannot use the journal {path}: {error}; {CURE}") from None
+        except (sqlite3.Error, ValueError) as error:
+            raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         self.opened = self.files()
-        print(f"journal {path}, {jobs} jobs", flush=True)
+        print(f"journal {self.path}, {jobs} jobs", flush=True)
 
     def add(self, goal: Message, news: Message) -> bool:
         row = goal.values["job"], goal.frames()[0], news.frames()[0]
@@ -82,29 +80,37 @@ class Journal:
 
     def save(self, news: list[Message]) -> bool:
         """All of them or none."""
-        ended, rows = time.time(), []
+        now = time.time()
+        rows: list[tuple[object, ...]] = []
         for message in news:
-            header, *data = message.frames()
-            over = ended if message.kind in ("result", "forgotten") else None
-            rows.append((header, *(data or [None]), over, message.values["job"]))
+            header, *arrays = message.frames()
+            data = arrays[0] if arrays else None
+            ended = now if message.kind in ("result", "forgotten") else None
+            rows.append((header, data, ended, message.values["job"]))
         return self.write("UPDATE jobs SET news = ?, data = ?, ended = ? WHERE id = ?", rows)
 
     def find(self, job: str) -> tuple[Message, Message] | None:
         """Its goal and the newest message about it."""
         found = self.db.execute("SELECT goal, news, data FROM jobs WHERE id = ?", (job,)).fetchone()
-        return found and (read([found[0]]), read([frame for frame in found[1:] if frame is not None]))
+        if not found:
+            return None
+        goal, news, data = found
+        return read([goal]), read([news] if data is None else [news, data])
 
     def open(self) -> list[tuple[Message, Message]]:
         """What has not ended, in the order in which it was accepted. What cannot be read is left as it is."""
         found: list[tuple[Message, Message]] = []
         try:
-            for row in self.db.execute("SELECT id FROM jobs WHERE ended IS NULL ORDER BY number").fetchall():
+            for (job,) in self.db.execute("SELECT id FROM jobs WHERE ended IS NULL ORDER BY number").fetchall():
                 try:
-                    found += filter(None, [self.find(row[0])])
+                    entry = self.find(job)
                 except MessageError as error:
-                    print(f"cannot read job {row[0]!r:.20} of the journal, and leave it alone: {error}", flush=True)
+                    print(f"cannot read job {job!r:.20} of the journal, and leave it alone: {error}", flush=True)
+                    continue
+                if entry:
+                    found.append(entry)
         except sqlite3.Error as error:
-            sys.exit(f"cannot use the journal {self.path}: {error}; {CURE}")
+            raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         return found
 
     def write(self, statement: str, rows: list[tuple[object, ...]]) -> bool:
@@ -114,7 +120,7 @@ class Journal:
             # One transaction: wherever the server is killed, all of it is there, or nothing.
             with self.db:
                 self.db.executemany(statement, rows)
-                self.db.execute("DELETE FROM jobs WHERE ended < ?", (time.time() - KEEP,))
+                self.db.execute("DELETE FROM jobs WHERE ended < ?", (time.time() - KEEP_SECONDS,))
         except sqlite3.Error as error:
             if self.usable:
                 print(f"cannot use the journal {self.path}: {error}; nothing new until it is over", flush=True)

@@ -1,42 +1,41 @@
-"""Lesson 14, the workers: processes that do one job at a time, and can be killed.
+"""Processes that do one job at a time, and can be killed.
 
-    workers = Workers(4)
-    if workers.ready():
-        workers.start(goal)         a message with the values job, kind, count, text and done; its array is a checkpoint
-    for job, news in workers.news().items(): ...            feedback, a result, or None if the process died
+    workers = Workers(4, {"count": Kind(count, most=10_000)})
+    with closing(workers):
+        if workers.ready():
+            workers.start(goal)      a message with the values job, kind, count, text, done; its array is a checkpoint
+        for job, news in workers.news().items(): ...           feedback, a result, or None if the process died
 
-Python computes on one thread at a time, so threads would share one core, and no thread can be killed. What a process
-says is read by a thread, because a pipe cannot be polled together with a socket on every system; it then rings a bell
-that can.
+Python computes on one thread at a time, so threads would share one core, and no thread can be killed. A process is
+started when there is work for it, and again after it died. It finds the work by the name of its module.
 
-Lesson 14, a worker: what its process does, from a goal to a result.
-
-It sends `feedback` between two steps, and then one `result`. A thread of its own listens to the server: it hears a
-cancel, for which the work looks between two steps, and the end of the server, which ends the process at once.
-
-Lesson 14, a worker's process: how it is started, so that it can be told to stop, be killed, and end with the server.
+What a process sends is read by a thread, because a pipe cannot be polled together with a socket on every system; the
+thread then writes to a socket that can.
 """
 
+import contextlib
 import multiprocessing
 import os
 import signal
-import sys
 import threading
 import time
 import traceback
-from contextlib import suppress
+from collections.abc import Iterator
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from queue import SimpleQueue
 from socket import socketpair
-from threading import Thread
 
-from netmq_example.jobs.work import KINDS, Kind, Step, WorkError
+from netmq_example import check
+from netmq_example.jobs.work import Kind, Step, WorkError
 from netmq_example.messages import EXACT, Message, MessageError, read, take
 
-# Feedback is a state: nobody needs it more often. So a checkpoint is at most so many seconds old.
-INTERVAL = 0.1
+MOST_WORKERS = 100
+# Feedback is a state: nobody needs it more often. So a checkpoint is at most that old.
+FEEDBACK_SECONDS = 0.1
+# A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
+SPAWN = multiprocessing.get_context("spawn")
 
 
 def send(pipe: Connection, message: Message) -> None:
@@ -49,122 +48,139 @@ def receive(pipe: Connection) -> Message:
     return read(list(iter(pipe.recv_bytes, b"")))
 
 
-def labour(pipe: Connection, kinds: dict[str, Kind]) -> None:
-    """What a worker's process does. It has the kinds of work that the server has."""
-    KINDS.update(kinds)
-    # Ctrl-C in a terminal reaches it too; when to end, the server says.
+# In the worker's process
+
+
+def run_worker(pipe: Connection, kinds: dict[str, Kind]) -> None:
+    """Does one goal after the other, with `feedback` between two steps and then one `result`.
+
+    A thread listens to the server meanwhile: it hears a cancel, for which the work looks between two steps, and the end
+    of the server, which ends this process at once.
+    """
+    # Ctrl-C in a terminal reaches it too; the server says when to end.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    goals, cancel = SimpleQueue[Message](), threading.Event()
+    goals = SimpleQueue[Message]()
+    cancel = threading.Event()
 
     def listen() -> None:
         try:
             while True:
-                if (message := receive(pipe)).kind == "cancel":
+                message = receive(pipe)
+                if message.kind == "cancel":
                     cancel.set()
                 else:
                     # A cancel that came too late for the job before is none of this one.
                     cancel.clear()
                     goals.put(message)
         finally:
-            # The server ended or was killed. Nobody waits for the work any more, and it may be deaf.
+            # The server ended or was killed. Nobody waits for the work any more, and it may ignore a cancel.
             os._exit(1)
 
     threading.Thread(target=listen, daemon=True).start()
     while True:
         goal = goals.get()
         try:
-            send(pipe, perform(pipe, goal, cancel))
+            send(pipe, perform(pipe, goal, kinds[goal.values["kind"]], cancel))
         except OSError:
             # Nobody reads it.
             os._exit(1)
 
 
-def check(step: Step) -> None:
-    """What cannot be told to clients, whatever is said with it, ends the job here, where the work is written."""
-    facts = {"job": "x" * 64, "seq": EXACT - 1, "status": "succeeded", "text": step.text}
-    arrays = [step.checkpoint] if step.checkpoint else []
-    told = read(Message("canceling", values=facts | {"done": step.done, "total": step.total}, arrays=arrays).frames())
-    for name, kind in (("done", int), ("total", int), ("text", str)):
-        take(told.values, name, kind)
-
-
-def perform(pipe: Connection, goal: Message, cancel: threading.Event) -> Message:
+def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event) -> Message:
     """Does the job, and returns its result."""
-    job, total, text = goal.values["job"], goal.values["count"], goal.values["text"]
-    finished = bytes(goal.arrays[0].data) if goal.arrays else b""
-    told, step = 0.0, Step(goal.values["done"], total, checkpoint=goal.arrays[0] if goal.arrays else None)
-
-    def said(step: Step, kind: str, **values: str) -> Message:
-        facts = {"job": job, "done": step.done, "total": step.total, "text": step.text}
-        return Message(kind, values=facts | values, arrays=[step.checkpoint] if step.checkpoint else [])
-
+    facts = goal.values
+    checkpoint = goal.arrays[0] if goal.arrays else None
+    finished = bytes(checkpoint.data) if checkpoint else b""
+    step = Step(facts["done"], facts["count"], checkpoint=checkpoint)
+    told_at = 0.0
     try:
-        for new in KINDS[goal.values["kind"]].work(total, finished, text):
-            check(new)
+        for new in kind.work(facts["count"], finished, facts["text"]):
+            check_step(new)
             step = new
             if cancel.is_set():
-                return said(step, "result", status="canceled")
-            if time.monotonic() >= told + INTERVAL:
-                told = time.monotonic()
-                send(pipe, said(step, "feedback"))
-        return said(step, "result", status="succeeded")
+                return about(goal, step, "result", status="canceled")
+            if time.monotonic() >= told_at + FEEDBACK_SECONDS:
+                told_at = time.monotonic()
+                send(pipe, about(goal, step, "feedback"))
+        return about(goal, step, "result", status="succeeded")
     except WorkError as error:
-        return said(step, "result", status="aborted", text=f"{error!s:.200}")
+        return about(goal, step, "result", status="aborted", text=f"{error!s:.200}")
     except Exception as error:
-        # A mistake in the work: its place is for whoever writes it.
+        # A mistake in the work is shown where it is written.
         traceback.print_exc()
-        return said(step, "result", status="aborted", text=f"{error!r:.200}")
+        return about(goal, step, "result", status="aborted", text=f"{error!r:.200}")
 
 
-# A new process, not a copy of this one: a copy made while a thread holds a lock would wait for that lock for ever.
-SPAWN = multiprocessing.get_context("spawn")
+def about(goal: Message, step: Step, kind: str, **more: str) -> Message:
+    """A message that says how far the job is."""
+    values = {"job": goal.values["job"], "done": step.done, "total": step.total, "text": step.text}
+    return Message(kind, values=values | more, arrays=[step.checkpoint] if step.checkpoint else [])
 
 
-def check_kinds() -> None:
+def check_step(step: Step) -> None:
+    """What cannot be told to clients, whatever else is said with it, ends the job here, where the work is written."""
+    longest = Message("goal", values={"job": "x" * 64})
+    message = about(longest, step, "canceling", status="succeeded")
+    message.values["seq"] = EXACT - 1
+    values = read(message.frames()).values
+    for name, kind in (("done", int), ("total", int), ("text", str)):
+        take(values, name, kind)
+
+
+# In the server's process
+
+
+def check_kinds(kinds: dict[str, Kind]) -> dict[str, Kind]:
     """Each is handed to a new process, which has to find it by the name of its module."""
-    for name, kind in KINDS.items():
+    for name, kind in check.kind("kinds", kinds, dict).items():
+        check.kind(f"kinds[{name!r:.40}]", kind, Kind)
         try:
             ForkingPickler.dumps(kind)
         except Exception:
             cure = "make it a function of a module, or functools.partial of one"
-            sys.exit(f"kind {name!r} cannot be handed to a worker: {cure}")
+            raise TypeError(f"kind {name!r} cannot be handed to a worker: {cure}") from None
+    return kinds
 
 
 class Worker:
     """A process, and the pipe to it."""
 
-    def __init__(self) -> None:
+    def __init__(self, kinds: dict[str, Kind]) -> None:
         self.pipe, theirs = SPAWN.Pipe()
-        self.process = SPAWN.Process(target=labour, args=(theirs, KINDS), daemon=True)
-        self.begin()
-        self.doomed = False
+        self.process = SPAWN.Process(target=run_worker, args=(theirs, kinds), daemon=True)
+        with interrupts_blocked():
+            self.process.start()
+        self.killed = False
         # Only the process itself has that end now, so that its death ends every wait at this one.
         theirs.close()
 
-    def begin(self) -> None:
-        """Ctrl-C in a terminal reaches it too, and before it can say that it ignores it. So it inherits that."""
-        if not hasattr(signal, "pthread_sigmask"):
-            return self.process.start()
-        # What is started with the first process, and ends the holding back.
-        resource_tracker.ensure_running()
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-        try:
-            self.process.start()
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+@contextlib.contextmanager
+def interrupts_blocked() -> Iterator[None]:
+    """A process that is started here inherits it: Ctrl-C in a terminal reaches it before it can say that it ignores
+    it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # It is started with the first process, and would end the blocking.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Workers:
-    """Use it on one thread. `bell` is a socket to poll: it is readable when there are news."""
+    """Use it on one thread. `wake_socket` is to be polled: it is readable when there are news."""
 
-    def __init__(self, size: int) -> None:
-        check_kinds()
-        # A process is started when there is work for it, and again after it died.
-        self.idle: list[Worker | None] = [None] * size
+    def __init__(self, workers: int, kinds: dict[str, Kind]) -> None:
+        self.idle: list[Worker | None] = [None] * check.count("workers", workers, most=MOST_WORKERS)
+        self.kinds = check_kinds(kinds)
         self.busy: dict[str, Worker] = {}
-        self.said: SimpleQueue[tuple[Connection, Message | None]] = SimpleQueue()
-        self.bell, self.rope = socketpair()
-        self.bell.setblocking(False)
+        self.received: SimpleQueue[tuple[Connection, Message | None]] = SimpleQueue()
+        self.wake_socket, self.wake_sender = socketpair()
+        self.wake_socket.setblocking(False)
         self.refused = False
 
     def ready(self) -> bool:
@@ -173,8 +189,8 @@ class Workers:
             return False
         try:
             if not self.idle[-1]:
-                worker = Worker()
-                Thread(target=self.listen, args=(worker,), daemon=True).start()
+                worker = Worker(self.kinds)
+                threading.Thread(target=self.listen, args=(worker,), daemon=True).start()
                 self.idle[-1] = worker
         except (OSError, RuntimeError) as error:
             if not self.refused:
@@ -185,28 +201,32 @@ class Workers:
         return True
 
     def start(self, goal: Message) -> int:
-        """Have an idle worker do it; the number of its process."""
+        """Have an idle worker do it; the number of its process. `ready` has to be true."""
+        check.kind("goal", goal, Message)
         worker = self.idle.pop()
-        assert worker, "ready() has said so"
+        assert worker, "ready() has started it"
         self.busy[goal.values["job"]] = worker
-        self.say(worker, goal)
+        self.send(worker, goal)
         return worker.process.pid or 0
 
     def cancel(self, job: str) -> None:
         """Tell its worker, which hears it between two steps."""
-        self.say(self.busy[job], Message("cancel"))
+        self.send(self.busy[job], Message("cancel"))
 
     def kill(self, job: str) -> None:
-        self.busy[job].doomed = True
+        self.busy[job].killed = True
         self.busy[job].process.kill()
 
     def news(self) -> dict[str, Message | None]:
-        """Of each job the newest."""
-        with suppress(BlockingIOError):
-            self.bell.recv(4096)
+        """Of each job the newest; None if its process died."""
+        try:
+            self.wake_socket.recv(4096)
+        except BlockingIOError:
+            # It was the server's socket that ended the wait, or nothing.
+            pass
         found: dict[str, Message | None] = {}
-        while not self.said.empty():
-            pipe, message = self.said.get()
+        while not self.received.empty():
+            pipe, message = self.received.get()
             if not message:
                 # Its process has ended, although it may look alive for a moment.
                 self.idle = [None if worker and worker.pipe is pipe else worker for worker in self.idle]
@@ -214,7 +234,7 @@ class Workers:
                 found[job] = message
                 if not message or message.kind == "result":
                     worker = self.busy.pop(job)
-                    self.idle.append(worker if message and not worker.doomed else None)
+                    self.idle.append(worker if message and not worker.killed else None)
         return found
 
     def close(self) -> None:
@@ -224,18 +244,21 @@ class Workers:
                 worker.process.kill()
 
     def listen(self, worker: Worker) -> None:
+        """A thread for each process."""
         message: Message | None = Message("")
         while message:
             try:
                 message = receive(worker.pipe)
             except (EOFError, OSError, MessageError):
-                # It has ended, or nobody could understand it any more.
+                # It has ended, or what it sends is no message any more.
                 worker.process.kill()
                 message = None
-            self.said.put((worker.pipe, message))
-            self.rope.send(b"!")
+            self.received.put((worker.pipe, message))
+            self.wake_sender.send(b"!")
 
-    def say(self, worker: Worker, message: Message) -> None:
-        # To one that died: its end is in the queue already, or will be.
-        with suppress(OSError):
+    def send(self, worker: Worker, message: Message) -> None:
+        try:
             send(worker.pipe, message)
+        except OSError:
+            # It died. Its end is in the queue already, or will be.
+            pass

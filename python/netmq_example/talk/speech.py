@@ -1,39 +1,81 @@
-"""Application 21, what a character has said so far: the C# version is Speech.cs.
+"""What a character has said so far, on a terminal: a line for each sentence, which grows. In C# it is Speech.cs.
 
-speech = Speech()
-for news in client.watch(client.goal("talk", 200, "Who are you?")):
-    speech.hear(news)                                                 she: Good evening, trav
-                                                                      she: Good evening, traveller.
-speech.say(speech.outcome(news))                                      done: 3 words
+    with Speech() as speech:
+        for news in client.watch(ask(client, "Who are you?", most=200)):
+            speech.hear(news)                                             she: Good evening, trav
+                                                                          she: Good evening, traveller.
+        speech.say(speech.outcome(news))                                  done: 3 words
+
+Its end, also by an error, ends a line that still grows.
 """
 
 import re
+from typing import Any
 
+from netmq_example import check
+from netmq_example.errors import GaveUp
+from netmq_example.jobs.client import JobClient
 from netmq_example.messages import Message, take
+
+MOST_CHARACTERS = 1000
+
+
+def ask(client: JobClient, prompt: str, most: int) -> Message:
+    """The request, for `client.watch`, with which the character begins to speak: `most` words at most."""
+    return check.kind("client", client, JobClient).goal("talk", check.count("most", most), a_prompt("prompt", prompt))
+
+
+def a_prompt(name: str, value: Any) -> str:
+    """What one can say to a character."""
+    if isinstance(value, str) and 1 <= len(value) <= MOST_CHARACTERS:
+        return value
+    raise ValueError(f"{name} takes 1 to {MOST_CHARACTERS} characters, not {value!r:.40}")
 
 
 class Speech:
     """Of a newer text only the end is new, however many were lost in between."""
 
-    words, shown = 0, ""
+    def __init__(self) -> None:
+        # How many there were so far.
+        self.words = 0
+        self.shown = ""
+        self.line_is_open = False
+
+    def __enter__(self) -> "Speech":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.end_line()
 
     def hear(self, news: Message) -> None:
-        """Prints what is new of it: a line for each sentence, which grows."""
+        """Print what is new of it."""
         # At another end the text says why there is no more.
-        if news.kind == "feedback" or news.values.get("status") == "succeeded":
-            words = take(news.values, "text", str).split()
-            line = "".join(c if c.isprintable() else "?" for c in " ".join(words))
-            lines = re.sub(r"(?<=[.!?]) ", "\nshe: ", f"she: {line}") if words else ""
-            print(lines[len(self.shown) :], end="", flush=True)
-            self.words, self.shown = len(words), lines
+        if check.kind("news", news, Message).kind != "feedback" and news.values.get("status") != "succeeded":
+            return
+        words = take(news.values, "text", str).split()
+        line = "".join(c if c.isprintable() else "?" for c in " ".join(words))
+        lines = re.sub(r"(?<=[.!?]) ", "\nshe: ", f"she: {line}") if words else ""
+        if new := lines[len(self.shown) :]:
+            print(new, end="", flush=True)
+            self.line_is_open = True
+        self.words = len(words)
+        self.shown = lines
 
     def say(self, line: str) -> None:
         """A line of its own."""
-        print(f"\n{line}" if self.shown else line, flush=True)
+        check.kind("line", line, str)
+        self.end_line()
+        print(line, flush=True)
+
+    def end_line(self) -> None:
+        if self.line_is_open:
+            print(flush=True)
+        self.line_is_open = False
 
     def outcome(self, result: Message) -> str:
-        """What to say at the end. TimeoutError if it was aborted."""
-        status = take(result.values, "status", str)
+        """What to say at the end. GaveUp if it was aborted."""
+        status = take(check.kind("result", result, Message).values, "status", str)
         if status == "aborted":
-            raise TimeoutError(f"the answer broke off: {take(result.values, 'text', str)}; ask again")
-        return f"done: {self.words} words{', and you walked away' if status == 'canceled' else ''}"
+            raise GaveUp(f"the answer broke off: {take(result.values, 'text', str)}; ask again")
+        left = ", and you walked away" if status == "canceled" else ""
+        return f"done: {self.words} words{left}"

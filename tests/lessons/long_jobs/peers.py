@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-import sys
+import shutil
 import time
 import uuid
 from pathlib import Path
@@ -11,11 +11,9 @@ from pathlib import Path
 import pytest
 import zmq
 
-from tests.programs import LIMIT, ROOT, steady_endpoint
-
-sys.path.append(str(ROOT / "python" / "05_messages"))
 from netmq_example.messages import Message as Message
 from netmq_example.messages import read as read
+from tests.programs import LIMIT, ROOT, steady_endpoint
 
 KEY = "14_long_jobs"
 
@@ -80,6 +78,13 @@ def jobs_server(serve, tmp_path):
         return serve(KEY, "--journal", str(tmp_path / "journal.sqlite3"), *options, endpoint=endpoint)
 
     return jobs_server
+
+
+def copied(folder):
+    """The lesson's programs in this folder, beside the package: a copy that a test may change."""
+    for name in (KEY, "netmq_example"):
+        shutil.copytree(ROOT / "python" / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return folder / KEY
 
 
 def units(result):

@@ -1,7 +1,6 @@
 // Lesson 14, what a message about a job says: read and put into words on the network thread, ready to be shown.
 //
-// The Python twin is
-// progress.py.
+// In Python it is jobs/progress.py; jobs/client.py reads it.
 using System;
 using System.Collections.Generic;
 using System.Linq;
