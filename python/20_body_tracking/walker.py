@@ -3,7 +3,6 @@
     python python/20_body_tracking/walker.py     writes walk.csv beside this file: 3 seconds, 30 poses a second
 
 Person 0 walks on the spot, turned half to the side. Person 1 faces the camera, raises its arms and bends its knees.
-A recording of your own: write it with `write`.
 """
 
 import math
@@ -13,7 +12,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from netmq_example.body.people import Landmark, write
 
-RATE, SECONDS = 30, 3
+PICTURES_A_SECOND = 30
+SECONDS = 3
 # A place in metres from the middle of the hips: forward, to the person's left, up.
 Place = tuple[float, float, float]
 
@@ -30,7 +30,8 @@ def bend(start: Place, length: float, forward: float, left: float = 0) -> Place:
 
 def limbs(side: int, arm: float, raised: float, elbow: float, thigh: float, knee: float) -> list[Place]:
     """One side's shoulder, elbow, wrist, three fingers, hip, knee, ankle, heel and toes; side 1 is left, -1 right."""
-    shoulder, hip = (0.0, 0.18 * side, 0.5), (0.0, 0.1 * side, 0.0)
+    shoulder = (0.0, 0.18 * side, 0.5)
+    hip = (0.0, 0.1 * side, 0.0)
     middle = bend(shoulder, 0.28, arm, raised * side)
     wrist = bend(middle, 0.25, arm + elbow, raised * side)
     fingers = [bend(wrist, 0.09, arm + elbow + spread, raised * side) for spread in (-0.3, 0, 0.3)]
@@ -47,7 +48,7 @@ def body(left: list[Place], right: list[Place], turn: float) -> list[Landmark]:
     head = [(0.11, 0.0, 0.7), *eyes, *rest]
     places = [*head, *(place for pair in zip(left, right, strict=True) for place in pair)]
     cos, sin = math.cos(turn), math.sin(turn)
-    # Who is turned by 0 looks into the camera, and has the left hand on the right of the picture.
+    # Turned by 0 one looks into the camera, and has the left hand on the right of the picture.
     return [(left * cos + ahead * sin, -up, left * sin - ahead * cos, 0.99) for ahead, left, up in places]
 
 
@@ -61,12 +62,15 @@ def walking(seconds: float) -> list[Landmark]:
 
 def bending(seconds: float) -> list[Landmark]:
     wave = (1 - math.cos(2 * math.pi * seconds / 1.5)) / 2
-    left, right = (limbs(side, 0.05, 0.15 + 2.2 * wave, 0.05, 0.8 * wave, 1.5 * wave) for side in (1, -1))
-    return body(left, right, turn=0)
+
+    def side(number: int) -> list[Place]:
+        return limbs(number, 0.05, 0.15 + 2.2 * wave, 0.05, 0.8 * wave, 1.5 * wave)
+
+    return body(side(1), side(-1), turn=0)
 
 
 if __name__ == "__main__":
     path = Path(__file__).with_name("walk.csv")
-    times = [step / RATE for step in range(RATE * SECONDS)]
+    times = [step / PICTURES_A_SECOND for step in range(PICTURES_A_SECOND * SECONDS)]
     write(path, [(seconds, [walking(seconds), bending(seconds)]) for seconds in times])
     print(f"wrote {path.name}: {len(times)} poses of 2 persons")

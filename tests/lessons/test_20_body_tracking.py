@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import sys
 import time
 from types import SimpleNamespace
 
@@ -15,18 +14,13 @@ import pytest
 import zmq
 
 from kitlib.docs import body_picture
+from netmq_example.body import camera, people
+from netmq_example.body import listener as body_listener
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import ROOT, steady_endpoint
 
 KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
-sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
-from netmq_example.body import (
-    camera,
-    people,
-)
-from netmq_example.body import listener as body_listener  # noqa: E402
-
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = pytest.mark.parametrize("kind", ["python", "csharp"])
 each_client = pytest.mark.parametrize("kind", CLIENTS)
@@ -74,9 +68,8 @@ def test_a_person_is_seen_to_move(kind, person, environment, serve, listen):
 
 
 def test_the_recording_is_what_the_walker_makes(start, tmp_path):
-    for name in ("walker.py", "people.py"):
-        shutil.copy(LESSON / name, tmp_path)
-    walker = start(PYTHON, tmp_path / "walker.py")
+    shutil.copy(LESSON / "walker.py", tmp_path)
+    walker = start(PYTHON, tmp_path / "walker.py", PYTHONPATH=str(ROOT / "python"))
     assert walker.wait() == 0, walker.output
     assert walker.lines == ["wrote walk.csv: 90 poses of 2 persons"]
     assert (tmp_path / "walk.csv").read_bytes() == (LESSON / "walk.csv").read_bytes()
@@ -375,9 +368,7 @@ def test_a_webcam_is_recorded_as_the_page_says(webcam, start, tmp_path):
     (program,) = re.findall("```python\n(import itertools.*?)```", page, re.DOTALL)
     assert "pose_landmarker_lite.task" in program and " 300)" in program
     (tmp_path / "mine.py").write_text(program.replace("pose_landmarker_lite", "model").replace(" 300)", " 7)"))
-    for name in ("camera.py", "people.py"):
-        shutil.copy(LESSON / name, tmp_path)
-    recorder = start(PYTHON, "mine.py", folder=tmp_path)
+    recorder = start(PYTHON, "mine.py", folder=tmp_path, PYTHONPATH=str(ROOT / "python"))
     assert recorder.wait() == 0, recorder.output
     recorded = people.read(tmp_path / "mine.csv")
     assert [[len(body) for body in there] for _, there in recorded] == [[33, 33 * (i != 4)] for i in range(7)]
@@ -490,3 +481,50 @@ def test_without_a_model_it_says_what_is_wrong(webcam, tmp_path, start):
         assert server.wait() == 1
         assert f"no poses: {says}" in server.lines[-1], server.output
         assert "Traceback" not in server.output
+
+
+# What a method cannot use
+
+NAN = float("nan")
+POSE = body_listener.parse(message(1, WALK[0][1][0]))
+NOBODY = body_listener.parse(message(1, []))
+
+
+def listener(socket=None, endpoint="tcp://127.0.0.1:1", topic="pose/0/", timeout=1.0):
+    """Waits for a pose on a socket of its own, unless it is given one."""
+    with zmq.Context() as context, context.socket(zmq.SUB) as own:
+        own.linger = 0
+        return body_listener.BodyListener(own if socket is None else socket, endpoint, topic).receive(timeout)
+
+
+WRONG = {
+    "socket": [lambda value: listener(socket=value), 0, "", zmq.SUB],
+    "endpoint": [lambda value: listener(endpoint=value), None, 0, "", "tcp://127.0.0.1:99999"],
+    "topic": [lambda value: listener(topic=value), None, 0, "", "pose/0", "pose/-1/"],
+    "timeout": [lambda value: listener(timeout=value), None, 0, -1, NAN, ""],
+    "a": [lambda value: POSE.angle(value, 1, 2), None, -1, NAN, "", 33],
+    "a ": [lambda value: NOBODY.angle(value, 1, 2), 0],
+    "c": [lambda value: POSE.angle(0, 1, value), None, 33],
+    "message": [body_listener.parse, None, 0, b"pose"],
+    "path": [people.read, None, 0, NAN],
+    "path ": [lambda value: people.write(value, []), None, 0, NAN],
+    "seconds": [lambda value: people.write("never.csv", [(value, [])]), None, NAN, ""],
+    "landmarks": [lambda value: people.write("never.csv", [(0.0, [value])]), [(0.0,) * 4], [(0.0,) * 4] * 21],
+    "pictures": [lambda value: next(people.play(value)), None, 0, "", []],
+    "device": [lambda value: next(camera.watch(value, "m.task", 1)), None, -1, NAN, ""],
+    "model": [lambda value: next(camera.watch(0, value, 1)), None, 0],
+    "persons": [lambda value: next(camera.watch(0, "m.task", value)), None, 0, -1, NAN, ""],
+    "hands": [lambda value: next(camera.watch(0, "m.task", 1, value)), 0, NAN],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "call", "value"),
+    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
+    ids=lambda value: None if callable(value) else f"{value!r:.20}",
+)
+def test_what_a_method_cannot_use_is_named(name, call, value, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
+        call(value)
+    assert "\n" not in str(caught.value)

@@ -13,15 +13,13 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
+from netmq_example.body import listener as body_listener
+from netmq_example.body import people
 from tests.programs import ROOT, Program, leaves_nothing_to_collect
 from tests.unity.test_unity_play import RUNTIMES, needs_mono
 
 LESSON = ROOT / "python" / "20_body_tracking"
 SCRIPTS = ROOT / "unity" / "Assets" / "NetMQExample" / "20_body_tracking"
-sys.path += [str(LESSON), str(ROOT / "python" / "03_publish_subscribe")]
-from netmq_example.body import listener as body_listener  # noqa: E402
-from netmq_example.body import people  # noqa: E402
-
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
 # As in OneEuroFilter.cs.

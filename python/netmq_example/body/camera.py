@@ -1,8 +1,10 @@
-"""Application 20, persons and hands in front of a webcam: MediaPipe finds them, and nothing else here needs it.
+"""Persons and hands in front of a webcam: MediaPipe finds them, and nothing else here needs it.
 
-pip install mediapipe opencv-python     and a model: MODELS says where it is
-python python/20_body_tracking/server.py --camera --model pose_landmarker_lite.task
-python python/20_body_tracking/server.py --camera --hands hand_landmarker.task          their hands as well
+    for people, hands in watch(0, Path("pose_landmarker_lite.task"), persons=2):
+        print(people[0][26], hands)                             a landmark of the first person, or IndexError for nobody
+
+It needs mediapipe and opencv-python, and a model: MODELS says where it is. SourceError says what is missing. Landmarks
+are as in people.py. MediaPipe's classes are in ai.google.dev/edge/mediapipe/solutions/vision/pose_landmarker.
 """
 
 import contextlib
@@ -13,6 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from netmq_example import check
 from netmq_example.body.people import LANDMARKS, Hands, Landmark, People, SourceError
 
 MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision"
@@ -23,6 +26,10 @@ Place = tuple[float, float] | None
 def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> Iterator[tuple[People, Hands]]:
     """The persons of each of the webcam's pictures, each always in the same place of the list; and with a model for
     them the hands."""
+    check.count("device", device, least=0)
+    check.count("persons", persons)
+    model = Path(check.kind("model", model, str, Path))
+    hands = hands if hands is None else Path(check.kind("hands", hands, str, Path))
     try:
         import cv2
         import mediapipe
@@ -31,16 +38,16 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
         raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
     webcam = cv2.VideoCapture(device)
     places: list[Place] = [None] * persons
-    start, milliseconds = time.monotonic(), -1
+    start = time.monotonic()
+    milliseconds = -1
     with contextlib.ExitStack() as stack:
         bodies = stack.enter_context(landmarker(mediapipe, "Pose", model, num_poses=persons))
         fingers = stack.enter_context(landmarker(mediapipe, "Hand", hands, num_hands=2)) if hands else None
         while True:
             there, picture = webcam.read()
             if not there:
-                raise SourceError(
-                    f"webcam {device} gives no picture: is it plugged in, or does another program use it?"
-                )
+                cure = "is it plugged in, or does another program use it?"
+                raise SourceError(f"webcam {device} gives no picture: {cure}")
             # OpenCV has blue first.
             colours = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
             image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=colours)
@@ -66,20 +73,23 @@ def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
 
 
 def in_order(result: Any, places: list[Place]) -> tuple[People, list[Place]]:
-    """MediaPipe lists the persons in any order: who is nearest to a place of the picture before, is its person."""
+    """MediaPipe lists the persons in any order: the nearest to a place of the picture before is its person."""
     people: People = [[] for _ in places]
     after = list(places)
-    bodies, pictures = result.pose_world_landmarks, result.pose_landmarks
-    # The middle of the hips. Of world landmarks it is always 0.
-    middles = [((marks[23].x + marks[24].x) / 2, (marks[23].y + marks[24].y) / 2) for marks in pictures]
-    free, new = set(range(len(places))), set(range(len(bodies)))
-    # The nearest pair first: whoever has just come in must not take the place of one who stands still.
+    bodies = result.pose_world_landmarks
+    hips = [(marks[23], marks[24]) for marks in result.pose_landmarks]
+    # Their middle in the picture. Of world landmarks it is always 0.
+    middles = [((left.x + right.x) / 2, (left.y + right.y) / 2) for left, right in hips]
+    free = set(range(len(places)))
+    new = set(range(len(bodies)))
+    # The nearest pair first: a newcomer must not take the place of one who stands still.
     pairs = [(distance(middles[i], places[person]), person, i) for person in free for i in new]
     for _, person, i in sorted(pairs):
         if person in free and i in new:
             free.remove(person)
             new.remove(i)
-            people[person], after[person] = read_landmarks(bodies[i]), middles[i]
+            people[person] = read_landmarks(bodies[i])
+            after[person] = middles[i]
     return people, after
 
 

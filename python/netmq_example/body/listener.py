@@ -1,6 +1,12 @@
-"""Application 20, the listener to copy in Python: the C# version is BodyListener.cs. client.py is its command line.
+"""The newest pose of a person or hand: how many were skipped for it, and how late it is.
 
-Bytes: as in server.py.
+    with context.socket(zmq.SUB) as socket:
+        listener = BodyListener(socket, "tcp://127.0.0.1:5570", "pose/0/")
+        pose = listener.receive(timeout=5)                  a BodyPose, or TimeoutError
+        print(pose.landmarks[26], listener.skipped, listener.behind)
+
+Landmarks are numbered as MediaPipe does, and in metres in Unity's axes: y points up, z away from the viewer.
+The bytes are in python/20_body_tracking/server.py. In C# it is BodyListener.cs, and BodyPose.cs.
 """
 
 import math
@@ -10,17 +16,18 @@ from typing import NamedTuple
 
 import zmq
 
+from netmq_example import check
 from netmq_example.topic_listener import TopicListener
 
-# Plain numbers, as C# reads them: float() also takes 1_0, nan and the digits of every script.
-NUMBER = r" (-?[0-9]{1,9}(?:\.[0-9]{1,9})?)"
 LANDMARKS = {"pose": 33, "hand": 21}
 TOPIC = r"(?:pose/[0-9]+|(hand)/(?:left|right))/"
+# Plain numbers, as C# reads them: float() also takes 1_0, nan and the digits of every script.
+NUMBER = r" (-?[0-9]{1,9}(?:\.[0-9]{1,9})?)"
 POSE = re.compile(rf"{TOPIC} ([0-9]{{1,18}}) ([0-9]{{1,9}}\.[0-9]{{1,9}})((?:{NUMBER})*)")
 
 
 class BodyPose(NamedTuple):
-    """A body's 33 landmarks or a hand's 21: x, y, z and visibility, in Unity's axes. None when nobody is there."""
+    """A body's 33 landmarks or a hand's 21, each x, y, z and visibility; none when nobody is there."""
 
     number: int
     seconds: float
@@ -28,10 +35,17 @@ class BodyPose(NamedTuple):
 
     def angle(self, a: int, b: int, c: int) -> float:
         """How far the limb is bent open at landmark b, in degrees; 180 is straight."""
-        first, middle, last = (self.landmarks[i][:3] for i in (a, b, c))
-        one, other = ([end[i] - middle[i] for i in range(3)] for end in (first, last))
+        first, middle, last = self.place("a", a), self.place("b", b), self.place("c", c)
+        one = [first[i] - middle[i] for i in range(3)]
+        other = [last[i] - middle[i] for i in range(3)]
         lengths = math.sqrt(dot(one, one)) * math.sqrt(dot(other, other))
         return math.acos(max(-1, min(1, dot(one, other) / lengths))) * 180 / math.pi if lengths else 0.0
+
+    def place(self, name: str, landmark: int) -> tuple[float, float, float]:
+        if not self.landmarks:
+            raise ValueError(f"{name} takes a landmark of somebody, but nobody is there")
+        x, y, z, _ = self.landmarks[check.count(name, landmark, least=0, most=len(self.landmarks) - 1)]
+        return x, y, z
 
 
 def dot(one: list[float], other: list[float]) -> float:
@@ -40,7 +54,8 @@ def dot(one: list[float], other: list[float]) -> float:
 
 def parse(message: str) -> BodyPose | None:
     """None for what is no pose: anybody can publish on a port."""
-    if not (words := POSE.fullmatch(message)):
+    words = POSE.fullmatch(check.kind("message", message, str))
+    if not words:
         return None
     n = [float(word) for word in words[4].split()]
     if len(n) not in (0, 4 * LANDMARKS[words[1] or "pose"]):
@@ -51,22 +66,31 @@ def parse(message: str) -> BodyPose | None:
 
 
 class BodyListener:
-    """The newest pose of one person or hand: how many were skipped for it, and how late it is."""
-
     def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
         """The socket is a new SUB socket, which the caller closes; the topic is pose/0/, say, or hand/left/."""
+        check.kind("socket", socket, zmq.Socket)
+        check.endpoint(endpoint, "tcp://127.0.0.1:5570")
+        if not re.fullmatch(TOPIC, check.text("topic", topic)):
+            raise ValueError(f"topic takes pose/0/, hand/left/ or hand/right/, not {topic!r:.40}")
         self.listener = TopicListener(socket, endpoint, topic)
-        self.number = self.skipped = 0
-        self.ahead = self.behind = math.inf
+        # The newest pose's, and how many were passed over for newer ones.
+        self.number = 0
+        self.skipped = 0
+        # Whether the server was started again before the newest pose, and how many seconds that pose is late.
         self.restarted = False
+        self.behind = math.inf
+        # How much this clock is ahead of the server's, with the time of the quickest pose on its way.
+        self.ahead = math.inf
 
     def receive(self, timeout: float) -> BodyPose:
         """Wait for a pose; TimeoutError if none comes."""
-        end = time.monotonic() + timeout
-        while not (pose := parse(self.listener.newest(timeout))):
+        end = time.monotonic() + check.seconds("timeout", timeout)
+        pose = parse(self.listener.newest(timeout))
+        while not pose:
             # However much of something else comes.
             if time.monotonic() >= end:
                 raise TimeoutError(f"no pose from {self.listener.endpoint} within {timeout:g} s; is that this server?")
+            pose = parse(self.listener.newest(timeout))
         # Numbers begin anew with each start of the server, and seconds where it is another computer's.
         self.restarted = pose.number < self.number
         if self.restarted:

@@ -1,8 +1,9 @@
-"""Application 20, a recording of persons: a CSV file, one line for each pose of each person.
+"""A recording of persons: a CSV file, with a line for each pose of each person.
 
-    seconds,person,x0,y0,z0,v0,x1,…,v32      33 landmarks, numbered and in metres as MediaPipe has them; v: visibility
+seconds,person,x0,y0,z0,v0,x1,…,v32      33 landmarks, numbered and in metres as MediaPipe has them; v: visibility
 
-`write` makes a recording of your own.
+write(Path("mine.csv"), [(0.0, [body, []]), (0.033, [body, other])])         [] is nobody
+for people, hands in play(read(Path("mine.csv"))): ...                       each picture when it is due, for ever
 """
 
 import csv
@@ -11,6 +12,8 @@ import math
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+
+from netmq_example import check
 
 # x, y, z, and how sure it is that this landmark is seen, from 0 to 1.
 Landmark = tuple[float, float, float, float]
@@ -30,20 +33,23 @@ class SourceError(Exception):
 
 def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
     """The persons of each picture, with its time: `watch` and `play` know of no times."""
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with Path(check.kind("path", path, str, Path)).open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)
         for seconds, people in pictures:
             # What `watch` yields is a pair too: of it nothing would be written.
-            if not isinstance(seconds, int | float):
+            if not check.is_number(seconds):
                 raise TypeError("a picture is (seconds, people), such as (time.monotonic(), people)")
             for person, body in enumerate(people):
+                if len(body) not in (0, LANDMARKS):
+                    raise ValueError(f"a person has {LANDMARKS} landmarks, or none, not {len(body)}")
                 numbers = [f"{number:.3f}" for landmark in body for number in landmark]
                 writer.writerow([f"{seconds:.3f}", person, *(numbers or [""] * 4 * LANDMARKS)])
 
 
 def read(path: Path) -> Pictures:
     """Each picture's time and persons. Each person has a line, in order; for nobody it is empty, or left out."""
+    path = Path(check.kind("path", path, str, Path))
     try:
         # Excel puts a mark in front of what it saves.
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -51,23 +57,22 @@ def read(path: Path) -> Pictures:
     except (OSError, ValueError, csv.Error) as error:
         raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}") from None
     if rows[:1] != [HEADER]:
-        raise SourceError(
-            f"{path.name!r:.80} is no recording: it must begin with the line seconds,person,x0,y0,z0,v0,…"
-        )
+        form = "it must begin with the line seconds,person,x0,y0,z0,v0,…"
+        raise SourceError(f"{path.name!r:.80} is no recording: {form}")
     if len(rows) < 2:
         raise SourceError(f"{path.name!r:.80} is a recording of nothing: below its first line there is no person")
     pictures = []
     for seconds, lines in itertools.groupby(enumerate(rows[1:], start=2), key=lambda line: line[1][:1]):
         people = [read_body(number, row, person) for person, (number, row) in enumerate(lines)]
         pictures.append((float(seconds[0]), people))
-    # Who has no line in a picture is not there: said, and not silent.
+    # A person without a line in a picture is not there: that is said, which is not the same as silence.
     most = max(len(people) for _, people in pictures)
     return [(seconds, people + [[]] * (most - len(people))) for seconds, people in pictures]
 
 
 def read_body(number: int, row: list[str], person: int) -> list[Landmark]:
     try:
-        values = [] if not any(row[2:]) else [float(word) for word in row[2:]]
+        values = [float(word) for word in row[2:]] if any(row[2:]) else []
         known = len(row) == len(HEADER) and int(row[1]) == person and math.isfinite(float(row[0]))
         # No body is a kilometre long: listeners would take none of its poses.
         if known and all(abs(value) < 1000 for value in values):
@@ -79,6 +84,8 @@ def read_body(number: int, row: list[str], person: int) -> list[Landmark]:
 
 def play(pictures: Pictures) -> Iterator[tuple[People, Hands]]:
     """Each picture when it is due, over and over. There are no hands in a recording."""
+    if not pictures or not isinstance(pictures, list):
+        raise ValueError(f"pictures takes a list of at least one picture, as read() returns it, not {pictures!r:.40}")
     due = time.monotonic()
     # The last picture is shown as long as the one before it; then comes the first.
     gaps = [later[0] - earlier[0] for earlier, later in itertools.pairwise(pictures)] or [1.0]

@@ -1,7 +1,6 @@
 // Application 20, the newest pose of one person or hand: how many were skipped for it, and how late it is.
 //
-// The
-// Python side is python/20_body_tracking/server.py.
+// The Python side is python/20_body_tracking/server.py.
 using System;
 using System.Diagnostics;
 using System.Threading;
