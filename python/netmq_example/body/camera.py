@@ -28,8 +28,8 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
     them the hands."""
     check.count("device", device, least=0)
     check.count("persons", persons)
-    model = Path(check.kind("model", model, str, Path))
-    hands = hands if hands is None else Path(check.kind("hands", hands, str, Path))
+    model = Path(check.instance("model", model, str, Path))
+    hands = hands if hands is None else Path(check.instance("hands", hands, str, Path))
     try:
         import cv2
         import mediapipe

@@ -54,7 +54,7 @@ def dot(one: list[float], other: list[float]) -> float:
 
 def parse(message: str) -> BodyPose | None:
     """None for what is no pose: anybody can publish on a port."""
-    words = POSE.fullmatch(check.kind("message", message, str))
+    words = POSE.fullmatch(check.instance("message", message, str))
     if not words:
         return None
     n = [float(word) for word in words[4].split()]
@@ -68,7 +68,7 @@ def parse(message: str) -> BodyPose | None:
 class BodyListener:
     def __init__(self, socket: zmq.Socket[bytes], endpoint: str, topic: str) -> None:
         """The socket is a new SUB socket, which the caller closes; the topic is pose/0/, say, or hand/left/."""
-        check.kind("socket", socket, zmq.Socket)
+        check.instance("socket", socket, zmq.Socket)
         check.endpoint(endpoint, "tcp://127.0.0.1:5570")
         if not re.fullmatch(TOPIC, check.text("topic", topic)):
             raise ValueError(f"topic takes pose/0/, hand/left/ or hand/right/, not {topic!r:.40}")

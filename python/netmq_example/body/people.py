@@ -33,7 +33,7 @@ class SourceError(Exception):
 
 def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
     """The persons of each picture, with its time: `watch` and `play` know of no times."""
-    with Path(check.kind("path", path, str, Path)).open("w", encoding="utf-8", newline="") as file:
+    with Path(check.instance("path", path, str, Path)).open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)
         for seconds, people in pictures:
@@ -49,7 +49,7 @@ def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
 
 def read(path: Path) -> Pictures:
     """Each picture's time and persons. Each person has a line, in order; for nobody it is empty, or left out."""
-    path = Path(check.kind("path", path, str, Path))
+    path = Path(check.instance("path", path, str, Path))
     try:
         # Excel puts a mark in front of what it saves.
         with path.open(encoding="utf-8-sig", newline="") as file:

@@ -30,7 +30,7 @@ def carry(env: Any, manager: SideChannelManager) -> None:
     owner = next((part for part in (env, *getattr(env, "__dict__", {}).values()) if hasattr(part, "simulators")), None)
     if not owner:
         raise TypeError(f"{type(env).__name__} is not of lessons 09 to 11: carry where each environment of it is made")
-    check.kind("manager", manager, SideChannelManager)
+    check.instance("manager", manager, SideChannelManager)
     asking = owner if "ask" in vars(owner) else owner.simulators.connection
     asking.ask = StepCarrier(asking.ask, manager).ask
 
@@ -40,7 +40,7 @@ class StepCarrier:
 
     def __init__(self, asked: Callable[..., Message], manager: SideChannelManager) -> None:
         self.asked = check.function("asked", asked)
-        self.manager = check.kind("manager", manager, SideChannelManager)
+        self.manager = check.instance("manager", manager, SideChannelManager)
         self.unsent = b""
         # Whether the simulator has answered with side channels before.
         self.known = False

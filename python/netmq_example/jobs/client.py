@@ -69,7 +69,7 @@ class JobClient:
         tries: int = 10,
         report: Callable[[str], object] = print,
     ) -> None:
-        self.context = check.kind("context", context, zmq.Context)
+        self.context = check.instance("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5564")
         self.job = new_id() if job is None else job_id("job", job)
         self.timeout = check.seconds("timeout", timeout)
@@ -87,8 +87,8 @@ class JobClient:
 
     def goal(self, kind: str, count: int, text: str = "") -> Message:
         """The request that begins the job, for `watch`."""
-        kind = check.kind("kind", kind, str)
-        text = check.kind("text", text, str)
+        kind = check.instance("kind", kind, str)
+        text = check.instance("text", text, str)
         return self.ask("goal", kind=kind, count=check.count("count", count), text=text)
 
     def ask(self, verb: str, **values: str | int) -> Message:
@@ -101,7 +101,7 @@ class JobClient:
         TimeoutError if no word comes in all tries; GaveUp if the job is rejected or was forgotten, or if what comes is
         no news of a job.
         """
-        self.request = check.kind("request", request, Message)
+        self.request = check.instance("request", request, Message)
         seq = -1
         silent_tries = 0
         heard_at = time.monotonic()

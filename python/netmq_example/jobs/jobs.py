@@ -84,7 +84,7 @@ class Jobs:
     def __init__(
         self, journal: Journal, kinds: dict[str, Kind], workers: int = 2, queue: int = 100, grace: float = 2
     ) -> None:
-        self.journal = check.kind("journal", journal, Journal)
+        self.journal = check.instance("journal", journal, Journal)
         self.kinds = kinds
         self.queue = check.count("queue", queue)
         self.grace = check.seconds_or_none("grace", grace)

@@ -56,7 +56,7 @@ class Journal:
     """The jobs by their ids."""
 
     def __init__(self, path: str | Path) -> None:
-        self.path = str(check.kind("path", path, str, Path))
+        self.path = str(check.instance("path", path, str, Path))
         self.usable = True
         try:
             # To SQLite these names mean a journal in memory, which forgets.

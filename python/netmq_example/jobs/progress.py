@@ -18,7 +18,7 @@ BAR_CHARACTERS = 30
 
 def words(news: Message) -> str:
     """A message that JobClient.watch has yielded, in words."""
-    values = check.kind("news", news, Message).values
+    values = check.instance("news", news, Message).values
     if news.kind == "accepted" and values["position"]:
         return f"accepted, number {values['position']} of those that wait"
     if news.kind not in ("feedback", "result"):
@@ -31,7 +31,7 @@ def words(news: Message) -> str:
 
 def share(news: Message) -> float | None:
     """How much of it is done, from 0 to 1; only feedback moves the bar."""
-    if check.kind("news", news, Message).kind != "feedback":
+    if check.instance("news", news, Message).kind != "feedback":
         return None
     return float(min(max(news.values["done"] / max(news.values["total"], 1), 0.0), 1.0))
 
@@ -43,7 +43,7 @@ class Progress:
         self.tenth = -1
 
     def show(self, line: str, share: float | None = None) -> None:
-        check.kind("line", line, str)
+        check.instance("line", line, str)
         if share is not None and not (check.is_number(share) and 0 <= share <= 1):
             raise ValueError(f"share takes a number from 0 to 1, or None, not {share!r:.40}")
         tenth = -1 if share is None else int(share * 10)

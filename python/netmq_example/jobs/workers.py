@@ -132,8 +132,8 @@ def check_step(step: Step) -> None:
 
 def check_kinds(kinds: dict[str, Kind]) -> dict[str, Kind]:
     """Each is handed to a new process, which has to find it by the name of its module."""
-    for name, kind in check.kind("kinds", kinds, dict).items():
-        check.kind(f"kinds[{name!r:.40}]", kind, Kind)
+    for name, kind in check.instance("kinds", kinds, dict).items():
+        check.instance(f"kinds[{name!r:.40}]", kind, Kind)
         try:
             ForkingPickler.dumps(kind)
         except Exception:
@@ -202,7 +202,7 @@ class Workers:
 
     def start(self, goal: Message) -> int:
         """Have an idle worker do it; the number of its process. `ready` has to be true."""
-        check.kind("goal", goal, Message)
+        check.instance("goal", goal, Message)
         worker = self.idle.pop()
         assert worker, "ready() has started it"
         self.busy[goal.values["job"]] = worker

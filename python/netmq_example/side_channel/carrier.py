@@ -44,7 +44,7 @@ class Peer:
     """One simulator as the server knows it: its channels, and what is on the way from it and to it."""
 
     def __init__(self, manager: SideChannelManager) -> None:
-        self.manager = check.kind("manager", manager, SideChannelManager)
+        self.manager = check.instance("manager", manager, SideChannelManager)
         self.unread = deque[bytes]()
         self.unsent = deque[bytes]()
         # It has said "I am here" and is to be answered.
@@ -89,7 +89,7 @@ class Carrier:
     def __init__(
         self, socket: zmq.Socket[bytes], welcome: Callable[[], SideChannelManager], report: Callable[[str], object]
     ) -> None:
-        self.socket = check.kind("socket", socket, zmq.Socket)
+        self.socket = check.instance("socket", socket, zmq.Socket)
         self.welcome = check.function("welcome", welcome)
         self.report = check.function("report", report)
         # Without it a ROUTER drops what it cannot send, and says nothing.
@@ -165,7 +165,7 @@ class ClientCarrier:
         timeout: float = 5,
         report: Callable[[str], object] | None = None,
     ) -> None:
-        self.context = check.kind("context", context, zmq.Context)
+        self.context = check.instance("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5563")
         self.timeout = check.seconds("timeout", timeout)
         self.report = report if report is None else check.function("report", report)

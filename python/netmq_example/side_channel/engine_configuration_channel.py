@@ -64,7 +64,7 @@ class EngineConfigurationChannel(SideChannel):
         self._queue(self.ConfigurationType.CAPTURE_FRAME_RATE, capture_frame_rate=capture_frame_rate)
 
     def set_configuration(self, config: EngineConfig) -> None:
-        self.set_configuration_parameters(**check.kind("config", config, EngineConfig)._asdict())
+        self.set_configuration_parameters(**check.instance("config", config, EngineConfig)._asdict())
 
     def _queue(self, kind: ConfigurationType, **values: float | None) -> None:
         msg = OutgoingMessage()

@@ -40,7 +40,7 @@ class FloatPropertiesChannel(SideChannel):
         self.properties[key] = value
 
     def get_property(self, key: str) -> float | None:
-        return self.properties.get(check.kind("key", key, str))
+        return self.properties.get(check.instance("key", key, str))
 
     def list_properties(self) -> list[str]:
         return list(self.properties)

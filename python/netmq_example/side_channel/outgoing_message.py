@@ -51,9 +51,9 @@ class OutgoingMessage:
         self.buffer += data
 
     def write_string(self, s: str, utf8: bool = False) -> None:
-        if not utf8 and not check.kind("s", s, str).isascii():
+        if not utf8 and not check.instance("s", s, str).isascii():
             raise UnitySideChannelException("text that is not ASCII: write it with utf8=True")
-        data = check.kind("s", s, str).encode(errors="replace")
+        data = check.instance("s", s, str).encode(errors="replace")
         self.buffer += INT32.pack(len(data)) + data
 
     def set_raw_bytes(self, buffer: bytes | bytearray) -> None:

@@ -33,7 +33,7 @@ class Channel(ABC):
     """What the manager knows of a channel: its id, the messages that wait, and that it takes bytes."""
 
     def __init__(self, channel_id: uuid.UUID) -> None:
-        self._channel_id = check.kind("channel_id", channel_id, uuid.UUID)
+        self._channel_id = check.instance("channel_id", channel_id, uuid.UUID)
         self.message_queue: list[bytes] = []
         self.queued_bytes = 0
         self.dropped = 0
@@ -77,7 +77,7 @@ class SideChannel(Channel):
 
     def queue_message_to_send(self, msg: OutgoingMessage) -> None:
         """It leaves with the next exchange."""
-        self.queue_bytes(check.kind("msg", msg, OutgoingMessage).buffer)
+        self.queue_bytes(check.instance("msg", msg, OutgoingMessage).buffer)
 
     def process_message(self, message: bytes) -> None:
         self.on_message_received(IncomingMessage(message))

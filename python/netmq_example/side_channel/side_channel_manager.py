@@ -43,12 +43,12 @@ class SideChannelManager:
         self.channels: dict[bytes, Channel] = {}
         self.unknown: list[tuple[bytes, bytes]] = []
         self.report = check.function("report", report)
-        for channel in check.kind("side_channels", [] if side_channels is None else side_channels, list, tuple):
+        for channel in check.instance("side_channels", [] if side_channels is None else side_channels, list, tuple):
             self.register_side_channel(channel)
 
     def register_side_channel(self, channel: Channel) -> None:
         """At any time: what came for it before is delivered now."""
-        channel_id = check.kind("channel", channel, Channel).channel_id.bytes_le
+        channel_id = check.instance("channel", channel, Channel).channel_id.bytes_le
         if channel_id in self.channels:
             raise UnitySideChannelException(f"channel {channel.channel_id} is registered already: give each its own id")
         self.channels[channel_id] = channel

@@ -135,7 +135,7 @@ class EnvironmentParameters(EnvironmentParametersChannel):
 
     def get_with_default(self, key: str, default_value: float) -> float:
         """Of a sampler each call draws another number."""
-        sampler = self.parameters.get(check.kind("key", key, str))
+        sampler = self.parameters.get(check.instance("key", key, str))
         return sampler() if sampler else default_value
 
     def register_callback(self, key: str, action: Callable[[float], None]) -> None:

@@ -19,9 +19,9 @@ class SideChannelSimulator(SimulatorBase):
     """Around any simulator."""
 
     def __init__(self, simulator: SimulatorBase, manager: SideChannelManager) -> None:
-        super().__init__(check.kind("simulator", simulator, SimulatorBase).name)
+        super().__init__(check.instance("simulator", simulator, SimulatorBase).name)
         self.simulator = simulator
-        self.manager = check.kind("manager", manager, SideChannelManager)
+        self.manager = check.instance("manager", manager, SideChannelManager)
 
     def describe(self) -> Message:
         return self.simulator.describe()

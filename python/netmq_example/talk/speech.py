@@ -22,7 +22,7 @@ MOST_CHARACTERS = 1000
 
 def ask(client: JobClient, prompt: str, most: int) -> Message:
     """The request, for `client.watch`, with which the character begins to speak: `most` words at most."""
-    return check.kind("client", client, JobClient).goal("talk", check.count("most", most), a_prompt("prompt", prompt))
+    return check.instance("client", client, JobClient).goal("talk", check.count("most", most), a_prompt("prompt", prompt))
 
 
 def a_prompt(name: str, value: Any) -> str:
@@ -50,7 +50,7 @@ class Speech:
     def hear(self, news: Message) -> None:
         """Print what is new of it."""
         # At another end the text says why there is no more.
-        if check.kind("news", news, Message).kind != "feedback" and news.values.get("status") != "succeeded":
+        if check.instance("news", news, Message).kind != "feedback" and news.values.get("status") != "succeeded":
             return
         words = take(news.values, "text", str).split()
         line = "".join(c if c.isprintable() else "?" for c in " ".join(words))
@@ -63,7 +63,7 @@ class Speech:
 
     def say(self, line: str) -> None:
         """A line of its own."""
-        check.kind("line", line, str)
+        check.instance("line", line, str)
         self.end_line()
         print(line, flush=True)
 
@@ -74,7 +74,7 @@ class Speech:
 
     def outcome(self, result: Message) -> str:
         """What to say at the end. GaveUp if it was aborted."""
-        status = take(check.kind("result", result, Message).values, "status", str)
+        status = take(check.instance("result", result, Message).values, "status", str)
         if status == "aborted":
             raise GaveUp(f"the answer broke off: {take(result.values, 'text', str)}; ask again")
         left = ", and you walked away" if status == "canceled" else ""
