@@ -185,7 +185,7 @@ def client_endpoint(example: str) -> Callable[[str], str]:
     """The type of an endpoint to connect to. Its host must be known: libzmq would wait for one that does not exist."""
 
     def known(text: str) -> str:
-        host = checked(text, example, lowest_port=1).removeprefix("tcp://").rpartition(":")[0]
+        host = checked(text, example, lowest_port=1).partition("://")[2].rpartition(":")[0]
         try:
             getaddrinfo(host, None)
         except (OSError, UnicodeError):
@@ -196,7 +196,8 @@ def client_endpoint(example: str) -> Callable[[str], str]:
 
 
 def checked(text: str, example: str, lowest_port: int) -> str:
-    if not text.startswith("tcp://"):
+    # With a scheme of its own libzmq would be asked: a program has only what its example has.
+    if not text.startswith(example.partition("//")[0]):
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {example}")
     try:
         return check.endpoint(text, example, lowest_port)
