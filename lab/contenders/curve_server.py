@@ -7,7 +7,7 @@ from pathlib import Path
 
 import zmq
 
-sys.path.append(str(Path(__file__).resolve().parents[2] / "python" / "15_security"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "python"))
 from netmq_example.security import keys
 from netmq_example.security.allow_list import AllowList
 

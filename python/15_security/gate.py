@@ -1,103 +1,107 @@
-"""Lesson 15, a gate: a server without keys stays on its machine, and who has a key comes to it from outside.
+"""Lesson 15, a gate: a server without keys stays on its machine, and clients with a key reach it from outside.
 
     python python/04_background_client/server.py
     python python/15_security/gate.py --to tcp://127.0.0.1:5554 --endpoint tcp://0.0.0.0:5565 --keys keys
     dotnet run --project csharp-console -- 4 --endpoint tcp://127.0.0.1:5565 --with-keys keys
 
 The server behind it is not changed and knows nothing of keys. Each client has a connection of its own there, and each
-message is looked at: whoever was revoked is not passed on any more, and gets no answer.
+message is looked at: a client that was revoked is not passed on any more, and gets no answer.
 Bytes: those of the server behind it. A PUB socket, as in lesson 03, takes its keys itself: AllowList.guard.
 """
 
-import argparse
-import contextlib
-import re
-import signal
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
-from server import ENDPOINT, endpoint, keys_for
 
-# Pictures pass as well; and this many clients at a time, after which the one that was silent longest is let go.
-LARGEST, CLIENTS = 64 << 20, 500
+from netmq_example.program import Context, Socket, client_endpoint, limit, listening, run, server_options
+from netmq_example.security.allow_list import AllowList, keys_for
+
+# Pictures pass as well.
+LARGEST_BYTES = 64 << 20
+# With more clients than that, the one that was silent longest is disconnected from the server.
+MOST_CLIENTS = 500
 
 
-def pass_on(context: zmq.Context[zmq.Socket[bytes]], door: zmq.Socket[bytes], options: argparse.Namespace) -> None:
-    """In and out. What does not fit is dropped, as ROUTER does: nobody may make the others wait."""
-    allowed, poller = options.allowed, zmq.Poller()
-    # Each client's connection to the server, and the key that the client has shown: an address may change hands.
-    inside: dict[bytes, tuple[zmq.Socket[bytes], str]] = {}
+class Gate:
+    """Between `door`, the ROUTER socket to which clients come, and a connection to the server for each of them."""
 
-    def let_go(way: bytes) -> None:
-        socket, _ = inside.pop(way)
-        poller.unregister(socket)
+    def __init__(self, context: Context, door: Socket, server: str, allowed: AllowList) -> None:
+        self.context, self.door, self.server, self.allowed = context, door, server, allowed
+        # By each client's address its connection, and the key that it has shown: an address may change hands.
+        self.inside: dict[bytes, tuple[Socket, str]] = {}
+        self.poller = zmq.Poller()
+        self.poller.register(door, zmq.POLLIN)
+
+    def pass_on(self) -> None:
+        """In and out, for ever. What does not fit is dropped, as ROUTER does: no client may make the others wait."""
+        while True:
+            ready = dict(self.poller.poll(200))
+            for client, (socket, key) in list(self.inside.items()):
+                if socket in ready:
+                    self.pass_out(client, socket, key)
+            if self.door in ready:
+                address, *frames = self.door.recv_multipart(copy=False)
+                self.pass_in(address, frames)
+
+    def pass_out(self, client: bytes, socket: Socket, key: str) -> None:
+        if self.allowed.name(key):
+            self.door.send_multipart([client, *socket.recv_multipart(copy=False)], copy=False)
+        else:
+            # A client that only listens sends nothing by which it could be refused.
+            self.disconnect(client)
+
+    def pass_in(self, address: zmq.Frame, frames: list[zmq.Frame]) -> None:
+        client = address.bytes
+        key = self.allowed.key_of(frames[-1]) if frames else ""
+        welcome = self.allowed.name(key)
+        if client in self.inside and (not welcome or self.inside[client][1] != key):
+            self.disconnect(client)
+        if not welcome:
+            # libzmq before 4.3.5 knows it of the client's own frames alone, and the address is ROUTER's.
+            self.allowed.refuse(key, str((frames or [address])[-1].get("Peer-Address")))
+            return
+        if len(self.inside) == MOST_CLIENTS and client not in self.inside:
+            self.disconnect(next(iter(self.inside)))
+        # Put in again at the end: the first is the one that was silent longest.
+        socket = self.inside.pop(client)[0] if client in self.inside else self.connect()
+        self.inside[client] = socket, key
+        try:
+            socket.send_multipart(frames, zmq.NOBLOCK, copy=False)
+        except zmq.Again:
+            pass
+
+    def connect(self) -> Socket:
+        socket = self.context.socket(zmq.DEALER)
+        limit(socket, LARGEST_BYTES)
+        socket.connect(self.server)
+        self.poller.register(socket, zmq.POLLIN)
+        return socket
+
+    def disconnect(self, client: bytes) -> None:
+        socket, _ = self.inside.pop(client)
+        self.poller.unregister(socket)
         socket.close()
-
-    poller.register(door, zmq.POLLIN)
-    while True:
-        ready = dict(poller.poll(200))
-        for client, (socket, key) in list(inside.items()):
-            if socket not in ready:
-                continue
-            if allowed.name(key):
-                door.send_multipart([client, *socket.recv_multipart(copy=False)], copy=False)
-            else:
-                # Who only listens says nothing by which it could be refused.
-                let_go(client)
-        if door in ready:
-            way, *frames = door.recv_multipart(copy=False)
-            client, key = way.bytes, allowed.key_of(frames[-1]) if frames else ""
-            welcome = allowed.name(key)
-            if client in inside and (not welcome or inside[client][1] != key):
-                let_go(client)
-            if not welcome:
-                # libzmq before 4.3.5 knows it of the client's own frames alone, and way is ROUTER's.
-                allowed.refuse(key, str((frames or [way])[-1].get("Peer-Address")))
-                continue
-            if len(inside) == CLIENTS and client not in inside:
-                let_go(next(iter(inside)))
-            socket = inside.pop(client)[0] if client in inside else connected(context, options.to, poller)
-            inside[client] = socket, key
-            with contextlib.suppress(zmq.Again):
-                socket.send_multipart(frames, zmq.NOBLOCK, copy=False)
-
-
-def behind(text: str) -> str:
-    """Where to connect to, and not to listen: it may be any machine; who is on the way there reads along."""
-    port = re.fullmatch(r"tcp://[\w.-]+:(\d{1,5})", text, re.ASCII)
-    if not port or not 0 < int(port[1]) < 65536:
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like tcp://127.0.0.1:5554, port 1 to 65535")
-    return text
-
-
-def connected(context: zmq.Context[zmq.Socket[bytes]], where: str, poller: zmq.Poller) -> zmq.Socket[bytes]:
-    socket = context.socket(zmq.DEALER)
-    socket.linger, socket.maxmsgsize = 0, LARGEST
-    socket.connect(where)
-    poller.register(socket, zmq.POLLIN)
-    return socket
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Lets those in whose keys are on the list, to a server without keys.")
-    parser.add_argument("--endpoint", type=endpoint, default=ENDPOINT, help="where clients come; port 0: a free one")
-    parser.add_argument("--to", type=behind, required=True, help="the server behind it: tcp://127.0.0.1:5554")
-    parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="the server's pair, and allowed/")
-    parser.set_defaults(no_authenticator=False, any_domain=False)
+    parser = server_options(__doc__, "tcp://127.0.0.1:5565")
+    # The server may be on another machine: whoever is on the way there reads along.
+    example = "tcp://127.0.0.1:5554"
+    parser.add_argument("--to", type=client_endpoint(example), required=True, help=f"the server behind it: {example}")
+    parser.add_argument("--keys", type=Path, metavar="DIR", help="the gate's pair, and allowed/: keys, if not said")
     options = parser.parse_args()
-    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as door:
-        door.linger, door.maxmsgsize = 0, LARGEST
-        options.allowed = keys_for(context, door, options)
-        try:
-            door.bind(options.endpoint)
-        except zmq.ZMQError as error:
-            sys.exit(f"cannot listen on {options.endpoint}: {zmq.strerror(error.errno or 0)}")
-        print(f"listening on {door.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        pass_on(context, door, options)
+
+    def prepare(context: Context, door: Socket) -> None:
+        """Before it listens: whoever comes first must be asked about already."""
+        options.gate = Gate(context, door, options.to, keys_for(options.keys or "keys", make=True))
+        options.gate.allowed.answer(context)
+        options.gate.allowed.guard(door)
+
+    with listening(zmq.ROUTER, options, LARGEST_BYTES, prepare):
+        options.gate.pass_on()
 
 
 if __name__ == "__main__":
-    with contextlib.suppress(KeyboardInterrupt):
-        main()
+    run(main)

@@ -10,7 +10,8 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.program import run
 from netmq_example.security.keys import main
 
 if __name__ == "__main__":
-    main()
+    run(main, stopped="stopped")

@@ -6,7 +6,6 @@ import contextlib
 import os
 import re
 import socket
-import sys
 import time
 from pathlib import Path
 
@@ -14,13 +13,11 @@ import pytest
 import zmq
 import zmq.auth
 
+from netmq_example.security import keys
+from netmq_example.security.allow_list import AllowList
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import ROOT, finished, steady_endpoint
-
-sys.path.append(str(ROOT / "python" / "15_security"))
-from netmq_example.security import keys
-from netmq_example.security.allow_list import AllowList
 
 KEY = "15_security"
 FOLDER = ROOT / "python" / KEY
@@ -206,7 +203,7 @@ def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, conne
     endpoint = steady_endpoint()
     assert code.count("tcp://127.0.0.1:5565") == 1
     program = start(
-        PYTHON, "-c", code.replace("tcp://127.0.0.1:5565", endpoint), folder=tmp_path, PYTHONPATH=str(FOLDER)
+        PYTHON, "-c", code.replace("tcp://127.0.0.1:5565", endpoint), folder=tmp_path, PYTHONPATH=str(ROOT / "python")
     )
     program.wait_for("^listening$")
     live = connect(endpoint)
@@ -401,7 +398,7 @@ def test_a_flood_of_new_keys_is_no_flood_of_lines(folder):
     allowed = AllowList(folder, said.append)
     for _ in range(3000):
         allowed.refuse(zmq.curve_keypair()[0].decode(), "192.0.2.1")
-    allowed._tell()
+    allowed.report_again()
     assert len(said) == 11
     assert said[-1] == "refused: other keys, 2990 times"
 

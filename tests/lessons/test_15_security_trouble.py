@@ -5,19 +5,17 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import sys
 import time
 
 import pytest
 import zmq
 
+from netmq_example.security import keys
+from netmq_example.security.allow_list import AllowList
+from netmq_example.security.requester import ClientKeys, SecureRequester
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.test_15_security import FOLDER, KEY, ask, ran
 from tests.programs import LIMIT, finished
-
-sys.path.append(str(FOLDER))
-from netmq_example.security import keys
-from netmq_example.security.allow_list import AllowList
 
 NO_KEY = "keys.py makes keys, and server.key is a copy of the server's"
 TAKEN = "is there, and is never overwritten; rotate makes a new pair, revoke frees a name"
@@ -186,6 +184,45 @@ def test_many_strangers_do_not_wait_for_a_long_list(folder):
     deadline = time.monotonic() + LIMIT
     while not allowed.name(strangers[0]):
         assert time.monotonic() < deadline, "who is enrolled comes in"
+
+
+def secure(context, **how):
+    return SecureRequester(context, how.pop("endpoint", "tcp://127.0.0.1:1"), **how)
+
+
+@pytest.mark.parametrize(
+    ("name", "attempt"),
+    [
+        ("folder", lambda folder, context: keys.make("", "server")),
+        ("folder", lambda folder, context: AllowList(None)),
+        ("folder", lambda folder, context: ClientKeys("", keys.load(folder / "server.key")[0].decode())),
+        ("role", lambda folder, context: keys.make(folder, "../server")),
+        ("role", lambda folder, context: keys.rotate(folder, None)),
+        ("name", lambda folder, context: keys.enrol(folder, "../bob", "a" * 40)),
+        ("name", lambda folder, context: keys.revoke(folder, "")),
+        ("key takes", lambda folder, context: keys.enrol(folder, "bob", 0)),
+        ("a key is", lambda folder, context: keys.checked("a" * 40)),
+        ("report", lambda folder, context: AllowList(folder, None)),
+        ("context", lambda folder, context: AllowList(folder).answer(None)),
+        ("socket", lambda folder, context: AllowList(folder).guard(None)),
+        ("frame", lambda folder, context: AllowList(folder).name_of(b"Hello")),
+        ("key", lambda folder, context: AllowList(folder).name(b"a" * 40)),
+        ("context", lambda folder, context: secure(None)),
+        ("endpoint", lambda folder, context: secure(context, endpoint="tcp://127.0.0.1:99999")),
+        ("keys", lambda folder, context: secure(context, keys="")),
+        ("timeout", lambda folder, context: secure(context, timeout=0)),
+        ("timeout", lambda folder, context: secure(context, timeout=float("nan"))),
+        ("tries", lambda folder, context: secure(context, tries=0)),
+        ("tries", lambda folder, context: secure(context, tries=None)),
+        ("report", lambda folder, context: secure(context, report="print")),
+        ("text", lambda folder, context: secure(context).request(None)),
+    ],
+)
+def test_what_cannot_be_is_named_at_once(name, attempt, folder, context):
+    before = sorted(folder.rglob("*"))
+    with pytest.raises(ValueError, match=rf"^(bad )?{name}\b.*$"):
+        attempt(folder, context)
+    assert sorted(folder.rglob("*")) == before
 
 
 @pytest.mark.parametrize("kind", ["csharp", "unity"])

@@ -1,16 +1,17 @@
-"""Lesson 15, the allow-list: a server lets in whose public key it has, and knows with each message whose it is.
+"""The allow-list: a server lets in the clients whose public keys it has, and knows with each message whose it is.
 
     allowed = AllowList(Path("keys"))      the server's own pair, and the keys in keys/allowed
     allowed.answer(context)                from now on it is asked about each handshake; before bind
     allowed.guard(socket)                  the socket gets its keys, and asks; before bind
-    allowed.name_of(frame)                 with each message: whose it is, or nothing
+    frame = socket.recv_multipart(copy=False)[-1]
+    allowed.name_of(frame)                 whose message it is; an empty text if the key is not on the list
 
-CURVE encrypts, and proves that the client has the secret key that belongs to its public one. Which keys are welcome,
+CURVE encrypts, and proves that the client has the secret key that belongs to its public one. Which keys may come in,
 libzmq asks by ZAP (RFC 27): a request to the address inproc://zeromq.zap.01. pyzmq has an authenticator that answers,
-zmq.auth.thread; on Windows it needs tornado, and it does not tell who was refused. So here is one of twenty lines.
+zmq.auth.thread; on Windows it needs tornado, and it does not say which key was refused. So here is one of twenty lines.
 """
 
-import contextlib
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -19,36 +20,56 @@ from pathlib import Path
 import zmq
 from zmq.utils import z85
 
-from netmq_example.security.keys import key_in, load
+from netmq_example import check
+from netmq_example.program import Context, Socket
+from netmq_example.security.keys import checked_path, example, key_in, load
 
 DOMAIN = b"lesson"
-# How often a key that comes again and again is told of, and how many new ones are named meanwhile.
-SPAN, NAMED = 5.0, 10
+# How often it is reported that refused keys came again, and how many new ones are named meanwhile.
+REPORT_SECONDS = 5.0
+MOST_NAMED = 10
+# Of so many refused keys it is kept how often they came again.
+MOST_COUNTED = 1000
+
+
+def print_line(line: str) -> None:
+    """In one piece: refused keys are reported on another thread than the server's own lines."""
+    print(f"{line}\n", end="", flush=True)
 
 
 class AllowList:
-    """Who may come in: the files in allowed/, as they are at this moment."""
+    """The clients that may come in: the files in allowed/, as they are at this moment."""
 
-    def __init__(self, folder: Path, say: Callable[[str], object] = print) -> None:
-        self.public, self.secret = load(folder / "server.key_secret")
-        # In full: there may be more than one folder `keys`, and who enrols into the wrong one is to see it.
-        self.folder, self.say = folder.absolute(), say
-        self.listed, self.look_again = dict[str, Path](), 0.0
-        # Each key that was let in, with its file and what that file was then.
+    def __init__(self, folder: Path | str, report: Callable[[str], object] = print_line) -> None:
+        """ValueError if there is no server.key_secret in this folder. `report` gets a line for each refused key."""
+        # In full: there may be more than one folder `keys`, and a key enrolled in the wrong one is noticed so.
+        self.folder = checked_path(folder).absolute()
+        self.public, self.secret = load(self.folder / "server.key_secret")
+        self.report: Callable[[str], object] = check.instance("report", report, Callable)
+        self.listed: dict[str, Path] = {}
+        self.look_again = 0.0
+        # Each key that was let in, with its file and the time stamp that the file had then.
         self.known: dict[str, tuple[Path, int]] = {}
+        # How often each refused key came again, and what was refused without being named.
         self.refused: dict[str, int] = {}
-        self.others, self.told, self.named = 0, time.monotonic(), 0
+        self.others = 0
+        self.named = 0
+        self.reported = time.monotonic()
 
-    def guard(self, socket: zmq.Socket[bytes]) -> None:
-        socket.curve_server, socket.curve_secretkey = True, self.secret
-        # Without a domain that must be asked about, whoever has the server's public key comes in when nobody answers.
+    def guard(self, socket: Socket) -> None:
+        """Before bind."""
+        check.instance("socket", socket, zmq.Socket)
+        socket.curve_server = True
+        socket.curve_secretkey = self.secret
+        # Without a domain that must be asked about, anybody with the server's public key comes in when nobody answers.
         socket.zap_domain = DOMAIN
         socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 1)
 
-    def answer(self, context: zmq.Context[zmq.Socket[bytes]]) -> None:
-        """Begin to answer libzmq's questions, on a thread of its own, until the context ends."""
+    def answer(self, context: Context) -> None:
+        """Begin to answer libzmq's questions, on a thread of its own, until the context ends. Before bind."""
+        check.instance("context", context, zmq.Context)
         # Of the same context, which through this name does not know it: a socket is closed on its own thread.
-        zap: zmq.Socket[bytes] = zmq.Context.shadow(context.underlying).socket(zmq.REP)
+        zap: Socket = zmq.Context.shadow(context.underlying).socket(zmq.REP)
         zap.linger = 0
         zap.bind("inproc://zeromq.zap.01")
         threading.Thread(target=self._answer, args=(zap,), daemon=True).start()
@@ -58,64 +79,102 @@ class AllowList:
         return self.name(self.key_of(frame))
 
     def key_of(self, frame: zmq.Frame) -> str:
-        """Nothing, if nobody was asked at the handshake."""
-        with contextlib.suppress(zmq.ZMQError):
+        """The client's public key; an empty text if nobody was asked at the handshake."""
+        if not isinstance(frame, zmq.Frame):
+            raise ValueError(f"frame takes a zmq.Frame, as recv_multipart(copy=False) gives it, not {frame!r:.40}")
+        try:
             return str(frame.get("User-Id"))
-        return ""
+        except zmq.ZMQError:
+            return ""
 
     def name(self, key: str) -> str:
-        path, stamp = self.known.get(key, (self.folder, 0))
-        with contextlib.suppress(OSError):
-            if path.stat().st_mtime_ns == stamp:
+        """The name under which a key is on the list; an empty text if it is not."""
+        check.instance("key", key, str)
+        # An empty key would be that of a file that holds none.
+        if not key:
+            return ""
+        if key in self.known:
+            path, stamp = self.known[key]
+            if stamp_of(path) == stamp:
                 return path.stem
-        # No key is what a file without one has, too.
-        return self._look_up(key) if key else ""
+        return self._look_up(key)
 
     def _look_up(self, key: str) -> str:
-        with contextlib.suppress(KeyError, OSError):
-            # Strangers may come by the thousand, and a list be long: a tenth of the time is enough to read it.
-            if (began := time.monotonic()) >= self.look_again:
-                self.listed = {key_in(path): path for path in sorted(self.folder.glob("allowed/*.key"), reverse=True)}
-                self.look_again = time.monotonic() + min(1, 9 * (time.monotonic() - began))
-            # First when, then what: a file that is changed in between is read again.
-            stamp = (path := self.listed[key]).stat().st_mtime_ns
-            if key_in(path) == key:
-                self.known[key] = path, stamp
-                return path.stem
-        return ""
+        # Strangers may come by the thousand, and a list be long: a tenth of the time is enough to read it.
+        began = time.monotonic()
+        if began >= self.look_again:
+            self.listed = {key_in(path): path for path in sorted(self.folder.glob("allowed/*.key"), reverse=True)}
+            self.look_again = time.monotonic() + min(1, 9 * (time.monotonic() - began))
+        if key not in self.listed:
+            return ""
+        path = self.listed[key]
+        # First when, then what: a file that is changed in between is read again.
+        stamp = stamp_of(path)
+        if stamp is None or key_in(path) != key:
+            return ""
+        self.known[key] = path, stamp
+        return path.stem
 
-    def _answer(self, zap: zmq.Socket[bytes]) -> None:
-        with zap, contextlib.suppress(zmq.ContextTerminated):
-            while True:
-                if zap.poll(1000):
-                    version, request, domain, address, _, mechanism, *credentials = zap.recv_multipart()
-                    key = z85.encode(credentials[0]).decode() if mechanism == b"CURVE" and domain == DOMAIN else ""
-                    welcome = bool(key and self.name(key))
-                    status = [b"200", b"OK", key.encode()] if welcome else [b"400", b"not on the list", b""]
-                    zap.send_multipart([version, request, *status, b""])
-                    if not welcome:
-                        self.refuse(key, address.decode())
-                if time.monotonic() > self.told + SPAN:
-                    self._tell()
+    def _answer(self, zap: Socket) -> None:
+        with zap:
+            try:
+                while True:
+                    if zap.poll(1000):
+                        self._answer_one(zap)
+                    if time.monotonic() > self.reported + REPORT_SECONDS:
+                        self.report_again()
+            except zmq.ContextTerminated:
+                pass
+
+    def _answer_one(self, zap: Socket) -> None:
+        version, request, domain, address, _, mechanism, *credentials = zap.recv_multipart()
+        key = z85.encode(credentials[0]).decode() if mechanism == b"CURVE" and domain == DOMAIN else ""
+        welcome = bool(self.name(key))
+        status = [b"200", b"OK", key.encode()] if welcome else [b"400", b"not on the list", b""]
+        zap.send_multipart([version, request, *status, b""])
+        if not welcome:
+            self.refuse(key, address.decode())
 
     def refuse(self, key: str, address: str) -> None:
-        """One line for each key. How often it came again is told from time to time: no stranger floods the log."""
+        """Report a refused key once, and count how often it comes again: no stranger floods the log."""
         if key in self.refused:
             self.refused[key] += 1
-        elif self.named < NAMED:
-            self.refused[key], self.named = 0, self.named + 1
-            self.say(f"refused: key {key} from {address} is not in {self.folder / 'allowed'}")
+        elif self.named < MOST_NAMED:
+            self.refused[key] = 0
+            self.named += 1
+            self.report(f"refused: key {key} from {address} is not in {self.folder / 'allowed'}")
         else:
             self.others += 1
 
-    def _tell(self) -> None:
+    def report_again(self) -> None:
+        """Report how often refused keys came again since the last time."""
         # A copy: a gate refuses on a thread of its own.
         for key, times in list(self.refused.items()):
             if times:
-                self.say(f"refused: key {key} {times} times more")
+                self.report(f"refused: key {key} {times} times more")
                 self.refused[key] = 0
         if self.others:
-            self.say(f"refused: other keys, {self.others} times")
-        if len(self.refused) > 1000:
+            self.report(f"refused: other keys, {self.others} times")
+        if len(self.refused) > MOST_COUNTED:
             self.refused.clear()
-        self.others, self.told, self.named = 0, time.monotonic(), 0
+        self.others = 0
+        self.named = 0
+        self.reported = time.monotonic()
+
+
+def stamp_of(path: Path) -> int | None:
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return None
+
+
+def keys_for(folder: Path | str, make: bool = False) -> AllowList:
+    """A program's allow-list. It ends where it can have none; with `make` it makes its first keys itself."""
+    try:
+        if make and not Path(folder).exists():
+            example(Path(folder))
+            print(f"keys: made {Path(folder).absolute()}, with this server's and one client's, alice", flush=True)
+        return AllowList(folder)
+    except (ValueError, OSError) as error:
+        sys.exit(str(error))

@@ -1,16 +1,19 @@
-"""Lesson 15, keys: a pair for each side, and the list of the clients that may come in.
+"""The keys of CURVE: a pair for each side, and the list of the clients that may come in.
 
-    python python/15_security/keys.py make server           keys/server.key and keys/server.key_secret
-    python python/15_security/keys.py make client           keys/client.key and keys/client.key_secret
-    python python/15_security/keys.py enrol alice=FILE      lets that key in, as alice; FILE is her client.key
-    python python/15_security/keys.py enrol "alice=KEY"     the same with the key itself
-    python python/15_security/keys.py revoke alice          nobody is let in by that name any more
-    python python/15_security/keys.py rotate client         a new pair; the old one is kept as client.1.key_secret
-    python python/15_security/keys.py list                  who may come in
+    python -m netmq_example.security.keys make server           keys/server.key and keys/server.key_secret
+    python -m netmq_example.security.keys make client           keys/client.key and keys/client.key_secret
+    python -m netmq_example.security.keys enrol alice=FILE      lets that key in, as alice; FILE is her client.key
+    python -m netmq_example.security.keys enrol "alice=KEY"     the same with the key itself
+    python -m netmq_example.security.keys revoke alice          nobody is let in by that name any more
+    python -m netmq_example.security.keys rotate client         a new pair; the old one is kept as client.1.key_secret
+    python -m netmq_example.security.keys list                  who may come in
 
 What ends in .key is public: give it to anybody. What ends in .key_secret never leaves its machine; it is written for
-its owner's eyes alone (mode 0600), and never overwritten. A running server sees at once who was enrolled or revoked.
-The files are those of czmq (zcert): zmq.auth.load_certificate reads them.
+its owner alone (mode 0600), and never overwritten. A running server sees at once who was enrolled or revoked.
+The files are those of czmq (zcert): zmq.auth.load_certificate reads them. A key is 40 characters of Z85.
+
+From Python: make(folder, "server"), enrol(folder, "alice", key), revoke(folder, "alice"); load(path) gives the keys in
+a file. ValueError says what is wrong with a name, a key or a file.
 """
 
 import argparse
@@ -20,20 +23,103 @@ import re
 import struct
 import sys
 from pathlib import Path
+from typing import Any
 
 import zmq
 import zmq.auth
 from zmq.utils import z85
 
-FORMS = {"make": "(server|client)", "rotate": "(server|client)", "enrol": r"([\w-]{1,40})=(.+)", "revoke": r"([\w-]+)"}
-THEIRS = "enrol takes the path of a client's client.key, or the 40 characters in it"
+from netmq_example.program import run
+
+NAME = r"[\w-]{1,40}"
+# What each verb takes.
+FORMS = {
+    "make": "(server|client)",
+    "rotate": "(server|client)",
+    "enrol": f"({NAME})=(.+)",
+    "revoke": f"({NAME})",
+    "list": "",
+}
+NO_KEY = "keys.py makes keys, and server.key is a copy of the server's"
+NOT_THEIRS = "enrol takes the path of a client's client.key, or the 40 characters in it"
+
+
+def make(folder: Path, role: str) -> bytes:
+    """A new pair for a server or a client, and its public key."""
+    path = checked_path(folder) / f"{checked_role(role)}.key_secret"
+    public, secret = zmq.curve_keypair()
+    write(path, public, secret)
+    try:
+        write(path.with_suffix(".key"), public)
+    except ValueError:
+        # A new secret key beside an old public one would be a pair that fits nobody.
+        path.unlink()
+        raise
+    return public
+
+
+def rotate(folder: Path, role: str) -> tuple[bytes, Path]:
+    """A new pair: its public key, and where the old secret key is, under the next free number."""
+    path = checked_path(folder) / f"{checked_role(role)}.key_secret"
+    number = 1
+    while path.with_name(f"{role}.{number}.key_secret").exists():
+        number += 1
+    old = path.rename(path.with_name(f"{role}.{number}.key_secret"))
+    path.with_suffix(".key").unlink(missing_ok=True)
+    return make(folder, role), old
+
+
+def enrol(folder: Path, name: str, key: str) -> Path:
+    """Let in the client that has this key, or the key in this file."""
+    path = checked_path(folder) / "allowed" / f"{checked_name(name)}.key"
+    if not isinstance(key, str | os.PathLike):
+        raise ValueError(f"key takes 40 characters or the path of a file, not {key!r:.40}")
+    text = str(key)
+    public = checked(text.encode()) if len(text) == 40 and not Path(text).exists() else load(Path(text), NOT_THEIRS)[0]
+    others = {other.stem for other in path.parent.glob("*.key") if key_in(other) == public.decode()} - {name}
+    if others:
+        raise ValueError(f"that key is on the list already, as {others.pop()}, and could be revoked by one name only")
+    write(path, public)
+    return path
+
+
+def revoke(folder: Path, name: str) -> None:
+    """FileNotFoundError if nobody has that name."""
+    (checked_path(folder) / "allowed" / f"{checked_name(name)}.key").unlink()
+
+
+def example(folder: Path) -> None:
+    """For the first start on one machine: a server's pair, and that of a client, alice, who may come in."""
+    make(folder, "server")
+    make(folder, "client")
+    enrol(folder, "alice", str(Path(folder) / "client.key"))
+
+
+def load(path: Path, cure: str = NO_KEY) -> tuple[bytes, bytes]:
+    """The public key in a file, and the secret one if it is a .key_secret; ValueError, with this cure, if not."""
+    path = checked_path(path, "path")
+    try:
+        public, secret = zmq.auth.load_certificate(path)
+        return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
+    # pyzmq raises the last one for a file that ends in the middle of its line.
+    except (OSError, ValueError, IndexError):
+        raise ValueError(f"no key in {path.absolute()}; {cure}") from None
+
+
+def key_in(path: Path) -> str:
+    """The public key in a file; nothing if the file holds none, is half written, or has just gone."""
+    try:
+        return load(path)[0].decode()
+    except ValueError:
+        return ""
 
 
 def write(path: Path, public: bytes, secret: bytes = b"") -> None:
     """A new file, or ValueError. No other user can read it, not even for a moment, if it holds a secret."""
-    text = f'curve\n    public-key = "{public.decode()}"\n'
+    path = checked_path(path, "path")
+    text = f'curve\n    public-key = "{checked(public).decode()}"\n'
     if secret:
-        text += f'    secret-key = "{secret.decode()}"\n'
+        text += f'    secret-key = "{checked(secret).decode()}"\n'
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         file = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600 if secret else 0o644)
@@ -46,96 +132,72 @@ def write(path: Path, public: bytes, secret: bytes = b"") -> None:
         raise ValueError(f"cannot write {path}: {error.strerror}; --keys names another folder") from None
 
 
-def make(folder: Path, role: str) -> bytes:
-    """A new pair, and its public key."""
-    public, secret = zmq.curve_keypair()
-    path = folder / f"{role}.key_secret"
-    write(path, public, secret)
-    try:
-        write(folder / f"{role}.key", public)
-    except ValueError:
-        # A new secret key beside an old public one would be a pair that fits nobody.
-        path.unlink()
-        raise
-    return public
-
-
 def checked(key: bytes) -> bytes:
-    """What is no key is said here and not by a socket, later."""
+    """This key; ValueError if it is none. A socket would only say so when it is used, and not what is wrong."""
+    if not isinstance(key, bytes):
+        raise ValueError(f"a key is 40 bytes of Z85, not {key!r:.40}")
     with contextlib.suppress(ValueError, KeyError, struct.error):
         if len(z85.decode(key)) == 32:
             return key
     raise ValueError(f"no key: {key.decode(errors='replace')!r:.60}; a key has 40 characters, as in server.key")
 
 
-def load(path: Path, cure: str = "keys.py makes keys, and server.key is a copy of the server's") -> tuple[bytes, bytes]:
-    """The public key in a file, and the secret one if there is one."""
-    try:
-        public, secret = zmq.auth.load_certificate(path)
-        return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
-    # The last is pyzmq's word for a file that ends in the midst of its line.
-    except (OSError, ValueError, IndexError):
-        raise ValueError(f"no key in {path.absolute()}; {cure}") from None
+def checked_path(path: Any, name: str = "folder") -> Path:
+    """An empty text, as of a variable that is not set, is not the folder where the program was started."""
+    if isinstance(path, str | os.PathLike) and os.fspath(path):
+        return Path(path)
+    raise ValueError(f"{name} takes a path, not {path!r:.40}")
 
 
-def enrol(folder: Path, name: str, key: str) -> Path:
-    """Let in who has this key, or the key in this file."""
-    path = folder / "allowed" / f"{name}.key"
-    public = checked(key.encode()) if len(key) == 40 and not Path(key).exists() else load(Path(key), THEIRS)[0]
-    if others := {old.stem for old in path.parent.glob("*.key") if key_in(old) == public.decode()} - {name}:
-        raise ValueError(f"that key is on the list already, as {others.pop()}, and could be revoked by one name only")
-    write(path, public)
-    return path
+def checked_role(role: Any) -> str:
+    if role in ("server", "client"):
+        return str(role)
+    raise ValueError(f"role is server or client, not {role!r:.40}")
 
 
-def key_in(path: Path) -> str:
-    """The public key; nothing if the file holds none, is half written, or has just gone."""
-    with contextlib.suppress(ValueError):
-        return load(path)[0].decode()
-    return ""
+def checked_name(name: Any) -> str:
+    """It is the name of a file."""
+    if isinstance(name, str) and re.fullmatch(NAME, name):
+        return name
+    raise ValueError(f"name takes 1 to 40 letters, digits, - and _, not {name!r:.40}")
 
 
-def example(folder: Path) -> None:
-    """For the first start on one machine: a server's pair, and a client's that may come in."""
-    make(folder, "server")
-    make(folder, "client")
-    enrol(folder, "alice", str(folder / "client.key"))
-
-
-def retire(folder: Path, role: str) -> Path:
-    """The secret key of today gets the next free number."""
-    old = next(path for n in range(1, 10_000) if not (path := folder / f"{role}.{n}.key_secret").exists())
-    (folder / f"{role}.key_secret").rename(old)
-    (folder / f"{role}.key").unlink(missing_ok=True)
-    return old
-
-
-def do(verb: str, words: list[str], folder: Path) -> str:
+def done(verb: str, words: list[str], folder: Path) -> str:
+    """Do what the command line asks for, and say what was done."""
     if verb == "list":
         allowed = sorted((folder / "allowed").glob("*.key"))
         return "\n".join(f"{path.stem}: {key_in(path) or 'no key in it'}" for path in allowed) or "nobody may come in"
     if verb == "revoke":
-        (folder / "allowed" / f"{words[0]}.key").unlink()
+        revoke(folder, *words)
         return f"revoked: {words[0]}"
     if verb == "enrol":
         return f"enrolled: {words[0]}, in {enrol(folder, *words)}"
-    old = f"; the old pair is in {retire(folder, words[0])}" if verb == "rotate" else ""
-    return f"made {folder / words[0]}.key and {words[0]}.key_secret, public key {make(folder, words[0]).decode()}{old}"
+    (role,) = words
+    kept = ""
+    if verb == "rotate":
+        public, old = rotate(folder, role)
+        kept = f"; the old pair is in {old}"
+    else:
+        public = make(folder, role)
+    return f"made {folder / role}.key and {role}.key_secret, public key {public.decode()}{kept}"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("verb", choices=[*FORMS, "list"])
+    parser.add_argument("verb", choices=FORMS)
     parser.add_argument("what", nargs="?", default="", help="server or client; alice=client.key; alice")
     parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="where they are: keys, if not said")
     options = parser.parse_args()
-    if not (form := re.fullmatch(FORMS.get(options.verb, "()"), options.what)):
+    form = re.fullmatch(FORMS[options.verb], options.what)
+    if not form:
         parser.error(f"{options.verb} does not take '{options.what}': see the top of {Path(__file__).name}")
     try:
-        print(do(options.verb, list(form.groups()), options.keys.absolute()))
-    except (OSError, ValueError) as error:
-        sys.exit(str(error) if isinstance(error, ValueError) else f"{error.filename}: {error.strerror}")
+        print(done(options.verb, list(form.groups()), options.keys.absolute()))
+    except ValueError as error:
+        sys.exit(str(error))
+    except OSError as error:
+        sys.exit(f"{error.filename}: {error.strerror}")
 
 
 if __name__ == "__main__":
-    main()
+    run(main, stopped="stopped")

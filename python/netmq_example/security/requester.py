@@ -1,66 +1,77 @@
-"""Lesson 15, the client's side: a requester with keys, that says so when it is refused. In C#: SecureRequester.cs.
+"""A requester with keys, which reports that it is refused. In C# it is SecureRequester.cs.
 
     keys = ClientKeys(Path("keys"))                                     server.key, and this client's own pair
-    requester = SecureRequester(context, endpoint, keys, 1.0, 3, print)
-    requester.request("Hello")                                          the reply, or TimeoutError
+    with zmq.Context() as context, contextlib.closing(SecureRequester(context, endpoint, keys)) as requester:
+        print(requester.request("Hello"))                               the reply, or TimeoutError
 
-A refused client is told nothing: it is connected, and cut off in the handshake. So that is what it says. libzmq never
-tries again on a socket that was refused, so each try has a new one: whoever is enrolled meanwhile comes in.
+A refused client is told nothing: it is connected, and cut off in the handshake. So that is what is reported. libzmq
+never tries again on a socket that was refused, so each try has a new one: a client that is enrolled meanwhile comes in.
 Bytes: UTF-8 text, one frame each way.
 """
 
-import contextlib
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import zmq
 
-from netmq_example.security.keys import checked, load, make
+from netmq_example import check
+from netmq_example.program import Context, Socket, limit
+from netmq_example.security.keys import checked, checked_path, load, make
 
-LARGEST = 65_536
 # Seconds between two tries, where the first was over at once.
-PAUSE = 0.25
+PAUSE_SECONDS = 0.25
 THROWN_OUT = "connected and thrown out"
 
 
 class ClientKeys:
-    """Made at the first start: a secret key that came with a program would be everybody's."""
+    """A client's pair, made at the first start: a secret key that came with a program would be everybody's."""
 
-    def __init__(self, folder: Path, server_key: str = "") -> None:
+    def __init__(self, folder: Path | str, server_key: str = "") -> None:
+        """From this folder; `server_key` takes the place of server.key. ValueError says what is missing."""
+        folder = checked_path(folder)
         self.server = checked(server_key.encode()) if server_key else load(folder / "server.key")[0]
-        if not (folder / "client.key_secret").exists():
+        if not os.path.exists(folder / "client.key_secret"):
             make(folder, "client")
         self.public, self.secret = load(folder / "client.key_secret")
 
-    def apply(self, socket: zmq.Socket[bytes]) -> None:
-        """Before connect."""
-        socket.curve_serverkey, socket.curve_publickey, socket.curve_secretkey = self.server, self.public, self.secret
+    def apply(self, socket: Socket) -> None:
+        """Before connect. All later sockets of a context have the keys if it is given a context."""
+        socket.curve_serverkey = self.server
+        socket.curve_publickey = self.public
+        socket.curve_secretkey = self.secret
 
 
 class SecureRequester:
-    """Asks a server that knows its clients."""
+    """Asks a server that knows its clients, at most `tries` times, each for `timeout` seconds."""
 
     def __init__(
         self,
-        context: zmq.Context[zmq.Socket[bytes]],
+        context: Context,
         endpoint: str,
-        keys: ClientKeys | None,
-        timeout: float,
-        tries: int,
-        report: Callable[[str], object],
+        keys: ClientKeys | None = None,
+        timeout: float = 1.0,
+        tries: int = 3,
+        report: Callable[[str], object] = print,
     ) -> None:
         """Without keys it speaks plain, which such a server refuses too."""
-        self.context, self.endpoint, self.keys, self.report = context, endpoint, keys, report
-        self.timeout, self.tries = timeout, tries
-        self.socket: zmq.Socket[bytes] | None = None
+        self.context: Context = check.instance("context", context, zmq.Context)
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5565")
+        self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
+        self.timeout = check.seconds("timeout", timeout)
+        self.tries = check.count("tries", tries)
+        self.report: Callable[[str], object] = check.instance("report", report, Callable)
+        self.socket: Socket | None = None
         self.number = 0
 
     def request(self, text: str) -> str:
         """The reply; TimeoutError, which says why, when no try was answered."""
+        check.instance("text", text, str)
         self.number += 1
+        request = text.encode(errors="replace")
         for attempt in range(1, self.tries + 1):
-            reply, trouble = self._try(text)
+            reply, trouble = self._try(request)
             if reply is not None:
                 return reply
             # A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
@@ -77,24 +88,29 @@ class SecureRequester:
             self.socket.close()
         self.socket = None
 
-    def _try(self, text: str) -> tuple[str | None, str]:
+    def _try(self, request: bytes) -> tuple[str | None, str]:
         """One try: the reply, or what came in its place."""
-        socket = self.socket = self.socket or self._open()
+        if not self.socket:
+            self.socket = self._open()
         end = time.monotonic() + self.timeout
-        with contextlib.suppress(zmq.Again):
-            socket.send_string(text, zmq.NOBLOCK)
-        while (left := end - time.monotonic()) > 0:
-            if socket.poll(min(10, int(left * 1000) + 1)):
-                return socket.recv().decode(errors="replace"), ""
+        try:
+            self.socket.send(request, zmq.NOBLOCK)
+        except zmq.Again:
+            # There is no connection to send on. The monitor may say why.
+            pass
+        while time.monotonic() < end:
+            left_ms = int((end - time.monotonic()) * 1000) + 1
+            if self.socket.poll(min(10, left_ms)):
+                return self.socket.recv().decode(errors="replace"), ""
             if self.monitor.poll(0):
                 # Most often it is refused again; and if the server was started anew, it is there a moment later.
-                time.sleep(PAUSE)
+                time.sleep(PAUSE_SECONDS)
                 return None, THROWN_OUT
         return None, f"no reply within {self.timeout:g} s"
 
-    def _open(self) -> zmq.Socket[bytes]:
+    def _open(self) -> Socket:
         socket = self.context.socket(zmq.REQ)
-        socket.linger, socket.maxmsgsize = 0, LARGEST
+        limit(socket)
         if self.keys:
             self.keys.apply(socket)
         self.monitor = socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
