@@ -16,12 +16,17 @@ from pathlib import Path
 
 import pytest
 import zmq
+import zmq.asyncio
 
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, PATIENT, ROOT
 
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: pip install aiohttp")
 socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: pip install python-socketio")
+from netmq_example.web.browser_socket import Listener, Requester  # noqa: E402
+from netmq_example.web.door import Door  # noqa: E402
+from netmq_example.web.requester import WebSocketRequester  # noqa: E402
+from netmq_example.web.socketio_requester import SocketIORequester  # noqa: E402
 
 KEY = "16_web_gateway"
 HELLO, BACKGROUND, POSES = "01_request_reply", "04_background_client", "03_publish_subscribe"
@@ -247,6 +252,33 @@ def test_a_server_with_keys_answers_a_gateway_that_has_them(serve, start, tmp_pa
         assert found == answer or (answer is None and found["error"].startswith(f"no reply from {secure}")), found
     lost = start(PYTHON, f"python/{KEY}/server.py", "--keys", str(tmp_path / "nothing"))
     assert lost.wait() == 2 and "keys.py makes keys" in lost.lines[-1], lost.output
+
+
+async def made(kind, *words):
+    return kind(*words)
+
+
+@pytest.mark.parametrize(
+    ("name", "attempt"),
+    [
+        ("context", lambda: Requester(None, "tcp://127.0.0.1:1", 1)),
+        ("endpoint", lambda: Requester(zmq.asyncio.Context.instance(), "tcp://127.0.0.1:99999", 1)),
+        ("timeout", lambda: Requester(zmq.asyncio.Context.instance(), "tcp://127.0.0.1:1", 0)),
+        ("timeout", lambda: asyncio.run(made(Listener, zmq.asyncio.Context.instance(), "tcp://127.0.0.1:1", None))),
+        ("origins", lambda: Door("http://localhost", "")),
+        ("each origin", lambda: Door([""], "")),
+        ("token", lambda: Door([], None)),
+        ("endpoint", lambda: WebSocketRequester("tcp://127.0.0.1:5566", "hello")),
+        ("endpoint", lambda: WebSocketRequester(None, "hello")),
+        ("name", lambda: WebSocketRequester("http://127.0.0.1:5566", "")),
+        ("token", lambda: WebSocketRequester("http://127.0.0.1:5566", "hello", token=0)),
+        ("timeout", lambda: SocketIORequester("http://127.0.0.1:5566", "hello", timeout=float("nan"))),
+        ("a text", lambda: asyncio.run(WebSocketRequester("http://127.0.0.1:1", "hello").request(None))),
+    ],
+)
+def test_what_cannot_be_is_named_at_once(name, attempt):
+    with pytest.raises(ValueError, match=rf"^(bad )?{name}\b.*$"):
+        attempt()
 
 
 def test_bytes_and_texts_in_several_frames(serve, echo):

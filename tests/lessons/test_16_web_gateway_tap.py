@@ -7,7 +7,6 @@ import contextlib
 import json
 import re
 import socket
-import sys
 import threading
 import time
 import urllib.error
@@ -20,11 +19,10 @@ from tests.conftest import PYTHON
 from tests.programs import ROOT, free_port
 
 LESSON = ROOT / "python" / "16_web_gateway"
-sys.path.append(str(LESSON))
 aiohttp = pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
-from netmq_example.tap.arrows import MOST, MOST_BYTES, Arrows  # noqa: E402
+from netmq_example.tap.arrows import MOST_ARROWS, MOST_BYTES, Arrows  # noqa: E402
 from netmq_example.tap.page import Page  # noqa: E402
-from netmq_example.tap.passing import Trouble  # noqa: E402
+from netmq_example.tap.passing import Link, Trouble  # noqa: E402
 from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
 
 
@@ -211,8 +209,8 @@ def test_another_web_page_gets_nothing(headers, tap):
         (["tcp://127.0.0.1:99999"], "bad endpoint 'tcp://127.0.0.1:99999': write it like tcp://127.0.0.1:5552"),
         (["ipc://x"], "bad endpoint 'ipc://x'"),
         (["tcp://127.0.0.1:1", "--endpoint", "tcp://0.0.0.0:0"], ": the tap listens on this machine only"),
-        (["tcp://127.0.0.1:1", "--page", "70000"], "--page takes a port, 0 to 65535"),
-        (["tcp://127.0.0.1:1", "--slow", "nan"], "--slow seconds, less than 60"),
+        (["tcp://127.0.0.1:1", "--page", "70000"], "--page: it takes a whole number from 0 to 65535, not 70000"),
+        (["tcp://127.0.0.1:1", "--slow", "nan"], "--slow: it takes seconds, 0 or more and at most a day, not nan"),
         (["x=tcp://127.0.0.1:1"], "one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots="),
         (["tcp://127.0.0.1:1", "--record", "no/where.html"], "cannot write 'no/where.html': "),
         ([], "the following arguments are required: SERVER"),
@@ -272,14 +270,14 @@ def test_a_ready_that_says_nothing_of_use_ends_nothing(ready):
 
 def test_what_is_kept_has_a_limit_and_the_newest_stay():
     arrows, piece = Arrows(), Piece(b"\x00\x01x", [slice(2, 3)], False)
-    for _ in range(MOST + 10):
+    for _ in range(MOST_ARROWS + 10):
         arrows.add(1, "up", piece)
-    assert [each.number for each in arrows.after(0, 5)] == list(range(MOST + 6, MOST + 11))
-    assert arrows.find(10) is None and arrows.find(11).number == 11 and arrows.find(MOST + 11) is None
+    assert [each.number for each in arrows.after(0, 5)] == list(range(MOST_ARROWS + 6, MOST_ARROWS + 11))
+    assert arrows.find(10) is None and arrows.find(11).number == 11 and arrows.find(MOST_ARROWS + 11) is None
     large = Piece(bytes(MOST_BYTES // 2), [slice(0, MOST_BYTES // 2)], False)
     for _ in range(5):
         arrows.add(1, "down", large)
-    assert len(arrows.kept) == 2 and arrows.totals["down"] == 5 and arrows.after(MOST + 15, 5) == []
+    assert len(arrows.kept) == 2 and arrows.totals["down"] == 5 and arrows.after(MOST_ARROWS + 15, 5) == []
 
 
 def test_a_client_that_knocks_in_vain_makes_no_flood():
@@ -299,6 +297,30 @@ def test_what_is_no_wish_of_the_page_changes_nothing(text):
     assert (trouble.asked, trouble.slow) == ("", 0)
     Page(Arrows(), trouble, "").ask('{"fate": "cut", "way": "down"}')
     assert (trouble.asked, trouble.way) == ("cut", "down")
+
+
+@pytest.mark.parametrize(
+    ("name", "attempt"),
+    [
+        ("slow", lambda: Trouble(slow=float("nan"))),
+        ("slow", lambda: Trouble(slow=None)),
+        ("a planned message", lambda: Trouble({0: "drop"})),
+        ("a planned fate", lambda: Trouble({1: ""})),
+        ("fate", lambda: Trouble().ask(None, "up")),
+        ("fate", lambda: Trouble().ask("drop", "left")),
+        ("number", lambda: Link(0, Arrows(), Trouble())),
+        ("arrows", lambda: Link(1, None, Trouble())),
+        ("trouble", lambda: Page(Arrows(), None, "")),
+        ("title", lambda: Page(Arrows(), Trouble(), None)),
+        ("way", lambda: Arrows().add(1, "left", None)),
+        ("piece", lambda: Arrows().add(1, "up", b"")),
+        ("most", lambda: Arrows().after(0, -1)),
+        ("number", lambda: Arrows().find(None)),
+    ],
+)
+def test_what_cannot_be_is_named_at_once(name, attempt):
+    with pytest.raises(ValueError, match=rf"^{name}\b.*$"):
+        attempt()
 
 
 def test_trouble_meets_one_message_also_from_many_threads():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import os
 import re
 import struct
 import sys
@@ -24,6 +25,8 @@ web = pytest.importorskip("aiohttp.web")
 pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: pip install python-socketio")
 
 FOLDER = ROOT / "python" / KEY
+# For a program that changes a number of the package before it runs server.py.
+PATH = os.pathsep.join([str(FOLDER), str(FOLDER.parent)])
 
 
 @pytest.fixture
@@ -129,9 +132,9 @@ def test_a_million_frames_are_too_many(gateway):
 def test_who_connects_and_asks_nothing_is_let_go(serve, start):
     """Or asks half of something. A browser that has asked stays, however silent it is."""
     _, behind = serve(HELLO)
-    code = "import gateway_port; gateway_port.SILENT = 1; import server; server.main()"
+    code = "from netmq_example.web import door; door.SILENT_SECONDS = 1; import server; server.main()"
     words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind, *PATIENT]
-    program = start(PYTHON, "-c", code, *words, PYTHONPATH=str(FOLDER))
+    program = start(PYTHON, "-c", code, *words, PYTHONPATH=PATH)
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
     polling = "/socket.io/?EIO=4&transport=polling"
 
@@ -163,9 +166,9 @@ def test_who_stays_outside_of_socketio_is_let_go(serve, start):
     if [int(part) for part in version("python-engineio").split(".")[:2]] < [4, 6]:
         pytest.skip("python-engineio before 4.6 keeps a WebSocket that it has closed until nothing came for 20 s")
     _, behind = serve(HELLO)
-    code = "import gateway_port; gateway_port.SILENT = 3; import server; server.main()"
+    code = "from netmq_example.web import door; door.SILENT_SECONDS = 3; import server; server.main()"
     words = ["--endpoint", "http://127.0.0.1:0", "--hello", behind, "--token", "word", *PATIENT]
-    program = start(PYTHON, "-c", code, *words, PYTHONPATH=str(FOLDER))
+    program = start(PYTHON, "-c", code, *words, PYTHONPATH=PATH)
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
 
     async def stay(inside):
@@ -267,8 +270,8 @@ def test_more_browsers_than_a_system_lets_a_program_open_files(serve, start):
 )
 def test_a_full_gateway_is_not_a_wrong_token(kind, socketio_too, start, client_command):
     """Whoever has the right token would look for the mistake there."""
-    code = "import door; door.MOST = 0; import server; server.main()"
-    program = start(PYTHON, "-c", code, "--endpoint", "http://127.0.0.1:0", PYTHONPATH=str(FOLDER))
+    code = "from netmq_example.web import door; door.MOST_BROWSERS = 0; import server; server.main()"
+    program = start(PYTHON, "-c", code, "--endpoint", "http://127.0.0.1:0", PYTHONPATH=PATH)
     endpoint = program.wait_for(r"^listening on (\S+)")[1]
     client = start(*client_command(kind, KEY, endpoint, "--timeout", "4", *by(kind, socketio_too)))
     assert client.wait() == 1

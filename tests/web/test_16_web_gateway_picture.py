@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import signal
-import sys
 import threading
 from urllib.request import urlopen
 
@@ -16,7 +15,6 @@ from tests.conftest import PYTHON
 from tests.programs import ROOT, finds_processes
 
 LESSON = ROOT / "python" / "16_web_gateway"
-sys.path.append(str(LESSON))
 pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
 from netmq_example.tap.arrows import BEGIN, END, HTML  # noqa: E402
 

@@ -13,11 +13,12 @@ import os
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import zmq
 
 from netmq_example import check
-from netmq_example.program import Context, Socket, limit
+from netmq_example.program import Context, Socket, limit, option
 from netmq_example.security.keys import checked, checked_path, load, make
 
 # Seconds between two tries, where the first was over at once.
@@ -36,11 +37,17 @@ class ClientKeys:
             make(folder, "client")
         self.public, self.secret = load(folder / "client.key_secret")
 
-    def apply(self, socket: Socket) -> None:
-        """Before connect. All later sockets of a context have the keys if it is given a context."""
+    def apply(self, socket: Any) -> None:
+        """Before connect. If it gets a context, all later sockets of that have the keys."""
+        check.instance("socket", socket, zmq.Socket, zmq.Context)
         socket.curve_serverkey = self.server
         socket.curve_publickey = self.public
         socket.curve_secretkey = self.secret
+
+
+def client_keys(text: str) -> ClientKeys:
+    """The type of an option: a folder with keys."""
+    return option(lambda _, folder: ClientKeys(folder), text, str)
 
 
 class SecureRequester:

@@ -1,4 +1,7 @@
-"""Lesson 16, the page of the tap: tap.html, what it shows ten times a second, and a file that shows it all again.
+"""The page of the tap: tap.html, what it shows ten times a second, and a file that shows it all again.
+
+    page = Page(arrows, trouble, "Lesson 02")
+    asyncio.run(page.serve(socket.create_server(("127.0.0.1", 8000))))
 
 The browser gets the newest arrows and the numbers of all messages, so it costs the same however many there are; the
 whole of a message it fetches when somebody opens it. What it sends is the trouble that it asks for.
@@ -10,25 +13,29 @@ import asyncio
 import contextlib
 import json
 import socket
-import sys
 from collections.abc import Awaitable, Callable
 
-from netmq_example.tap.arrows import HTML, WHOLE, Arrows, recording
-from netmq_example.tap.passing import FATES, Trouble
+from aiohttp import WSMsgType, web
 
-try:
-    from aiohttp import WSMsgType, web
-except ImportError:
-    sys.exit("the tap needs aiohttp: pip install aiohttp, or let kit.py run 1 --watch do it")
+from netmq_example import check
+from netmq_example.tap.arrows import HTML, WHOLE_BYTES, Arrows, recording
+from netmq_example.tap.passing import Trouble
 
 # A page gets so many arrows at a time, ten times a second: an eye does not follow more.
-AT_A_TIME, EVERY = 40, 0.1
-HISTORY = 200
+ARROWS_AT_A_TIME = 40
+EVERY_SECONDS = 0.1
+# And so many when it opens.
+ARROWS_AT_FIRST = 200
+SLOWEST_SECONDS = 10
 
 
 class Page:
+    """Shows the arrows, and passes on what somebody asks for to the trouble."""
+
     def __init__(self, arrows: Arrows, trouble: Trouble, title: str) -> None:
-        self.arrows, self.trouble, self.title = arrows, trouble, title
+        self.arrows: Arrows = check.instance("arrows", arrows, Arrows)
+        self.trouble: Trouble = check.instance("trouble", trouble, Trouble)
+        self.title: str = check.instance("title", title, str)
 
     async def serve(self, listener: socket.socket) -> None:
         """Until it is cancelled."""
@@ -48,7 +55,8 @@ class Page:
         return web.FileResponse(HTML)
 
     async def live(self, request: web.Request) -> web.StreamResponse:
-        # A page that draws much, or is not in front, is slow to answer: who closes it tells it that the tap has ended.
+        # A page that draws much, or is not in front, is slow to answer: it would take a closed connection for the
+        # end of the tap.
         page = web.WebSocketResponse(heartbeat=60, max_msg_size=1000)
         await page.prepare(request)
         print("a page looks on", flush=True)
@@ -61,28 +69,31 @@ class Page:
 
     async def send(self, page: web.WebSocketResponse) -> None:
         """A page that reads slowly is waited for here, and then gets the newest."""
-        shown, most = 0, HISTORY
+        shown = 0
+        most = ARROWS_AT_FIRST
         with contextlib.suppress(ConnectionError):
             while not page.closed:
                 new = self.arrows.after(shown, most)
-                told = {"title": self.title, "totals": self.arrows.totals, **self.trouble.state()}
-                await page.send_json({**told, "arrows": [each.as_json() for each in new]})
-                shown, most = new[-1].number if new else shown, AT_A_TIME
-                await asyncio.sleep(EVERY)
+                state = {"title": self.title, "totals": self.arrows.totals, **self.trouble.state()}
+                await page.send_json({**state, "arrows": [each.as_json() for each in new]})
+                if new:
+                    shown = new[-1].number
+                most = ARROWS_AT_A_TIME
+                await asyncio.sleep(EVERY_SECONDS)
 
     def ask(self, text: str) -> None:
-        """What does not fit is no wish of our page."""
-        with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            asked = json.loads(text)
-            if 0 <= float(asked.get("slow", -1)) <= 10:
-                self.trouble.slow = float(asked["slow"])
-            if asked.get("fate", "none") in ("", *FATES) and asked["way"] in ("", "up", "down"):
-                self.trouble.ask(asked["fate"], asked["way"])
+        """Do what the page asks for. What does not fit is no wish of our page."""
+        with contextlib.suppress(ValueError, KeyError, TypeError, RecursionError):
+            wish = json.loads(text)
+            if "slow" in wish and 0 <= float(wish["slow"]) <= SLOWEST_SECONDS:
+                self.trouble.slow = float(wish["slow"])
+            if "fate" in wish:
+                self.trouble.ask(wish["fate"], wish["way"])
 
     async def arrow(self, request: web.Request) -> web.StreamResponse:
         number = request.match_info["number"]
         found = self.arrows.find(int(number)) if number.isdecimal() and len(number) < 16 else None
-        return web.json_response(found.as_json(WHOLE)) if found else web.Response(status=404, text="gone by now")
+        return web.json_response(found.as_json(WHOLE_BYTES)) if found else web.Response(status=404, text="gone by now")
 
     async def save(self, request: web.Request) -> web.StreamResponse:
         # On another thread, since the browser must hear of the messages meanwhile.

@@ -1,11 +1,13 @@
-"""Lesson 16, passing on: two TCP connections, and whole messages from one to the other, or what trouble makes of them.
+"""Passing on: two TCP connections, and whole messages from one to the other, or what trouble makes of them.
+
+    trouble = Trouble(planned={3: "drop"})                     message 3 is not passed on
+    link = Link(1, arrows, trouble)                            the first client that came
+    link.run(client, "127.0.0.1", 5552)                        until one side closes; on a thread of its own
 
 One thread for each direction of each connection: it receives, shows, sends, and waits where the receiver does not
 read, so that backpressure reaches the sender. A message that is late makes those behind it late, as on a real line.
-
-Lesson 16, trouble for a message: dropped, a second late, passed on twice, or its connection cut.
-
-Planned for message N when the tap starts, or asked for in the page for the next one.
+A message can be dropped, a second late, passed on twice, or its connection cut: message N, planned when the tap starts,
+or the next one, when the page asks for it.
 """
 
 import contextlib
@@ -14,10 +16,16 @@ import threading
 import time
 from dataclasses import dataclass, field
 
+from netmq_example import check
 from netmq_example.tap.arrows import Arrows
 from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take
 
 FATES = ("drop", "delay", "double", "cut")
+# A longer message than any lesson has, which would fill the memory.
+LARGEST_BYTES = 300 * 1024 * 1024
+DELAY_SECONDS = 1.0
+# Heartbeats come each second, and READY is shown as what it says: the types of both sockets.
+UNSEEN = (b"PING", b"PONG", b"READY")
 
 
 @dataclass
@@ -32,10 +40,20 @@ class Trouble:
     number: int = 0
     lock: threading.Lock = field(default_factory=threading.Lock)
 
+    def __post_init__(self) -> None:
+        check.seconds_or_none("slow", self.slow)
+        for number, fate in self.planned.items():
+            check.count("a planned message", number)
+            if fate not in FATES:
+                raise ValueError(f"a planned fate is one of {', '.join(FATES)}, not {fate!r:.40}")
+
     def ask(self, fate: str, way: str) -> None:
-        """For the next message; nothing takes the wish back."""
+        """For the next message that goes this way. An empty fate takes the wish back."""
+        if fate not in ("", *FATES) or way not in ("", "up", "down"):
+            raise ValueError(f"fate is one of {', '.join(FATES)}, and way up or down, not {fate!r:.40}, {way!r:.40}")
         with self.lock:
-            self.asked, self.way = fate, way
+            self.asked = fate
+            self.way = way
 
     def state(self) -> dict[str, str | float]:
         return {"asked": self.asked, "slow": self.slow}
@@ -44,15 +62,10 @@ class Trouble:
         with self.lock:
             self.number += 1
             if self.asked and self.way in ("", way):
-                fate, self.asked = self.asked, ""
+                fate = self.asked
+                self.asked = ""
                 return fate
             return self.planned.get(self.number, "")
-
-
-# A longer message than any lesson has, which would fill the memory.
-LARGEST = 300 * 1024 * 1024
-# Who heartbeats says so every second, and what kind of sockets they are is said by itself.
-UNSEEN = (b"PING", b"PONG", b"READY")
 
 
 @dataclass
@@ -64,13 +77,19 @@ class Link:
     trouble: Trouble
     types: dict[str, str] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        check.count("number", self.number)
+        check.instance("arrows", self.arrows, Arrows)
+        check.instance("trouble", self.trouble, Trouble)
+
     def run(self, client: socket.socket, host: str, port: int) -> None:
         with client:
             try:
                 server = socket.create_connection((host, port), timeout=2)
             except (OSError, UnicodeError):
                 # The client connects again, as it does where nobody listens.
-                return self.arrows.add(self.number, "", None, f"no server at {host}:{port}")
+                self.arrows.add(self.number, "", None, f"no server at {host}:{port}")
+                return
             with server:
                 for each in (client, server):
                     each.settimeout(None)
@@ -80,17 +99,17 @@ class Link:
                 down.start()
                 self.pass_on(client, server, "up")
                 down.join()
-        return self.arrows.add(self.number, "", None, "closed")
+        self.arrows.add(self.number, "", None, "closed")
 
     def pass_on(self, source: socket.socket, target: socket.socket, way: str) -> None:
-        """Until one side closes. Then the other is told, and may still say what it has to say."""
+        """Until one side closes. Then the other one learns of it, and may still send what it has to send."""
         how = socket.SHUT_RDWR
         try:
             self.greet(source, target, way)
             buffer = bytearray()
             while chunk := source.recv(65536):
                 buffer += chunk
-                while piece := take(buffer, LARGEST):
+                while piece := take(buffer, LARGEST_BYTES):
                     self.pass_piece(piece, target, way)
             how = socket.SHUT_WR
         except NotZeroMQ as error:
@@ -104,7 +123,7 @@ class Link:
                     each.shutdown(how)
 
     def greet(self, source: socket.socket, target: socket.socket, way: str) -> None:
-        """Each side says its half only when it has heard a part of the other's: so this is passed on as it comes."""
+        """Each side sends its half only when it has a part of the other's: so this is passed on as it comes."""
         greeting = b""
         while len(greeting) < GREETING and (part := source.recv(GREETING - len(greeting))):
             target.sendall(part)
@@ -120,7 +139,10 @@ class Link:
         else:
             fate = self.trouble.of_next(way)
             self.arrows.add(self.number, way, piece, fate)
-            if late := self.trouble.slow + (fate == "delay"):
+            late = self.trouble.slow
+            if fate == "delay":
+                late += DELAY_SECONDS
+            if late:
                 time.sleep(late)
         if fate == "cut":
             raise ConnectionAbortedError

@@ -1,8 +1,12 @@
-"""Lesson 16, ZeroMQ's bytes: whole messages out of what goes over TCP (ZMTP 3, rfc.zeromq.org/spec/23).
+"""ZeroMQ's bytes: whole messages out of what goes over TCP (ZMTP 3, rfc.zeromq.org/spec/23).
+
+    buffer += source.recv(65536)
+    while piece := take(buffer, largest=300 << 20):          the messages and commands that are whole by now
+        print(piece.frames)
 
 A connection begins with a greeting of 64 bytes each way. Then come frames: a byte of flags (1 more follow, 2 long,
 4 command), the size in one byte or, of a long one, in eight, and the body. Commands are ZeroMQ's own: READY says what
-kind of socket this is, PING and PONG are heartbeats.
+kind of socket this is, PING and PONG are heartbeats. NotZeroMQ is raised for everything else.
 This file only reads: each piece keeps the very bytes it came from, so that they can be passed on unchanged.
 """
 
@@ -44,7 +48,9 @@ def mechanism(greeting: bytes) -> str:
 
 def take(buffer: bytearray, largest: int) -> Piece | None:
     """The first piece of the buffer, which loses it; None while a part of it has not come."""
-    at, bounds, flags = 0, [], MORE
+    bounds = []
+    at = 0
+    flags = MORE
     while flags & MORE:
         if len(buffer) < at + 2:
             return None
@@ -66,7 +72,8 @@ def socket_type(ready: bytes) -> str:
     at = 1 + ready[0]
     while at < len(ready):
         start = at + 1 + ready[at] + 4
-        name, end = ready[at + 1 : start - 4], start + int.from_bytes(ready[start - 4 : start], "big")
+        name = ready[at + 1 : start - 4]
+        end = start + int.from_bytes(ready[start - 4 : start], "big")
         if name.lower() == b"socket-type":
             return ready[start:end].decode("ascii", "replace")
         at = end

@@ -1,4 +1,9 @@
-"""Lesson 16, the idea: the ZeroMQ socket of one browser, to one server. Nothing of the web is in this file.
+"""The ZeroMQ socket of one browser, to one server. Nothing of the web is in this file.
+
+    socket = Requester(context, "tcp://127.0.0.1:5551", timeout=1)       a zmq.asyncio.Context
+    frames = await socket.ask([b"Hello"])                                [b"World"], or TimeoutError
+    socket = Listener(context, "tcp://127.0.0.1:5553", timeout=1)
+    frames = await socket.ask([b"pose/"])                                the newest message, or [] for nothing new
 
 Both kinds are asked for the next answer, so that at any time there is one on its way, and nowhere a queue that a slow
 browser could fill: it gets less, and always the newest.
@@ -10,24 +15,31 @@ import contextlib
 import zmq
 import zmq.asyncio
 
-# A peer that announces more than the largest message is disconnected before it is in memory.
-LARGEST = 4 * 1024 * 1024
+from netmq_example import check
+
+# A peer that announces a larger message is disconnected before it is in memory.
+LARGEST_BYTES = 4 * 1024 * 1024
 # A million empty frames fit in that, too, and would keep the server busy for seconds.
 MOST_FRAMES = 1000
+EXAMPLE = "tcp://127.0.0.1:5551"
 
 
 class Requester:
     """Asks a server, one request at a time."""
 
     def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
-        self.context, self.endpoint, self.timeout = context, endpoint, timeout
+        self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
+        self.endpoint = check.endpoint(endpoint, EXAMPLE)
+        self.timeout = check.seconds("timeout", timeout)
         self.socket: zmq.asyncio.Socket | None = None
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
         """The frames of the reply, or TimeoutError; ValueError if the request has too many."""
         if len(frames) > MOST_FRAMES:
             raise ValueError(f"more than {MOST_FRAMES} frames; several requests take more")
-        self.socket = self.socket or opened(self.context, zmq.REQ, self.endpoint, self.timeout)
+        if not self.socket:
+            self.socket = opened(self.context, zmq.REQ, self.endpoint)
+            self.socket.rcvtimeo = self.socket.sndtimeo = max(1, int(self.timeout * 1000))
         try:
             await self.socket.send_multipart(frames or [b""])
             return list(await self.socket.recv_multipart())
@@ -44,27 +56,32 @@ class Requester:
 
 
 class Listener:
-    """Listens to a topic of a publisher, and keeps only what it has said last."""
+    """Listens to a topic of a publisher, and keeps only its newest message."""
 
     def __init__(self, context: zmq.asyncio.Context, endpoint: str, timeout: float) -> None:
-        self.context, self.endpoint, self.timeout = context, endpoint, timeout
+        self.context: zmq.asyncio.Context = check.instance("context", context, zmq.asyncio.Context)
+        self.endpoint = check.endpoint(endpoint, EXAMPLE)
+        self.timeout = check.seconds("timeout", timeout)
         self.topic: bytes | None = None
-        self.newest, self.came = list[bytes](), asyncio.Event()
+        self.newest: list[bytes] = []
+        self.came = asyncio.Event()
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
         """The newest message of the topic that the first frame names; no frames if nothing new came in time."""
         topic = frames[0] if frames else b""
         if topic != self.topic:
             self.close()
-            self.topic, self.socket = topic, opened(self.context, zmq.SUB, self.endpoint, 0)
+            self.topic = topic
+            self.socket = opened(self.context, zmq.SUB, self.endpoint)
             self.socket.subscribe(topic)
             self.task = asyncio.create_task(self.listen())
-        with contextlib.suppress(TimeoutError):
+        try:
             async with asyncio.timeout(self.timeout):
                 await self.came.wait()
-                self.came.clear()
-                return self.newest
-        return []
+        except TimeoutError:
+            return []
+        self.came.clear()
+        return self.newest
 
     async def listen(self) -> None:
         while True:
@@ -88,21 +105,24 @@ class Listener:
 BrowserSocket = Requester | Listener
 
 
-def opened(context: zmq.asyncio.Context, kind: int, endpoint: str, timeout: float) -> zmq.asyncio.Socket:
+def opened(context: zmq.asyncio.Context, kind: int, endpoint: str) -> zmq.asyncio.Socket:
     """A socket with its limits."""
     socket = context.socket(kind)
     # What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
-    socket.linger, socket.maxmsgsize, socket.rcvhwm = 0, LARGEST, 100
-    # 0 is for a publisher: between two of its messages any time may pass.
-    socket.rcvtimeo = socket.sndtimeo = int(timeout * 1000) or -1
+    socket.linger = 0
+    socket.maxmsgsize = LARGEST_BYTES
+    socket.rcvhwm = 100
     socket.connect(endpoint)
     return socket
 
 
 def more_files() -> None:
     """A browser takes three: its connection, its ZeroMQ socket, and that one's connection. Often 1024 are allowed."""
-    with contextlib.suppress(ImportError, ValueError, OSError):
+    try:
         import resource
 
         _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (most if 0 < most < 8192 else 8192, most))
+    except (ImportError, ValueError, OSError):
+        # Windows has no such limit; where it cannot be raised, it stays as it is.
+        pass

@@ -1,13 +1,18 @@
-"""Lesson 16, the gateway's port: where it listens, and who connects there and says nothing.
+"""The gateway's door: where it listens, which browsers may come in, and which connections it closes.
 
-To connect costs a stranger nothing, and each connection is one of the open files that a system allows: whoever holds
-thousands of them keeps all others out. So a request has a time to be there, and to be whole.
+    async def serve():
+        door = Door(origins=["http://localhost:8000"], token="word")
+        app = web.Application(middlewares=[door.look])
+        await door.open(app, "http://127.0.0.1:5566")            prints: listening on http://127.0.0.1:5566
 
-Lesson 16, the door: which browser may come in, and how much of it.
+    run_until_killed(serve())
 
 A browser lets every page connect to every WebSocket, also the page of a stranger to a gateway of this machine. All
-that the browser does about it is to say whose page it is, as Origin: whoever does not look lets all of them in. Other
-programs than browsers say what they like. Whom the Origin cannot keep out a token does.
+that the browser does about it is to name the page, as Origin: a server that does not look lets all of them in. Other
+programs than browsers name what they like. What the Origin cannot keep out a token does.
+
+To connect costs a stranger nothing, and each connection is one of the open files that a system allows: thousands of
+them keep all others out. So a request must be there, and be whole, in time.
 """
 
 import asyncio
@@ -15,67 +20,86 @@ import contextlib
 import hmac
 import logging
 import os
+import signal
 import sys
 import time
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from typing import Any
 
 from aiohttp import web
 from aiohttp.http import HttpProcessingError
 
-LOOPBACK, EVERYWHERE = ("127.0.0.1", "localhost"), ("0.0.0.0", "*")
+from netmq_example import check
+from netmq_example.web.browser_socket import more_files
+
+LOOPBACK = ("127.0.0.1", "localhost")
+EVERYWHERE = ("0.0.0.0", "*")
 # How many browsers may be here at the same time. Python waits for at most 512 sockets on Windows, and each has two.
-MOST = 200 if os.name == "nt" else 1000
+MOST_BROWSERS = 200 if os.name == "nt" else 1000
 # So many pages of strangers are named: no stranger floods the log.
-NAMED = 20
+MOST_NAMED = 20
+# Until a request must be there, and how long a connection may rest after an answer.
+SILENT_SECONDS = 10
+REST_SECONDS = 75
+EXAMPLE = "http://127.0.0.1:5566"
 
 
 class Door:
-    """Counts who is inside."""
+    """Which browsers may come in, and how many are here."""
 
     def __init__(self, origins: list[str], token: str) -> None:
-        self.origins, self.token = origins, token
-        self.inside = self.number = 0
-        self.everywhere, self.named = False, set[str]()
+        """`origins` are pages from elsewhere that may come in; without a word as `token` nobody needs one."""
+        self.origins = [check.text("each origin", origin) for origin in check.instance("origins", origins, list)]
+        self.token: str = check.instance("token", token, str)
+        self.inside = 0
+        self.number = 0
+        self.everywhere = False
+        self.named: set[str] = set()
 
-    def open_at(self, host: str, port: int) -> None:
-        """The gateway's own page may always come in, by the names that this machine has for itself."""
+    async def open(self, app: web.Application, endpoint: str) -> None:
+        """Listen, for ever. The gateway's own page may come in, by the names that this machine has for itself."""
+        more_files()
+        host, port = await listen(app, endpoint, self.token)
         names = LOOPBACK if host in LOOPBACK else (host,)
         self.origins += [f"http://{name}:{port}" for name in names]
         self.everywhere = host in EVERYWHERE
+        while True:
+            # In slices: on Windows Ctrl-C does not interrupt a longer wait.
+            await asyncio.sleep(0.2)
 
     @web.middleware
     async def look(
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """Before all else: whose page is it?"""
+        """Refuse the pages of strangers, before all else."""
         origin = request.headers.get("Origin")
         # There this machine has more names than it knows: its own page comes from the one that it asks for. So would
         # a page of a stranger who gives this machine's number to a name of his own; he does not know the token.
-        own = f"http://{request.host}" if self.everywhere else None
-        if origin is None or origin == own or origin in self.origins:
+        own_page = f"http://{request.host}" if self.everywhere else None
+        if origin is None or origin == own_page or origin in self.origins:
             return await handler(request)
         why = f"the page of {origin[:80]!r} may not come in; if it is yours, start with --origin and its address"
-        if why not in self.named and len(self.named) < NAMED:
+        if why not in self.named and len(self.named) < MOST_NAMED:
             self.named.add(why)
             print(f"refused: {why}", flush=True)
         return refused(403, why)
 
     def refusal(self, token: object) -> str:
-        """Why not; nothing for those who may."""
+        """Why this token does not let in; an empty text if it does."""
         # Compared in the same time wherever they differ: a token cannot be found out letter by letter.
         if not hmac.compare_digest(str(token or "").encode(errors="replace"), self.token.encode(errors="replace")):
             return "the token is missing or wrong; it is what the gateway was given as --token"
         return ""
 
     def full(self) -> str:
-        """Whoever may come in may have to wait."""
-        return f"{MOST} browsers are here already; try again later" if self.inside >= MOST else ""
+        """Why even a browser with the token has to wait; an empty text if it need not."""
+        return f"{MOST_BROWSERS} browsers are here already; try again later" if self.inside >= MOST_BROWSERS else ""
 
     @contextlib.contextmanager
     def entered(self, how: str) -> Iterator[None]:
         """For as long as a browser is here."""
-        self.inside, self.number = self.inside + 1, self.number + 1
+        self.inside += 1
+        self.number += 1
         number = self.number
         print(f"browser {number} came by {how}", flush=True)
         try:
@@ -90,17 +114,13 @@ def refused(status: int, why: str) -> web.Response:
     return web.Response(status=status, text=why, headers={"Access-Control-Allow-Origin": "*"})
 
 
-# Seconds until a request must be there, and seconds that a connection may rest after an answer.
-SILENT, REST = 10, 75
-
-
 class Silence:
-    """Knows the last request of each connection."""
+    """Closes connections that ask nothing, or half of something. It knows the last request of each."""
 
     watching: asyncio.Task[None]
 
     def __init__(self) -> None:
-        self.asked = dict[object, web.Request]()
+        self.asked: dict[object, web.Request] = {}
 
     @web.middleware
     async def hear(
@@ -112,60 +132,77 @@ class Silence:
 
     async def watch(self, server: web.Server) -> None:
         """Once a second, so that a thousand strangers at once are one line."""
-        since = dict[web.RequestHandler, float]()
+        since: dict[web.RequestHandler, float] = {}
         while True:
-            now, here = time.monotonic(), server.connections
+            now = time.monotonic()
+            here = server.connections
             self.asked = {each: self.asked[each] for each in here if each in self.asked}
             whole = {each for each, request in self.asked.items() if request.content.is_eof()}
             since = {each: since.get(each, now) for each in here if each.transport and each not in whole}
-            silent = [each for each, then in since.items() if now - then > SILENT]
+            silent = [each for each, then in since.items() if now - then > SILENT_SECONDS]
             for each in silent:
                 each.force_close()
             if silent:
-                print(f"let go, since they asked nothing within {SILENT} s: {len(silent)}", flush=True)
+                print(f"let go, since they asked nothing within {SILENT_SECONDS} s: {len(silent)}", flush=True)
             await asyncio.sleep(1)
 
 
-async def let_go(sockets: dict[str, Any], inside: Callable[[], set[str]]) -> None:
-    """Who has opened a connection of Socket.IO's, answers its pings, and never asks to come in."""
-    before = set[str]()
+async def close_strangers(sockets: dict[str, Any], inside: Callable[[], set[str]]) -> None:
+    """Closes the connections of Socket.IO that answer its pings, and never ask to come in."""
+    before: set[str] = set()
     while True:
         outside = set(sockets) - inside()
         for name in before & outside:
-            print(f"let go, since it did not ask to come in within {SILENT} s", flush=True)
+            print(f"let go, since it did not ask to come in within {SILENT_SECONDS} s", flush=True)
             socket = sockets.pop(name)
             await socket.close(wait=False, abort=True)
             # It ends what writes to a WebSocket, and so, from python-engineio 4.6 on, the WebSocket.
             await socket.queue.put(None)
         before = outside
-        await asyncio.sleep(SILENT)
+        await asyncio.sleep(SILENT_SECONDS)
 
 
 async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, int]:
-    """The host and the port at which this gateway is now."""
-    host, port = endpoint.removeprefix("http://").rsplit(":", 1)
+    """The host and the port at which this gateway is now. It ends the program where it cannot listen."""
+    host, _, port = check.endpoint(endpoint, EXAMPLE, lowest_port=0).removeprefix("http://").rpartition(":")
     # Our own mistakes it may print; not the noise of a stranger who does not speak HTTP.
-    logging.getLogger("aiohttp.server").addFilter(our_own)
+    logging.getLogger("aiohttp.server").addFilter(is_our_own)
     silence = Silence()
-    # Before the door: whoever is refused has asked.
+    # Before the door: a connection that is refused has asked.
     app.middlewares.insert(0, silence.hear)
-    runner = web.AppRunner(app, access_log=None, keepalive_timeout=REST)
+    runner = web.AppRunner(app, access_log=None, keepalive_timeout=REST_SECONDS)
     await runner.setup()
     assert runner.server
     try:
         if host not in LOOPBACK and not token:
             raise OSError(None, "everybody in the network could come in; give --token, a word that they must know")
         await web.TCPSite(runner, host, int(port.replace("*", "0"))).start()
+    except UnicodeError:
+        # A part of a host's name has 63 characters at most.
+        print(f"bad endpoint '{endpoint}': write it like {EXAMPLE}", file=sys.stderr)
+        sys.exit(2)
     except OSError as error:
         why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror
         sys.exit(f"cannot listen on {endpoint}: {why}; try --endpoint http://127.0.0.1:0, which takes a free port")
     silence.watching = asyncio.create_task(silence.watch(runner.server))
-    port = runner.addresses[0][1]
-    print(f"listening on http://{host}:{port}", flush=True)
-    return host, port
+    bound = runner.addresses[0][1]
+    print(f"listening on http://{host}:{bound}", flush=True)
+    return host, bound
 
 
-def our_own(said: logging.LogRecord) -> bool:
-    """Strangers speak no HTTP, leave in the midst of a word, or send Engine.IO's empty packet."""
-    error = said.exc_info[1] if said.exc_info else None
+def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
+    """Ctrl-C and SIGTERM end the process here and now, with code 0.
+
+    A KeyboardInterrupt may be caught within Socket.IO, and its tasks are not cancelled for ten seconds and more.
+    """
+    for each in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
+        signal.signal(each, lambda *_: os._exit(0))
+    # ZeroMQ's sockets are no files of Windows' own event loop.
+    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
+        runner.run(serve)
+
+
+def is_our_own(record: logging.LogRecord) -> bool:
+    """Strangers speak no HTTP, leave in the middle of a word, or send Engine.IO's empty packet."""
+    error = record.exc_info[1] if record.exc_info else None
     return not isinstance(error, HttpProcessingError | ConnectionError) and "empty packet" not in str(error)

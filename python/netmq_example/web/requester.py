@@ -1,10 +1,10 @@
-"""Lesson 16, the requester to copy in Python: the gateway is asked by WebSocket.
+"""A client of the gateway by WebSocket. In C# it is WebSocketRequester.cs.
 
     async with WebSocketRequester("http://127.0.0.1:5566", "hello") as requester:
-        reply = await requester.request("Hello")
+        reply = await requester.request("Hello")                                     ["World"], or TimeoutError
 
 Each try has a new connection; what was asked when one broke is asked again. Whether it was done already only an id can
-tell, as in lesson 02.
+tell, as in lesson 02. GaveUp says that the gateway refuses this client. socketio_requester.py does it by Socket.IO.
 """
 
 import asyncio
@@ -14,43 +14,55 @@ from typing import Any, Self
 
 import aiohttp
 
-# What it looks like when nobody is there, when somebody else is, and when somebody leaves.
+from netmq_example import check
+from netmq_example.errors import GaveUp
+
+# What is raised when nobody is there, when somebody else is, and when somebody leaves.
 GONE = (OSError, aiohttp.ClientError, TypeError, ValueError, KeyError, RecursionError)
 REFUSED = "{} does not let this client in: its token is missing or wrong"
 
 
 class WebRequester:
-    """Asks one of the servers behind the gateway. What is said how, its two kinds know."""
+    """Asks one of the servers behind the gateway. Its two kinds know how."""
 
     def __init__(self, endpoint: str, name: str, token: str = "", timeout: float = 2.5) -> None:
-        self.endpoint, self.name, self.token, self.timeout = endpoint, name, token, timeout
-        self.connected, self.trouble = False, "; is the server running?"
+        self.endpoint = check.endpoint(endpoint, "http://127.0.0.1:5566")
+        self.name = check.text("name", name)
+        self.token: str = check.instance("token", token, str)
+        self.timeout = check.seconds("timeout", timeout)
+        self.connected = False
+        self.trouble = "; is the server running?"
         self.session: aiohttp.ClientSession | None = None
 
     async def request(self, *texts: str) -> list[str]:
-        """The frames of the reply; TimeoutError if none came, whatever was tried."""
+        """The frames of the reply; TimeoutError if none came, however often it was asked."""
+        for text in texts:
+            check.instance("a text", text, str)
         try:
             async with asyncio.timeout(self.timeout):
                 while True:
                     try:
-                        if not self.connected:
-                            await self.connect()
-                        self.connected = True
-                        answer = await self.ask(*texts)
-                        if isinstance(answer, list) and all(isinstance(text, str) for text in answer):
-                            return answer
-                        self.trouble = f": {answer['error']}"
-                    except PermissionError:
-                        raise
+                        return await self.try_once(texts)
                     except GONE as error:
                         self.trouble = f"; is the server running? ({error})"
                         await self.close()
+                    except NoAnswer as error:
+                        self.trouble = f": {error}"
                     # Whatever it was, it is not over at once.
                     await asyncio.sleep(0.1)
         except TimeoutError:
             # The one that was under way may still be answered.
             await self.close()
             raise TimeoutError(f"no reply from {self.endpoint} within {self.timeout:g} s{self.trouble}") from None
+
+    async def try_once(self, texts: tuple[str, ...]) -> list[str]:
+        if not self.connected:
+            await self.connect()
+        self.connected = True
+        answer = await self.ask(*texts)
+        if isinstance(answer, list) and all(isinstance(text, str) for text in answer):
+            return answer
+        raise NoAnswer(answer["error"])
 
     async def connect(self) -> None:
         raise NotImplementedError
@@ -68,6 +80,10 @@ class WebRequester:
         await self.close()
 
 
+class NoAnswer(Exception):
+    """The gateway is there, and says why it has no answer."""
+
+
 class WebSocketRequester(WebRequester):
     """A request is a message, and so is its reply."""
 
@@ -79,7 +95,7 @@ class WebSocketRequester(WebRequester):
         except aiohttp.WSServerHandshakeError as error:
             # It is there, and no timeout would help.
             if error.status == 403:
-                raise PermissionError(REFUSED.format(self.endpoint)) from None
+                raise GaveUp(REFUSED.format(self.endpoint)) from None
             # Its own text has the address in it, and so the token.
             raise ConnectionError(f"it says {error.status}") from None
 
@@ -90,4 +106,5 @@ class WebSocketRequester(WebRequester):
     async def close(self) -> None:
         if self.session:
             await self.session.close()
-        self.session, self.connected = None, False
+        self.session = None
+        self.connected = False

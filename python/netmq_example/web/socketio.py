@@ -1,9 +1,11 @@
-"""Lesson 16 over Socket.IO (protocol 5, that of its clients 3 and 4): the name of an event is the name of a server.
+"""Socket.IO (protocol 5, that of its clients 3 and 4): the name of an event is the name of a server.
 
-    socket.emit("hello", "Hello", world => …)          the callback gets the frames of the answer
+    attach(app, door, ["hello"], lambda name: Requester(context, endpoint, 1))         app is an aiohttp.web.Application
+
+    socket.emit("hello", "Hello", world => …)          in JavaScript: the callback gets the frames of the answer
     socket.emit("poses", "pose/", newest => …)         or, if there is none, {error: why}
 
-A text is a frame, and so are bytes. Who sends bytes is answered with bytes.
+A text is a frame, and so are bytes. A browser that sends bytes is answered with bytes.
 """
 
 import asyncio
@@ -16,11 +18,11 @@ import socketio
 from aiohttp import web
 from engineio.payload import Payload
 
-from netmq_example.web.browser_socket import LARGEST, BrowserSocket
-from netmq_example.web.door import Door, let_go
+from netmq_example.web.browser_socket import LARGEST_BYTES, BrowserSocket
+from netmq_example.web.door import Door, close_strangers
 
 # So many requests of one browser may wait, and so many answers for it. Socket.IO itself has no limit.
-MOST = 64
+MOST_WAITING = 64
 
 
 class Browser:
@@ -28,7 +30,8 @@ class Browser:
 
     def __init__(self) -> None:
         self.sockets: dict[str, tuple[BrowserSocket, asyncio.Lock]] = {}
-        self.waiting, self.inside = 0, ExitStack()
+        self.waiting = 0
+        self.inside = ExitStack()
 
     def close(self) -> None:
         self.inside.close()
@@ -37,8 +40,9 @@ class Browser:
 
 
 def attach(app: web.Application, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
+    """Browsers may ask for these names, and each gets sockets of its own from `opened`."""
     # With more than 16 requests at once by HTTP, python-socketio would drop them all without a word.
-    Payload.max_decode_packets = LARGEST
+    Payload.max_decode_packets = LARGEST_BYTES
     # What it reports are the mistakes of strangers, each with a traceback.
     noise = logging.getLogger("noise")
     noise.setLevel(logging.CRITICAL)
@@ -46,7 +50,7 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
     server = socketio.AsyncServer(
         async_mode="aiohttp",
         cors_allowed_origins="*",
-        max_http_buffer_size=LARGEST,
+        max_http_buffer_size=LARGEST_BYTES,
         ping_interval=10,
         ping_timeout=10,
         engineio_logger=noise,
@@ -67,20 +71,23 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         if sid in browsers:
             browsers.pop(sid).close()
 
-    async def asked(name: str, sid: str, *frames: Any) -> Any:
-        # What was asked before it left may be read after that.
-        if not (browser := browsers.get(sid)):
+    async def ask(name: str, sid: str, *frames: Any) -> Any:
+        # What it asked before it left may be read after that.
+        if sid not in browsers:
             return await server.disconnect(sid)
+        browser = browsers[sid]
         unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
-        if unread > MOST or browser.waiting == MOST:
-            print(f"let a browser go: {MOST} of its requests, or answers for it, wait", flush=True)
+        if unread > MOST_WAITING or browser.waiting == MOST_WAITING:
+            print(f"let a browser go: {MOST_WAITING} of its requests, or answers for it, wait", flush=True)
             # At once, so that this is said once.
             await leave(sid)
             await server.disconnect(sid)
             return {"error": "too many requests at once"}
         if name not in names:
             return {"error": f"behind the gateway there are {', '.join(names)}, no {name!r:.40}"}
-        socket, turn = browser.sockets.setdefault(name, (opened(name), asyncio.Lock()))
+        if name not in browser.sockets:
+            browser.sockets[name] = opened(name), asyncio.Lock()
+        socket, turn = browser.sockets[name]
         browser.waiting += 1
         try:
             # A ZeroMQ socket has one request under way.
@@ -97,17 +104,21 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
     server.on("connect", come_in)
     server.on("disconnect", leave)
     # Whatever it is called: a name that nobody has is to be answered, too.
-    server.on("*", asked)
+    server.on("*", ask)
     server.attach(app)
 
-    at_home = server.manager.eio_sid_from_sid
-    server.start_background_task(let_go, server.eio.sockets, lambda: {at_home(sid, "/") for sid in browsers})
+    def inside() -> set[str]:
+        return {server.manager.eio_sid_from_sid(sid, "/") for sid in browsers}
+
+    server.start_background_task(close_strangers, server.eio.sockets, inside)
 
 
 def to_bytes(frame: Any) -> bytes:
-    if not isinstance(frame, str | bytes):
-        raise ValueError("a frame is a text or bytes")
-    return frame.encode(errors="replace") if isinstance(frame, str) else frame
+    if isinstance(frame, bytes):
+        return frame
+    if isinstance(frame, str):
+        return frame.encode(errors="replace")
+    raise ValueError("a frame is a text or bytes")
 
 
 def answer(asked: tuple[Any, ...], frames: list[bytes]) -> Any:

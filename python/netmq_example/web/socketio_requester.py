@@ -1,10 +1,17 @@
-"""Lesson 16, the same requester over Socket.IO."""
+"""The same client of the gateway by Socket.IO. In C# it is SocketIORequester.cs.
+
+    async with SocketIORequester("http://127.0.0.1:5566", "hello") as requester:
+        reply = await requester.request("Hello")                                     ["World"], or TimeoutError
+
+It needs python-socketio.
+"""
 
 import asyncio
 from typing import Any
 
 import socketio
 
+from netmq_example.errors import GaveUp
 from netmq_example.web.requester import REFUSED, WebRequester
 
 
@@ -15,19 +22,20 @@ class SocketIORequester(WebRequester):
 
     async def connect(self) -> None:
         # We try again ourselves: the requests that its own reconnection has lost nobody would hear of.
-        self.client, self.gone, said = socketio.AsyncClient(reconnection=False), asyncio.Event(), list[Any]()
-        gone = self.gone
+        self.client = socketio.AsyncClient(reconnection=False)
+        self.gone = gone = asyncio.Event()
+        refusals: list[Any] = []
         self.client.on("disconnect", lambda *_: gone.set())
-        # What only another than a gateway says ends a task of Socket.IO, and the event loop hears of it. It also hears,
-        # without an exception, that Socket.IO has not closed what an earlier try opened.
+        # What only another than a gateway sends ends a task of Socket.IO, and the event loop hears of it. It also
+        # hears, without an exception, that Socket.IO has not closed what an earlier try opened.
         asyncio.get_running_loop().set_exception_handler(lambda _, what: gone.set() if "exception" in what else None)
-        self.client.on("connect_error", said.append)
+        self.client.on("connect_error", refusals.append)
         try:
             await self.client.connect(self.endpoint, auth={"token": self.token}, transports=["websocket"])
         except socketio.exceptions.ConnectionError:
-            if "token" in str(said):
-                raise PermissionError(REFUSED.format(self.endpoint)) from None
-            raise ConnectionError(said[0] if said else "it does not answer") from None
+            if "token" in str(refusals):
+                raise GaveUp(REFUSED.format(self.endpoint)) from None
+            raise ConnectionError(refusals[0] if refusals else "it does not answer") from None
 
     async def ask(self, *texts: str) -> Any:
         asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.timeout))
@@ -43,9 +51,12 @@ class SocketIORequester(WebRequester):
             asked.cancel()
             gone.cancel()
         # One frame comes alone, several as a list, none as nothing.
-        return [answer] if isinstance(answer, str) else [] if answer is None else answer
+        if isinstance(answer, str):
+            return [answer]
+        return [] if answer is None else answer
 
     async def close(self) -> None:
         if self.client:
             await self.client.disconnect()
-        self.client, self.connected = None, False
+        self.client = None
+        self.connected = False
