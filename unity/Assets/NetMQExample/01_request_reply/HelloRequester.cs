@@ -5,6 +5,8 @@
 // Trouble: a REQ socket alternates strictly. A second request before the reply is refused with
 // "Req.XSend - cannot send another request"; the terminal client shows it with --send-twice.
 using System;
+using System.Collections.Generic;
+using System.Text;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
@@ -17,13 +19,28 @@ namespace NetMQExample
     /// </summary>
     public sealed class HelloRequester : IDisposable
     {
-        private readonly NetMQConnection connection;
+        private readonly NetMQLifetime lifetime = new NetMQLifetime();
+        private readonly string endpoint;
+        private readonly RequestSocket socket;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
-        public HelloRequester(string endpoint) =>
-            connection = new NetMQConnection(endpoint, () => new RequestSocket());
+        public HelloRequester(string endpoint)
+        {
+            this.endpoint = endpoint;
+            try
+            {
+                socket = new RequestSocket();
+                // With linger 0, frames of 64 KB at most, and a check of the endpoint.
+                NetMQConnection.Connect(socket, endpoint);
+            }
+            catch
+            {
+                Dispose();
+                throw;
+            }
+        }
 
         /// <summary>Sends a request and waits for its reply.</summary>
         /// <param name="text">The request, sent as UTF-8.</param>
@@ -45,17 +62,41 @@ namespace NetMQExample
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <exception cref="FiniteStateMachineException">The reply to the last request was not received
         /// yet.</exception>
-        public void Send(string text, TimeSpan timeout, CancellationToken stop = default) =>
-            connection.Send(timeout, stop, text);
+        public void Send(string text, TimeSpan timeout, CancellationToken stop = default)
+        {
+            // Not the text: NetMQ would make a question mark of every character that is not ASCII.
+            var bytes = Encoding.UTF8.GetBytes(text);
+            foreach (var slice in NetMQConnection.Slices(timeout, stop))
+            {
+                if (!socket.TrySendFrame(slice, bytes)) continue;
+                NetMQConnection.Show(endpoint, true, new[] { text });
+                return;
+            }
+            throw NetMQConnection.NoReply(endpoint, timeout);
+        }
 
         /// <summary>The second half: waits for the reply, as <see cref="Request"/> does.</summary>
         /// <param name="timeout">How long to wait for the reply.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>The text of the reply's first frame.</returns>
-        public string Receive(TimeSpan timeout, CancellationToken stop = default) =>
-            connection.Receive(timeout, stop)[0];
+        public string Receive(TimeSpan timeout, CancellationToken stop = default)
+        {
+            // However many frames there are, they are one message.
+            List<string> frames = null;
+            foreach (var slice in NetMQConnection.Slices(timeout, stop))
+            {
+                if (!socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
+                NetMQConnection.Show(endpoint, false, frames);
+                return frames[0];
+            }
+            throw NetMQConnection.NoReply(endpoint, timeout);
+        }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
-        public void Dispose() => connection.Dispose();
+        public void Dispose()
+        {
+            NetMQConnection.Close(socket);
+            lifetime.Dispose();
+        }
     }
 }

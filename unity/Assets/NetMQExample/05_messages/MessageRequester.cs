@@ -51,8 +51,7 @@ namespace NetMQExample
             try
             {
                 if (!TryExchange(request, timeout, stop, out var frames))
-                    throw new TimeoutException(FormattableString.Invariant(
-                        $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
+                    throw NetMQConnection.NoReply(endpoint, timeout);
                 reply = Message.Read(frames);
             }
             catch

@@ -34,7 +34,9 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public NetMQConnection(string endpoint, Func<NetMQSocket> make, long maxBytes = 65536)
         {
-            (this.endpoint, this.make, this.maxBytes) = (endpoint, make, maxBytes);
+            this.endpoint = endpoint;
+            this.make = make;
+            this.maxBytes = maxBytes;
             try { Open(); }
             catch
             {
@@ -55,14 +57,45 @@ namespace NetMQExample
         /// <c>NetMQConnection.Prepare = new ClientKeys("keys").Apply</c>, before the first client.</summary>
         public static Action<NetMQSocket> Prepare { get; set; }
 
-        /// <summary>The socket; after <see cref="Close"/> a new one.</summary>
+        /// <summary>The socket; after <see cref="Close()"/> a new one.</summary>
         public NetMQSocket Socket => socket ?? Open();
 
         /// <summary>Names what is wrong with an endpoint, where NetMQ itself reports in riddles.</summary>
         /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         /// <exception cref="TimeoutException">The host's address could not be found out within 5 s.</exception>
-        public static void Check(string endpoint) => Connect(null, endpoint);
+        public static void Check(string endpoint) => Reach(null, endpoint);
+
+        /// <summary>Connects a socket within the limits of this kit.</summary>
+        /// <param name="socket">One that was made just now.</param>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
+        /// <param name="maxBytes">The longest frame to accept. A peer that announces more is disconnected before it is
+        /// in memory.</param>
+        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        public static void Connect(NetMQSocket socket, string endpoint, long maxBytes = 65536)
+        {
+            // What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
+            socket.Options.Linger = TimeSpan.Zero;
+            socket.Options.MaxMsgSize = maxBytes;
+            Prepare?.Invoke(socket);
+            Reach(socket, endpoint);
+        }
+
+        /// <summary>Closes a socket, with what it has not sent yet.</summary>
+        /// <param name="socket">The socket, or null.</param>
+        public static void Close(NetMQSocket socket)
+        {
+            try { socket?.Dispose(); }
+            catch (Exception) { /* Somebody called NetMQConfig.Cleanup, and the socket went with it. */ }
+        }
+
+        /// <summary>What to throw when nothing came, or there was nowhere to send to.</summary>
+        /// <param name="endpoint">The server.</param>
+        /// <param name="timeout">How long it was waited for.</param>
+        /// <returns>Cause and cure, in one line.</returns>
+        public static TimeoutException NoReply(string endpoint, TimeSpan timeout) =>
+            new TimeoutException(FormattableString.Invariant(
+                $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
 
         /// <summary>The time to wait, cut into slices; between two of them <paramref name="stop"/> is heard.</summary>
         /// <param name="timeout">How long to wait; zero gives one slice, of zero.</param>
@@ -84,10 +117,16 @@ namespace NetMQExample
 
         /// <summary>Shows a message to whoever looks. The compiler leaves out the calls, with all that is made for
         /// them, where it does not compile for the editor.</summary>
+        /// <param name="endpoint">The server.</param>
         /// <param name="sent">Or received.</param>
         /// <param name="frames">Texts, bytes, or what NetMQ has them in.</param>
         [Conditional("UNITY_EDITOR")]
-        public void Show(bool sent, IEnumerable frames) => Seen?.Invoke(endpoint, sent, frames);
+        public static void Show(string endpoint, bool sent, IEnumerable frames) =>
+            Seen?.Invoke(endpoint, sent, frames);
+
+        /// <summary>The same for a message of this connection.</summary>
+        [Conditional("UNITY_EDITOR")]
+        public void Show(bool sent, IEnumerable frames) => Show(endpoint, sent, frames);
 
         /// <summary>Sends a message, and waits when there is no connection to send on.</summary>
         /// <param name="timeout">How long to wait for a connection.</param>
@@ -129,19 +168,18 @@ namespace NetMQExample
         /// <exception cref="TimeoutException">It was not sent.</exception>
         public void Send(TimeSpan timeout, CancellationToken stop, params string[] frames)
         {
-            if (!TrySend(timeout, stop, frames)) throw Silence(timeout);
+            if (!TrySend(timeout, stop, frames)) throw NoReply(endpoint, timeout);
         }
 
         /// <summary>Receives as <see cref="TryReceive"/> does.</summary>
         /// <exception cref="TimeoutException">No message came.</exception>
         public List<string> Receive(TimeSpan timeout, CancellationToken stop) =>
-            TryReceive(timeout, stop, out var frames) ? frames : throw Silence(timeout);
+            TryReceive(timeout, stop, out var frames) ? frames : throw NoReply(endpoint, timeout);
 
         /// <summary>Closes the socket, with what it has not sent yet.</summary>
         public void Close()
         {
-            try { socket?.Dispose(); }
-            catch (Exception) { /* Somebody called NetMQConfig.Cleanup, and the socket went with it. */ }
+            Close(socket);
             socket = null;
         }
 
@@ -155,25 +193,25 @@ namespace NetMQExample
         private NetMQSocket Open()
         {
             socket = make();
-            // What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
-            socket.Options.Linger = TimeSpan.Zero;
-            socket.Options.MaxMsgSize = maxBytes;
-            Prepare?.Invoke(socket);
-            Connect(socket, endpoint);
+            Connect(socket, endpoint, maxBytes);
             return socket;
         }
 
-        private TimeoutException Silence(TimeSpan timeout) => new TimeoutException(FormattableString.Invariant(
-            $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
-
-        private static void Connect(NetMQSocket socket, string endpoint)
+        // The endpoint's host, without asking a name server: this never waits.
+        internal static string Host(string endpoint)
         {
-            ArgumentException Bad(string why) => new ArgumentException(
-                $"bad endpoint '{endpoint}': {why}write it like tcp://127.0.0.1:PORT, PORT from 1 to 65535");
             // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
             var parts = Regex.Match(endpoint ?? "", @"^tcp://(\S+):(\d+)$");
-            if (!ushort.TryParse(parts.Groups[2].Value, out var port) || port == 0) throw Bad("");
-            var host = parts.Groups[1].Value;
+            if (!ushort.TryParse(parts.Groups[2].Value, out var port) || port == 0) throw Bad(endpoint, "");
+            return parts.Groups[1].Value;
+        }
+
+        private static ArgumentException Bad(string endpoint, string why) => new ArgumentException(
+            $"bad endpoint '{endpoint}': {why}write it like tcp://127.0.0.1:PORT, PORT from 1 to 65535");
+
+        private static void Reach(NetMQSocket socket, string endpoint)
+        {
+            var host = Host(endpoint);
             try
             {
                 // An address such as 127.0.0.1 or [::1] needs no name server, nor the thread that a look-up takes.
@@ -183,7 +221,7 @@ namespace NetMQExample
             // A library that is missing, or of another version, is no unknown host.
             catch (Exception e) when (!(e is TimeoutException || e is IOException || e is TypeLoadException))
             {
-                throw Bad($"unknown host '{host}'; check its spelling, or ");
+                throw Bad(endpoint, $"unknown host '{host}'; check its spelling, or ");
             }
         }
 
