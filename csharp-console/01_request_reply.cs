@@ -24,7 +24,7 @@ namespace NetMQExample.Terminal
             for (var i = 1; i <= count; i++)
             {
                 var reply = requester.Request(text, timeout);
-                Console.WriteLine($"{i}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+                Console.WriteLine($"{i}: sent {text}, received {LogText.Printable(reply)}");
             }
             Console.WriteLine($"done: {count} replies");
         }
@@ -40,7 +40,7 @@ namespace NetMQExample.Terminal
             {
                 Console.WriteLine($"refused: {e.GetType().Name}: {e.Message}");
             }
-            var reply = NetMQLifetime.Printable(requester.Receive(timeout));
+            var reply = LogText.Printable(requester.Receive(timeout));
             Console.WriteLine($"received {reply}: now REQ may send again");
         }
     }

@@ -21,7 +21,7 @@ namespace NetMQExample.Terminal
             Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
             {
-                var reply = NetMQLifetime.Printable(pirate.Request(text));
+                var reply = LogText.Printable(pirate.Request(text));
                 Console.WriteLine($"{i}: sent {text}, received {reply}");
             }
             Console.WriteLine($"done: {count} replies");

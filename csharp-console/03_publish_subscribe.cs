@@ -28,7 +28,7 @@ namespace NetMQExample.Terminal
             for (var i = 0; i < count; i++)
             {
                 var message = newest ? listener.Newest(timeout) : listener.Receive(timeout);
-                if (every > 0 && i % every == 0) Console.WriteLine($"received {NetMQLifetime.Printable(message)}");
+                if (every > 0 && i % every == 0) Console.WriteLine($"received {LogText.Printable(message)}");
                 Thread.Sleep(work);
             }
             Console.WriteLine($"done: received {count}");

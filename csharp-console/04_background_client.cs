@@ -26,7 +26,7 @@ namespace NetMQExample.Terminal
             // What a game does: frame after frame. Each one runs what came back, and asks once.
             var (asked, replies, frames, longest, shown, why) = (0, 0, 0, 0L, "", (string?)null);
             void OnReply(string reply) =>
-                Console.WriteLine($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+                Console.WriteLine($"{++replies}: sent {text}, received {LogText.Printable(reply)}");
             for (var frame = Stopwatch.StartNew(); replies < count && why == null; frames++, frame.Restart())
             {
                 var (state, error) = client.Status;

@@ -29,9 +29,9 @@ namespace NetMQExample.Terminal
             {
                 if (answer.Failure != null) failures++;
                 var outcome = answer.Failure == null
-                    ? $"received {NetMQLifetime.Printable(answer.Reply)}"
+                    ? $"received {LogText.Printable(answer.Reply)}"
                     : $"gave up: {answer.Failure}";
-                var asked = NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length]);
+                var asked = LogText.Printable(texts[(answer.Number - 1) % texts.Length]);
                 Console.WriteLine($"{answer.Number}: sent {asked}, {outcome}");
             }
             Console.WriteLine($"done: {count - failures} replies");

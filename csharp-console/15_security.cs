@@ -26,7 +26,7 @@ namespace NetMQExample.Terminal
             Console.WriteLine($"asking {endpoint}");
             for (var i = 1; i <= count; i++)
             {
-                var reply = NetMQLifetime.Printable(requester.Request("Hello"));
+                var reply = LogText.Printable(requester.Request("Hello"));
                 Console.WriteLine($"{i}: sent Hello, received {reply}");
             }
             Console.WriteLine($"done: {count} replies");

@@ -1,6 +1,6 @@
 // Runs the terminal client of a lesson: dotnet run --project csharp-console -- NN [options].
 // With --with-keys DIR the client of any lesson has lesson 15's keys, for a server behind its gate.py.
-// With --unity it plays the lesson's MonoBehaviours instead; see unity-player/Play.cs.
+// With --unity it plays the lesson's MonoBehaviours instead; see Play.cs.
 //
 // A terminal client is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
 // its file. Exit codes: 0 done, 1 gave up, 2 wrong usage.

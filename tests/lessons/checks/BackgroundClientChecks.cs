@@ -147,21 +147,21 @@ namespace NetMQExample.Tests
             var stuck = Enumerable.Range(0, 50).Select(_ => new Thread(() => Thread.Sleep(60000)) { IsBackground = true }).ToArray();
             foreach (var thread in stuck) thread.Start();
             var watch = Stopwatch.StartNew();
-            foreach (var thread in stuck) NetMQLifetime.Join(thread);
+            foreach (var thread in stuck) NetworkThread.Join(thread);
             Check(watch.Elapsed < TimeSpan.FromSeconds(8), $"fifty waits took {watch.Elapsed}");
             // A game that changes its server now and then: a wait that comes a second later has its own time.
             Thread.Sleep(1100);
             watch.Restart();
-            NetMQLifetime.Join(stuck[0]);
+            NetworkThread.Join(stuck[0]);
             Check(watch.ElapsedMilliseconds > 100, $"the next Stop waited for {watch.ElapsedMilliseconds} ms only");
         }
 
         private static void Why(string endpoint)
         {
-            Equal("no reply", NetMQLifetime.Why(new TimeoutException("no reply")));
-            Equal("bad-json: the header", NetMQLifetime.Why(new MessageException("bad-json", "the header")));
+            Equal("no reply", LogText.Why(new TimeoutException("no reply")));
+            Equal("bad-json: the header", LogText.Why(new MessageException("bad-json", "the header")));
             // What IL2CPP says when something was stripped away.
-            var unforeseen = NetMQLifetime.Why(new TypeInitializationException("Boom", new NotSupportedException("not in this build")));
+            var unforeseen = LogText.Why(new TypeInitializationException("Boom", new NotSupportedException("not in this build")));
             Check(unforeseen.Contains("NotSupportedException") && unforeseen.Contains("not in this build"), unforeseen);
         }
 

@@ -69,7 +69,7 @@ namespace NetMQExample.PlayTest
         private void OnDestroy()
         {
             running = false;
-            NetMQLifetime.Join(thread);
+            NetworkThread.Join(thread);
         }
 
         private void Ask()

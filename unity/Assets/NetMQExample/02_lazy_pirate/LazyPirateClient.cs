@@ -30,7 +30,7 @@ namespace NetMQExample
             for (var i = 1; i <= count; i++)
             {
                 var reply = pirate.Request(text, stop);
-                Log($"{i}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+                Log($"{i}: sent {text}, received {LogText.Printable(reply)}");
                 Arrive(replied, reply);
             }
             Log($"done: {count} replies");

@@ -65,7 +65,7 @@ namespace NetMQExample
                 if (Try(id, text, limit, stop, out var frames)) return frames[1];
                 var trouble = frames == null
                     ? FormattableString.Invariant($"no reply within {limit.TotalSeconds} s")
-                    : $"dropped a reply to another request ({NetMQLifetime.Printable(string.Join(" ", frames))})";
+                    : $"dropped a reply to another request ({LogText.Printable(string.Join(" ", frames))})";
                 if (attempt == tries)
                     throw new TimeoutException($"{tries} tries to ask {endpoint}, the last: {trouble}; "
                         + $"is the right server running, or the line slow? '{text}' may have been done or not");

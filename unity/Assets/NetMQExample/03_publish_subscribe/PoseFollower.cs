@@ -42,7 +42,7 @@ namespace NetMQExample
             {
                 var message = listener.Newest(Seconds(timeout), stop);
                 if (Parse(message) is float[] pose) newest = pose;
-                if (every > 0 && i % every == 0) Log($"received {NetMQLifetime.Printable(message)}");
+                if (every > 0 && i % every == 0) Log($"received {LogText.Printable(message)}");
             }
             Log($"done: received {count}");
         }

@@ -126,7 +126,7 @@ namespace NetMQExample
             wake.Set();
             // The limit is for what nobody foresaw, such as a slow look-up of a host name: Stop must never freeze
             // Unity.
-            NetMQLifetime.Join(thread);
+            NetworkThread.Join(thread);
             lock (gate)
             {
                 status.state = ClientState.Disposed;
@@ -154,7 +154,7 @@ namespace NetMQExample
                 }
                 catch (OperationCanceledException) { /* Dispose ends what waits. */ }
                 // Whatever it is, this thread goes on, and the caller gets to know.
-                catch (Exception e) { Finish(ClientState.Lost, call.error, NetMQLifetime.Why(e)); }
+                catch (Exception e) { Finish(ClientState.Lost, call.error, LogText.Why(e)); }
             }
             pirate?.Dispose();
         }

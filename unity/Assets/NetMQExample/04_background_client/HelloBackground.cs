@@ -62,7 +62,7 @@ namespace NetMQExample
         {
             // Dispose hands out what has come, and a component that is disabled hears no more.
             if (Client.State == ClientState.Disposed) return;
-            Debug.Log($"{++replies}: sent {text}, received {NetMQLifetime.Printable(reply)}");
+            Debug.Log($"{++replies}: sent {text}, received {LogText.Printable(reply)}");
             replied.Raise(reply);
         }
 

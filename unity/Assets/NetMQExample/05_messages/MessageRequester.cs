@@ -62,8 +62,8 @@ namespace NetMQExample
             }
             if (reply.Kind != "error") return reply;
             var (code, text) = (reply.Values.GetValueOrDefault("code"), reply.Values.GetValueOrDefault("text"));
-            throw new MessageException(NetMQLifetime.Printable($"{code ?? "not said"}"),
-                NetMQLifetime.Printable($"{text ?? "not said"}"));
+            throw new MessageException(LogText.Printable($"{code ?? "not said"}"),
+                LogText.Printable($"{text ?? "not said"}"));
         }
 
         /// <summary>Sends one message and receives another: the header, and a frame for each array.</summary>

@@ -33,7 +33,7 @@ namespace NetMQExample
         public static string Line(int number, Message reply)
         {
             var found = reply.Values.Select(value => FormattableString.Invariant($"{value.Key} {value.Value}"));
-            var printable = NetMQLifetime.Printable(string.Join(", ", found));
+            var printable = LogText.Printable(string.Join(", ", found));
             return $"{number}: sent frame {number}, {Width * Height * 3} bytes; brightest at {printable}";
         }
     }

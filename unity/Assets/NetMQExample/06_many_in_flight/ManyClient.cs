@@ -36,9 +36,9 @@ namespace NetMQExample
             {
                 if (answer.Failure != null) failures++;
                 var outcome = answer.Failure == null
-                    ? $"received {NetMQLifetime.Printable(answer.Reply)}"
+                    ? $"received {LogText.Printable(answer.Reply)}"
                     : $"gave up: {answer.Failure}";
-                var asked = NetMQLifetime.Printable(texts[(answer.Number - 1) % texts.Length]);
+                var asked = LogText.Printable(texts[(answer.Number - 1) % texts.Length]);
                 Log($"{answer.Number}: sent {asked}, {outcome}");
                 if (answer.Failure == null) Arrive(replied, answer.Reply);
             }

@@ -160,7 +160,7 @@ namespace NetMQExample
                 if (pose != null && uint.TryParse(words[0], NumberStyles.None, CultureInfo.InvariantCulture, out var n))
                     return (n, pose);
                 throw new TimeoutException(
-                    $"what answers at {snapshots} gives no snapshots: {NetMQLifetime.Printable(text)}");
+                    $"what answers at {snapshots} gives no snapshots: {LogText.Printable(text)}");
             }
             throw new TimeoutException(FormattableString.Invariant(
                 $"no snapshot from {snapshots} within {timeout.TotalSeconds} s; is the server running?"));

@@ -65,7 +65,7 @@ namespace NetMQExample
                     frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
                 if (message.Kind != "error") return message;
                 var (code, text) = (message.Values.GetValueOrDefault("code"), message.Values.GetValueOrDefault("text"));
-                throw new MessageException(NetMQLifetime.Printable($"{code}"), NetMQLifetime.Printable($"{text}"));
+                throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"));
             }
             return null;
         }

@@ -35,7 +35,7 @@ namespace NetMQExample.SideChannels
             if (!Troubles.Contains(trouble))
                 throw new ArgumentException($"trouble is one of {string.Join(", ", Troubles)}, not '{trouble}'");
             (this.count, this.trouble, this.limit) = (count, trouble, limit);
-            this.log = line => log(NetMQLifetime.Printable(line));
+            this.log = line => log(LogText.Printable(line));
             StringLog = new StringLogChannel(this.log, trouble == "throw");
             SideChannelManager.Report = new Trouble(this.log).Report;
             Academy.Instance.EnvironmentParameters.RegisterCallback("gravity", value => log(

@@ -26,7 +26,7 @@ namespace NetMQExample.SideChannels
                 unsaid++;
                 return;
             }
-            say($"trouble: {NetMQLifetime.Printable(line)}" + (unsaid > 0 ? $" (and {unsaid} more)" : ""));
+            say($"trouble: {LogText.Printable(line)}" + (unsaid > 0 ? $" (and {unsaid} more)" : ""));
             said.Restart();
             unsaid = 0;
         }

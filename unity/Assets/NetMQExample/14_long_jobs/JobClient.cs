@@ -146,7 +146,7 @@ namespace NetMQExample
             catch (MessageException e)
             {
                 // One line for each time that it asks: many that are wrong must not fill a disk.
-                if (!dropped) report($"dropped: {NetMQLifetime.Printable(e.Message)}");
+                if (!dropped) report($"dropped: {LogText.Printable(e.Message)}");
                 dropped = true;
                 return false;
             }

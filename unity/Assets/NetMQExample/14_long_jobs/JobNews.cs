@@ -36,7 +36,7 @@ namespace NetMQExample
                 && shape[0] <= shape[1] && shape[1] > 0 && shape[1] <= LargestSide)
                 (Side, Pixels) = (shape[1], Upwards(shape[0], shape[1]));
             var name = $"job {Job.Substring(0, Math.Min(Job.Length, 8))}";
-            Line = NetMQLifetime.Printable($"{name}: {Words}");
+            Line = LogText.Printable($"{name}: {Words}");
         }
 
         /// <summary>The verb: accepted, feedback, canceling, result or forgotten.</summary>
@@ -86,7 +86,7 @@ namespace NetMQExample
                 long sum = 0;
                 // An array: the compiler turns a loop over a span into its indexer, which Mono does not have.
                 foreach (var one in Finished.ToArray()) sum += one;
-                return $"done: {NetMQLifetime.Printable(Status)}, {Finished.Length} bytes, sum {sum}";
+                return $"done: {LogText.Printable(Status)}, {Finished.Length} bytes, sum {sum}";
             }
         }
 
@@ -129,6 +129,6 @@ namespace NetMQExample
         private static MessageException Wrong(string code, string what, string found, string[] known) =>
             new MessageException(code, $"{what} '{Cut(found)}' is none of {string.Join(", ", known)}");
 
-        private static string Cut(string text) => NetMQLifetime.Printable(text.Substring(0, Math.Min(text.Length, 38)));
+        private static string Cut(string text) => LogText.Printable(text.Substring(0, Math.Min(text.Length, 38)));
     }
 }

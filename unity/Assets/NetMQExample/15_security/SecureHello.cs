@@ -40,7 +40,7 @@ namespace NetMQExample
             for (var i = 1; i <= count; i++)
             {
                 var reply = requester.Request("Hello", stop);
-                Log($"{i}: sent Hello, received {NetMQLifetime.Printable(reply)}");
+                Log($"{i}: sent Hello, received {LogText.Printable(reply)}");
                 Arrive(replied, reply);
             }
             Log($"done: {count} replies");

@@ -29,7 +29,7 @@ namespace NetMQExample
             return new JObject { ["error"] = NoGateway };
         }
 
-        /// <summary>As NetMQLifetime's, which a WebGL build does not have: no control characters, and not too
+        /// <summary>As LogText's, which a WebGL build does not have: no control characters, and not too
         /// long.</summary>
         /// <param name="text">Whatever came.</param>
         /// <returns>At most 200 characters and an ellipsis.</returns>

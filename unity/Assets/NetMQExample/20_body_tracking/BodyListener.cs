@@ -26,7 +26,7 @@ namespace NetMQExample
         public BodyListener(string endpoint, int person, string hand = "")
         {
             if (hand != "" && hand != "left" && hand != "right")
-                throw new ArgumentException($"there is no hand '{NetMQLifetime.Printable(hand)}': take left or right");
+                throw new ArgumentException($"there is no hand '{LogText.Printable(hand)}': take left or right");
             this.endpoint = endpoint;
             Topic = hand == "" ? FormattableString.Invariant($"pose/{person}/") : $"hand/{hand}/";
             Name = hand == "" ? FormattableString.Invariant($"person {person}") : $"{hand} hand";

@@ -55,7 +55,7 @@ namespace NetMQExample
             if (news.Kind == "feedback" || news.Status == "succeeded")
             {
                 var words = news.Text.Split((char[])null, StringSplitOptions.RemoveEmptyEntries);
-                (Words, Text) = (words.Length, NetMQLifetime.Printable(string.Join(" ", words), int.MaxValue));
+                (Words, Text) = (words.Length, LogText.Printable(string.Join(" ", words), int.MaxValue));
             }
             var lines = Text == "" ? "" : Regex.Replace($"she: {Text}", "(?<=[.!?]) ", "\nshe: ");
             if (news.Kind == "result" && lines != "") lines += "\n";
@@ -70,7 +70,7 @@ namespace NetMQExample
         public string Outcome(JobNews result) => result.Status switch
         {
             "aborted" => throw new TimeoutException(
-                $"the answer broke off: {NetMQLifetime.Printable(result.Text)}; ask again"),
+                $"the answer broke off: {LogText.Printable(result.Text)}; ask again"),
             "canceled" => $"done: {Words} words, and you walked away",
             _ => $"done: {Words} words",
         };

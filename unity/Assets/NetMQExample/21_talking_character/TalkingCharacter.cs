@@ -65,7 +65,7 @@ namespace NetMQExample
             while (!near) if (stop.WaitHandle.WaitOne(20)) return;
             var (speech, line, last) = (new Speech(), "", (JobNews)null);
             using var mine = client = new JobClient(endpoint, JobClient.NewId(), Seconds(timeout), tries, Log);
-            Log($"asking {endpoint}: {NetMQLifetime.Printable(prompt)}");
+            Log($"asking {endpoint}: {LogText.Printable(prompt)}");
             foreach (var news in mine.Watch(Speech.Ask(mine, prompt, count), Speech.LeaveAt(mine, stop)))
             {
                 // The next one may speak already.

@@ -46,7 +46,7 @@ namespace NetMQExample.Editor
                 hello.Client.Request("hello", Say, Debug.LogError);
         }
 
-        private static void Say(string reply) => Debug.Log($"received {NetMQLifetime.Printable(reply)}");
+        private static void Say(string reply) => Debug.Log($"received {LogText.Printable(reply)}");
 
         private void OnEnable() => EditorApplication.update += Poll;
 

@@ -58,7 +58,7 @@ namespace NetMQExample.Editor
             NetMQFrame whole => Shown(new ReadOnlyMemory<byte>(whole.Buffer, 0, whole.MessageSize)),
             byte[] bytes => Shown(new ReadOnlyMemory<byte>(bytes)),
             ReadOnlyMemory<byte> bytes => Shown(bytes),
-            _ => NetMQLifetime.Printable($"{frame}"),
+            _ => LogText.Printable($"{frame}"),
         };
 
         // Of a picture nobody wants to read the bytes.
@@ -66,7 +66,7 @@ namespace NetMQExample.Editor
         {
             try
             {
-                if (bytes.Length <= 10_000) return NetMQLifetime.Printable(Strict.GetString(bytes.ToArray()));
+                if (bytes.Length <= 10_000) return LogText.Printable(Strict.GetString(bytes.ToArray()));
             }
             catch (ArgumentException) { /* It is no UTF-8. */ }
             return $"({bytes.Length} bytes)";

@@ -26,7 +26,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">A field is wrong; the message is logged as the reason.</exception>
         protected abstract void Begin();
 
-        /// <summary>Closes the sockets. It may wait for that, as NetMQLifetime.Join does.</summary>
+        /// <summary>Closes the sockets. It may wait for that, as NetworkThread.Join does.</summary>
         protected abstract void End();
 
         /// <summary>What the inspector has as seconds.</summary>

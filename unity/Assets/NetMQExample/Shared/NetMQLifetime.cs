@@ -1,13 +1,9 @@
-// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state, and a Stop that does not
-// freeze.
+// What every NetMQ client in a process shares: one owner of NetMQ's process-wide state.
 //
 // NetMQ keeps one set of background threads per process. NetMQConfig.Cleanup() ends it, and with it every other
 // client that is still talking; calling it never leaves two threads behind at each Play in Unity. So the users are
 // counted, and the last one to leave cleans up.
 using System;
-using System.Globalization;
-using System.IO;
-using System.Text;
 using System.Threading;
 using AsyncIO;
 using NetMQ;
@@ -22,10 +18,10 @@ namespace NetMQExample
     public sealed class NetMQLifetime : IDisposable
     {
         // NetMQ cleans up within milliseconds, or not at all; on a machine that is too busy for anything else within
-        // seconds. Who leaves waits for less of that than who comes next, and could not begin before.
-        private const int Leaving = 2000, Coming = 10000;
+        // seconds. A user that leaves waits for less of that than the next one that joins, which cannot begin before.
+        private static readonly TimeSpan LeaveTimeout = TimeSpan.FromSeconds(2);
+        private static readonly TimeSpan JoinTimeout = TimeSpan.FromSeconds(10);
         private static readonly object Gate = new object();
-        private static readonly Stopwatch Joining = new Stopwatch(), SinceJoin = new Stopwatch();
         private static bool unloading;
         private static Stopwatch cleaning;
         private bool left;
@@ -46,7 +42,7 @@ namespace NetMQExample
             {
                 unloading = true;
                 var waited = Stopwatch.StartNew();
-                while ((Users > 0 || cleaning != null) && waited.ElapsedMilliseconds < Coming) Monitor.Wait(Gate, 50);
+                while ((Users > 0 || cleaning != null) && waited.Elapsed < JoinTimeout) Monitor.Wait(Gate, 50);
             }
             // The last events of NetMQ's sockets come by the thread pool, a moment after they are disposed, and Mono
             // can end when it aborts one. Others may use the pool for longer, and are not waited for.
@@ -69,7 +65,7 @@ namespace NetMQExample
             lock (Gate)
             {
                 // Meanwhile older versions of NetMQ refuse a socket.
-                if (!Cleaned(Coming))
+                if (!Cleaned(JoinTimeout))
                     throw new TimeoutException($"NetMQ has not ended for {cleaning.Elapsed.TotalSeconds:F0} s and "
                         + "cannot start again: dispose every socket; "
                         + "on macOS take NetMQ 4.0.4.5, those before 4.0.4.1 never end");
@@ -94,7 +90,7 @@ namespace NetMQExample
                 if (--Users > 0 || aborted) return;
                 cleaning = Stopwatch.StartNew();
                 new Thread(Cleanup) { IsBackground = true, Name = "NetMQ cleanup" }.Start();
-                Cleaned(Leaving);
+                Cleaned(LeaveTimeout);
             }
         }
 
@@ -116,62 +112,16 @@ namespace NetMQExample
 
         // Waits while NetMQ ends; false if it takes too long. The time counts from its beginning, so one that never
         // ends is waited for once.
-        private static bool Cleaned(int timeout)
+        private static bool Cleaned(TimeSpan timeout)
         {
             while (cleaning != null)
             {
-                var rest = timeout - cleaning.ElapsedMilliseconds;
-                if (rest <= 0) return false;
+                var rest = timeout - cleaning.Elapsed;
+                if (rest <= TimeSpan.Zero) return false;
                 // It lets go of the lock meanwhile.
-                Monitor.Wait(Gate, (int)rest);
+                Monitor.Wait(Gate, rest);
             }
             return true;
-        }
-
-        /// <summary>Waits on Unity's main thread for a network thread that was asked to end. All the waits of one Stop
-        /// share 200 ms, however many clients the scene has: Stop must never freeze the editor.</summary>
-        /// <param name="thread">The thread; it may still run afterwards, and ends by itself.</param>
-        public static void Join(Thread thread)
-        {
-            // A wait that begins a second after the one before belongs to another Stop.
-            if (SinceJoin.ElapsedMilliseconds > 1000) Joining.Reset();
-            Joining.Start();
-            thread.Join(Math.Max(0, 200 - (int)Joining.ElapsedMilliseconds));
-            Joining.Stop();
-            SinceJoin.Restart();
-        }
-
-        /// <summary>What to show of an exception on the network thread. Those of this kit name cause and cure in one
-        /// line; of all others the type and the stack are needed too, above all in a build on a device.</summary>
-        /// <param name="e">The exception.</param>
-        /// <returns>Its message, or everything that is known of it.</returns>
-        public static string Why(Exception e) =>
-            e is TimeoutException || e is ArgumentException || e is IOException || e is OperationCanceledException
-                ? e.Message : e.ToString();
-
-        /// <summary>What a peer sent, fit for one line of a log: no control characters, cut to a readable
-        /// length.</summary>
-        /// <param name="text">Whatever came.</param>
-        /// <param name="most">What is a readable length.</param>
-        /// <returns>At most so many characters and an ellipsis; a question mark for each one that cannot be
-        /// shown.</returns>
-        public static string Printable(string text, int most = 200)
-        {
-            var line = new StringBuilder();
-            for (int at = 0, length = 0; text != null && at < text.Length; length++)
-            {
-                if (length == most) return line.Append('…').ToString();
-                // What lies beyond the first 65,536 characters, such as an emoji, takes two chars.
-                var width = char.IsSurrogatePair(text, at) ? 2 : 1;
-                var kind = CharUnicodeInfo.GetUnicodeCategory(text, at);
-                // Spaces, separators, controls, formats, halves of a pair and private use stand together in the enum.
-                var hidden = kind >= UnicodeCategory.SpaceSeparator && kind <= UnicodeCategory.PrivateUse
-                    || kind == UnicodeCategory.OtherNotAssigned;
-                if (hidden && text[at] != ' ') line.Append('?');
-                else line.Append(text, at, width);
-                at += width;
-            }
-            return line.ToString();
         }
     }
 }

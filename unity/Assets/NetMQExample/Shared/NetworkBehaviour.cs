@@ -103,7 +103,7 @@ namespace NetMQExample
         {
             if (run == null) return;
             run.Stop.Cancel();
-            NetMQLifetime.Join(run.Thread);
+            NetworkThread.Join(run.Thread);
         }
 
         /// <summary>Does what the network thread has for this frame.</summary>
@@ -137,7 +137,7 @@ namespace NetMQExample
         private static void EndAll()
         {
             foreach (var one in Runs) one.Stop.Cancel();
-            foreach (var one in Runs) NetMQLifetime.Join(one.Thread);
+            foreach (var one in Runs) NetworkThread.Join(one.Thread);
             Runs.RemoveAll(one => !one.Thread.IsAlive);
         }
 
@@ -165,7 +165,7 @@ namespace NetMQExample
                 {
                     // After Stop nobody wants to know why it ended.
                     if (Stop.IsCancellationRequested) return;
-                    var why = NetMQLifetime.Why(e);
+                    var why = LogText.Why(e);
                     while (!ForUpdate.TryAdd(() => behaviour.GiveUp(why), 50) && !Stop.IsCancellationRequested) { }
                 }
             }
