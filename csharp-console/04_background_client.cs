@@ -13,24 +13,33 @@ namespace NetMQExample.Terminal
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5554");
-            var (count, text) = (arguments.Whole("count", 10), arguments.Text("text", "hello"));
-            var (timeout, tries) = (arguments.Seconds("timeout", 1), arguments.Whole("tries", 20));
+            var count = arguments.Whole("count", 10);
+            var text = arguments.Text("text", "hello");
+            var timeout = arguments.Seconds("timeout", 1);
+            var tries = arguments.Whole("tries", 20);
             var naive = arguments.Flag("naive");
             arguments.RefuseTheRest();
 
             Console.WriteLine($"asking {endpoint}");
-            // The client would say it too, but only as the error of a request. A terminal has the time to look first.
+            // Of an unknown host the client says so only as the error of a request. A terminal has the time to look first.
             NetMQConnection.Check(endpoint);
             using var client = new BackgroundClient(endpoint, timeout, tries);
 
             // What a game does: frame after frame. Each one runs what came back, and asks once.
-            var (asked, replies, frames, longest, shown, why) = (0, 0, 0, 0L, "", (string?)null);
+            int asked = 0, replies = 0, frames = 0;
+            var longest = 0L;
+            var shown = "";
+            string? why = null;
             void OnReply(string reply) =>
                 Console.WriteLine($"{++replies}: sent {text}, received {LogText.Printable(reply)}");
             for (var frame = Stopwatch.StartNew(); replies < count && why == null; frames++, frame.Restart())
             {
                 var (state, error) = client.Status;
-                if (error != shown && state != ClientState.Lost) Console.WriteLine($"trouble: {shown = error}");
+                if (error != shown && state != ClientState.Lost)
+                {
+                    Console.WriteLine($"trouble: {error}");
+                    shown = error;
+                }
                 client.Poll();
                 if (asked < count && client.Request(text, OnReply, reason => why ??= reason)) asked++;
                 while (naive && replies < asked && why == null) client.Poll();
@@ -38,7 +47,7 @@ namespace NetMQExample.Terminal
                 longest = Math.Max(longest, frame.ElapsedMilliseconds);
             }
             Console.WriteLine($"frames: {frames}, the longest took {longest} ms");
-            if (why != null) throw new TimeoutException(why);
+            if (why != null) throw new GaveUpException(why);
             Console.WriteLine($"done: {replies} replies");
         }
     }

@@ -18,12 +18,11 @@ namespace NetMQExample.Terminal
             var timeout = arguments.Seconds("timeout", 2.5);
             var tries = arguments.Whole("tries", 3);
             arguments.RefuseTheRest();
-            if (window < 1 || tries < 1)
-                throw new UsageException("--window and --tries take a whole number, 1 or more");
 
-            Console.WriteLine($"asking {endpoint}, {window} in flight");
             using var requester = new ManyRequester(endpoint, window, timeout, tries, Console.WriteLine);
-            var (texts, failures) = (text.Split('|'), 0);
+            Console.WriteLine($"asking {endpoint}, {window} in flight");
+            var texts = text.Split('|');
+            var failures = 0;
             var requests = Enumerable.Range(0, count).Select(i => texts[i % texts.Length]);
             foreach (var answer in requester.RequestMany(requests))
             {

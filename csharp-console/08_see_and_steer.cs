@@ -16,19 +16,24 @@ namespace NetMQExample.Terminal
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5558");
-            var (count, every) = (arguments.Whole("count", 500), arguments.Whole("every", 50));
-            var (timeout, tries) = (arguments.Seconds("timeout", 1), arguments.Whole("tries", 20));
-            var (cameras, start) = (arguments.Text("cameras", "center"), arguments.Whole("start", 0));
-            var (lockstep, keys) = (arguments.Flag("lockstep"), arguments.Flag("drive"));
+            int count = arguments.Whole("count", 500), every = arguments.Whole("every", 50);
+            var timeout = arguments.Seconds("timeout", 1);
+            var tries = arguments.Whole("tries", 20);
+            var cameras = arguments.Text("cameras", "center");
+            var start = arguments.Whole("start", 0);
+            bool lockstep = arguments.Flag("lockstep"), keys = arguments.Flag("drive");
             arguments.RefuseTheRest();
 
-            var (road, shot) = (new Road(), DrawnCamera.Shot(cameras));
-            var (car, camera) = (new Car(road, start), new DrawnCamera(road));
+            var road = new Road();
+            var shot = DrawnCamera.Shot(cameras);
+            var car = new Car(road, start);
+            var camera = new DrawnCamera(road);
             var drive = new Drive(car, Console.WriteLine) { Every = every, Lockstep = lockstep };
             var keyboard = keys ? new Keyboard() : null;
             using var driver = new DriverClient(endpoint, timeout, tries, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");
-            var (skipped, clock) = (0, Stopwatch.StartNew());
+            var skipped = 0;
+            var clock = Stopwatch.StartNew();
             for (Task<DriveAction?>? asked = null; drive.Actions < count;)
             {
                 // A picture is sent when the last one was answered. Of those in between, only the newest is wanted.

@@ -14,13 +14,15 @@ namespace NetMQExample.Terminal
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5562");
-            var (count, timeout) = (arguments.Whole("count", 300), arguments.Seconds("timeout", 30));
+            var count = arguments.Whole("count", 300);
+            var timeout = arguments.Seconds("timeout", 30);
             arguments.RefuseTheRest();
 
             NetMQConnection.Check(endpoint);
             Console.WriteLine($"asking {endpoint}");
             var drive = new SelfDriving();
-            var (front, map) = (new FilmView("front", 320, 240), new FilmView("map", 320, 240));
+            var front = new FilmView("front", 320, 240);
+            var map = new FilmView("map", 320, 240);
             using var over = new CancellationTokenSource();
             ViewSender? sender = null;
             var network = Task.Run(() =>

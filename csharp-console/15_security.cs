@@ -16,8 +16,10 @@ namespace NetMQExample.Terminal
             var count = arguments.Whole("count", 10);
             var timeout = arguments.Seconds("timeout", 1);
             var tries = arguments.Whole("tries", 3);
-            var (folder, serverKey) = (arguments.Text("keys", "keys"), arguments.Text("server-key", ""));
-            var (stranger, plain) = (arguments.Flag("stranger"), arguments.Flag("plain"));
+            var folder = arguments.Text("keys", "keys");
+            var serverKey = arguments.Text("server-key", "");
+            var stranger = arguments.Flag("stranger");
+            var plain = arguments.Flag("plain");
             arguments.RefuseTheRest();
 
             var keys = plain ? null : new ClientKeys(folder, serverKey);

@@ -12,8 +12,10 @@ namespace NetMQExample.Terminal
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "http://127.0.0.1:5566");
-            var (count, text) = (arguments.Whole("count", 10), arguments.Text("text", "Hello"));
-            var (socketIO, token) = (arguments.Flag("socketio"), arguments.Text("token", ""));
+            var count = arguments.Whole("count", 10);
+            var text = arguments.Text("text", "Hello");
+            var socketIO = arguments.Flag("socketio");
+            var token = arguments.Text("token", "");
             var timeout = arguments.Seconds("timeout", 2.5);
             arguments.RefuseTheRest();
 

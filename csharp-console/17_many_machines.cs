@@ -14,9 +14,12 @@ namespace NetMQExample.Terminal
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5567");
-            var (find, folder) = (arguments.Whole("find", 0), arguments.Text("keys", ""));
-            var (count, timeout) = (arguments.Whole("count", 0), arguments.Seconds("timeout", 30));
-            var (crashAfter, delay) = (arguments.Whole("crash-after", 0), arguments.Seconds("delay", 0));
+            var find = arguments.Whole("find", 0);
+            var folder = arguments.Text("keys", "");
+            var count = arguments.Whole("count", 0);
+            var timeout = arguments.Seconds("timeout", 30);
+            var crashAfter = arguments.Whole("crash-after", 0);
+            var delay = arguments.Seconds("delay", 0);
             var build = arguments.Text("build", "1");
             arguments.RefuseTheRest();
 

@@ -13,26 +13,23 @@ namespace NetMQExample.Terminal
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5571");
             var prompt = arguments.Text("prompt", "Who built this bridge?");
-            var (count, leaveAfter) = (arguments.Whole("count", 200), arguments.Whole("leave-after", 0));
-            var (timeout, tries) = (arguments.Seconds("timeout", 1), arguments.Whole("tries", 10));
+            var count = arguments.Whole("count", 200);
+            var leaveAfter = arguments.Whole("leave-after", 0);
+            var timeout = arguments.Seconds("timeout", 1);
+            var tries = arguments.Whole("tries", 10);
             arguments.RefuseTheRest();
 
-            var (speech, last) = (new Speech(), (JobNews?)null);
+            var speech = new Speech();
+            JobNews? last = null;
             void Say(string line) => Console.WriteLine(speech.Text == "" ? line : $"\n{line}");
             using var client = new JobClient(endpoint, JobClient.NewId(), timeout, tries, Say);
             var goal = Speech.Ask(client, prompt, count);
             Console.WriteLine($"asking {endpoint}: {LogText.Printable(prompt)}");
-            try
+            foreach (var news in client.Watch(goal))
             {
-                foreach (var news in client.Watch(goal))
-                {
-                    Console.Write(speech.Hear(last = news));
-                    if (news.Kind == "feedback" && leaveAfter > 0 && speech.Words >= leaveAfter) client.Cancel();
-                }
-            }
-            catch (MessageException e)
-            {
-                throw new TimeoutException(e.Message, e);
+                last = news;
+                Console.Write(speech.Hear(news));
+                if (news.Kind == "feedback" && leaveAfter > 0 && speech.Words >= leaveAfter) client.Cancel();
             }
             Console.WriteLine(speech.Outcome(last!));
         }

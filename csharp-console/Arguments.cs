@@ -80,7 +80,8 @@ namespace NetMQExample.Terminal
         // What follows the equals sign may begin with dashes: a CURVE key does, once in some thousand.
         private string? TakeValue(int at)
         {
-            var (word, equals) = (rest[at], rest[at].IndexOf('='));
+            var word = rest[at];
+            var equals = word.IndexOf('=');
             rest.RemoveAt(at);
             if (equals >= 0) return word[(equals + 1)..];
             if (at == rest.Count) return null;

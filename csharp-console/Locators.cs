@@ -9,7 +9,8 @@ namespace NetMQExample.Terminal
         {
             var text = arguments.Text("locator", "");
             var given = arguments.Has("scope");
-            var (scope, name) = (arguments.Text("scope", ""), arguments.Text("name", ""));
+            var scope = arguments.Text("scope", "");
+            var name = arguments.Text("name", "");
             arguments.RefuseTheRest();
             Console.WriteLine(Locator.Parse(text, name, given ? Scope(scope) : null));
         }

@@ -5,6 +5,7 @@
 // A terminal client is a static class LessonNN with a method Run. It is found by that name, so that adding a lesson is adding
 // its file. Exit codes: 0 done, 1 gave up, 2 wrong usage.
 using System;
+using System.IO;
 using System.Linq;
 using System.Reflection;
 using System.Runtime.ExceptionServices;
@@ -42,7 +43,8 @@ namespace NetMQExample.Terminal
                 Console.Error.WriteLine(e.Message);
                 return 2;
             }
-            catch (TimeoutException e)
+            // What was waited for in vain, and what was refused or aborted: GaveUpException and MessageException.
+            catch (Exception e) when (e is TimeoutException || e is IOException)
             {
                 Console.Error.WriteLine($"gave up: {e.Message}");
                 return 1;

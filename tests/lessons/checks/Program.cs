@@ -19,6 +19,7 @@ namespace NetMQExample.Tests
                 case "locators": LocatorChecks.Run(rest); return 0;
                 case "messages": MessageChecks.Run(rest); return 0;
                 case "observations": ObservationChecks.Run(rest); return 0;
+                case "rules": RuleChecks.Run(); return 0;
                 case "sidechannels": SideChannelChecks.Run(rest); return 0;
                 default: throw new ArgumentException($"no checks of {words[0]}");
             }

@@ -39,12 +39,13 @@ namespace NetMQExample
         /// one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
         /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public LazyPirateRequester(string endpoint, TimeSpan timeout, int tries, Action<string> report)
         {
-            if (tries < 1 || timeout <= TimeSpan.Zero)
-                throw new ArgumentException("tries must be 1 or more, and timeout longer than 0 s");
-            (this.endpoint, this.timeout, this.tries, this.report) = (endpoint, timeout, tries, report);
+            this.endpoint = endpoint;
+            this.timeout = Check.Seconds("timeout", timeout);
+            this.tries = Check.Count("tries", tries);
+            this.report = report;
             connection = new NetMQConnection(endpoint, () => new RequestSocket());
         }
 
@@ -79,7 +80,8 @@ namespace NetMQExample
         // One try, with the frames that came back, if any.
         private bool Try(string id, string text, TimeSpan limit, CancellationToken stop, out List<string> frames)
         {
-            var (waited, answered) = (Stopwatch.StartNew(), false);
+            var waited = Stopwatch.StartNew();
+            var answered = false;
             frames = null;
             try
             {

@@ -24,10 +24,12 @@ namespace NetMQExample
         /// <param name="endpoint">The publisher, such as <c>tcp://127.0.0.1:5553</c>.</param>
         /// <param name="topic">How the messages begin; empty for all of them.</param>
         /// <param name="hwm">The high watermark: how many messages may wait here; 0 for any number.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public TopicListener(string endpoint, string topic, int hwm = 1000)
         {
-            (this.endpoint, this.topic) = (endpoint, topic);
+            Check.Count("hwm", hwm, least: 0);
+            this.endpoint = endpoint;
+            this.topic = topic ?? throw new ArgumentException("topic must be a text; an empty one takes all messages");
             connection = new NetMQConnection(endpoint, () =>
             {
                 // A laptop that sleeps tells nobody: a silent publisher is asked every 5 s, and one that does not

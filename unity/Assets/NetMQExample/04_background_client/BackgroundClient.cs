@@ -63,11 +63,15 @@ namespace NetMQExample
         /// as long as the one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="capacity">How many requests may be under way; one more is refused.</param>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure. That a host is
+        /// unknown is the error of each request.</exception>
         public BackgroundClient(string endpoint, TimeSpan? timeout = null, int tries = 3, int capacity = 64)
         {
-            if (tries < 1 || capacity < 1) throw new ArgumentException("tries and capacity must be at least 1");
-            this.capacity = capacity;
-            var first = timeout ?? TimeSpan.FromSeconds(1);
+            // The host's name is looked up on the thread, since that may take its time.
+            NetMQConnection.Host(endpoint);
+            Check.Count("tries", tries);
+            this.capacity = Check.Count("capacity", capacity);
+            var first = Check.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
             thread = new Thread(() => Talk(endpoint, first, tries)) { IsBackground = true, Name = "BackgroundClient" };
             thread.Start();
         }

@@ -2,7 +2,6 @@
 //
 // The main thread goes on in a later Poll, so call
 // Poll in Update as before.
-using System.IO;
 using System.Threading;
 using System.Threading.Tasks;
 
@@ -16,7 +15,7 @@ namespace NetMQExample
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="cancel">Ends the wait at once. The server may do the request all the same.</param>
         /// <returns>The reply's text.</returns>
-        /// <exception cref="IOException">There is no reply; the message has the reason.</exception>
+        /// <exception cref="GaveUpException">There is no reply; the message has the reason.</exception>
         public static async Task<string> RequestAsync(this BackgroundClient client, string text,
             CancellationToken cancel = default)
         {
@@ -24,8 +23,8 @@ namespace NetMQExample
             // Not RunContinuationsAsynchronously: that would go on in a thread of the pool.
             var answer = new TaskCompletionSource<string>();
             if (!client.Request(text, reply => answer.TrySetResult(reply),
-                why => answer.TrySetException(new IOException(why))))
-                throw new IOException("refused: too many requests are under way, or the client was disposed");
+                why => answer.TrySetException(new GaveUpException(why))))
+                throw new GaveUpException("refused: too many requests are under way, or the client was disposed");
             using (cancel.Register(() => answer.TrySetCanceled(cancel))) return await answer.Task;
         }
 

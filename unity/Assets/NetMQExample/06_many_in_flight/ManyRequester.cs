@@ -58,13 +58,13 @@ namespace NetMQExample
         /// twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="report">Called, on the thread of the requests, with a line for each retry.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public ManyRequester(string endpoint, int window = 64, TimeSpan? timeout = null, int tries = 3,
             Action<string> report = null)
         {
-            if (window < 1 || tries < 1) throw new ArgumentException("window and tries must be 1 or more");
-            (this.window, this.tries) = (window, tries);
-            this.timeout = timeout ?? TimeSpan.FromSeconds(2.5);
+            this.window = Check.Count("window", window);
+            this.tries = Check.Count("tries", tries);
+            this.timeout = Check.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(2.5));
             this.report = report ?? (line => { });
             pending = new Dictionary<string, (int, string, TimeSpan, int)>();
             // The window is the limit of what is under way; no second one is needed.

@@ -71,15 +71,18 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
         public PoseSubscriber(string endpoint, string snapshots, Action<string> report)
         {
-            (this.endpoint, this.report) = (endpoint, report);
+            NetMQConnection.Host(endpoint);
+            var higher = Regex.Replace(endpoint, "[0-9]+$", port => $"{int.Parse(port.Value) + 100}");
+            this.endpoint = endpoint;
+            this.snapshots = string.IsNullOrEmpty(snapshots) ? higher : snapshots;
+            NetMQConnection.Host(this.snapshots);
+            this.report = report;
             stream = new NetMQConnection(endpoint, () =>
             {
                 var socket = new SubscriberSocket();
                 socket.Subscribe("pose/");
                 return socket;
             });
-            var higher = Regex.Replace(endpoint, "[0-9]+$", port => $"{int.Parse(port.Value) + 100}");
-            this.snapshots = string.IsNullOrEmpty(snapshots) ? higher : snapshots;
             report($"following {endpoint}, snapshots from {this.snapshots}");
         }
 
@@ -100,6 +103,7 @@ namespace NetMQExample
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
         /// <returns>False if there is none yet.</returns>
         /// <exception cref="TimeoutException">The publisher is gone.</exception>
+        /// <exception cref="GaveUpException">What gives snapshots is no publisher of poses.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public bool Receive(TimeSpan timeout, CancellationToken stop = default)
         {
@@ -148,18 +152,18 @@ namespace NetMQExample
         private (uint, PoseMessage) Ask(TimeSpan timeout, CancellationToken stop)
         {
             var waited = Stopwatch.StartNew();
-            for (var limit = Second; waited.Elapsed < timeout; limit *= 4)
+            var left = timeout;
+            for (var limit = Second; left > TimeSpan.Zero; limit *= 4, left = timeout - waited.Elapsed)
             {
                 // Each try has a new socket, as in lesson 02, and more time: a new connection takes four round trips.
                 using var asker = new NetMQConnection(snapshots, () => new RequestSocket());
-                var left = timeout - waited.Elapsed;
                 if (!asker.TrySend(TimeSpan.Zero, stop, "pose/")) continue;
                 if (!(Take(asker, limit < left ? limit : left, stop) is string text)) continue;
                 var words = text.Split(' ', 2);
                 var pose = PoseMessage.Parse(words[words.Length - 1]);
                 if (pose != null && uint.TryParse(words[0], NumberStyles.None, CultureInfo.InvariantCulture, out var n))
                     return (n, pose);
-                throw new TimeoutException(
+                throw new GaveUpException(
                     $"what answers at {snapshots} gives no snapshots: {LogText.Printable(text)}");
             }
             throw new TimeoutException(FormattableString.Invariant(

@@ -14,9 +14,14 @@ namespace NetMQExample
     public readonly struct DriveAction
     {
         /// <summary>What is out of range is put back into it.</summary>
-        public DriveAction(long frame, double throttle, double brake, double steer, double milliseconds = 0) =>
-            (Frame, Throttle, Brake, Steer, Milliseconds) = (frame, Math.Clamp(throttle, 0, 1), Math.Clamp(brake, 0, 1),
-                Math.Clamp(steer, -1, 1), milliseconds);
+        public DriveAction(long frame, double throttle, double brake, double steer, double milliseconds = 0)
+        {
+            Frame = frame;
+            Throttle = Math.Clamp(throttle, 0, 1);
+            Brake = Math.Clamp(brake, 0, 1);
+            Steer = Math.Clamp(steer, -1, 1);
+            Milliseconds = milliseconds;
+        }
 
         /// <summary>The number of the picture that it answers.</summary>
         public long Frame { get; }
@@ -49,11 +54,12 @@ namespace NetMQExample
         /// <param name="timeout">How long to wait for each action.</param>
         /// <param name="tries">Pictures in a row that may stay without an action.</param>
         /// <param name="log">Gets a line about each that has none.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public DriverClient(string endpoint, TimeSpan timeout, int tries, Action<string> log)
         {
-            if (tries < 1) throw new ArgumentException("tries must be 1 or more");
-            (this.timeout, this.tries, this.log) = (timeout, tries, log);
+            this.timeout = Check.Seconds("timeout", timeout);
+            this.tries = Check.Count("tries", tries);
+            this.log = log;
             PooledBuffers.Use();
             requester = new PooledRequester(endpoint);
         }
@@ -63,8 +69,9 @@ namespace NetMQExample
         /// <param name="frame">What <see cref="Shot.ToMessage"/> made.</param>
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>The action, or null if there is none.</returns>
-        /// <exception cref="TimeoutException">So many in a row had none that it gives up; the message says
-        /// why.</exception>
+        /// <exception cref="TimeoutException">So many in a row had none that it gives up: the last had no
+        /// reply.</exception>
+        /// <exception cref="MessageException">The last had a reply that is no action.</exception>
         public DriveAction? Ask(Message frame, CancellationToken stop = default)
         {
             var clock = Stopwatch.StartNew();
@@ -82,7 +89,8 @@ namespace NetMQExample
             }
             catch (Exception e) when (e is TimeoutException || e is MessageException)
             {
-                if (++lost >= tries) throw new TimeoutException(e.Message, e);
+                lost++;
+                if (lost >= tries) throw;
                 log($"trouble: {e.Message}");
                 return null;
             }

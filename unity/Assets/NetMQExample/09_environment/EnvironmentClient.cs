@@ -35,10 +35,12 @@ namespace NetMQExample
         /// <param name="endpoint">The environment, such as <c>tcp://127.0.0.1:5559</c>.</param>
         /// <param name="timeout">How long to wait for one.</param>
         /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public EnvironmentClient(string endpoint, TimeSpan timeout, Action<string> report)
         {
-            (this.endpoint, this.timeout, this.report) = (endpoint, timeout, report);
+            this.endpoint = endpoint;
+            this.timeout = Check.Seconds("timeout", timeout);
+            this.report = report;
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection, and this socket makes no second one: it might do so

@@ -19,10 +19,10 @@ namespace NetMQExample
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Such as <c>tcp://127.0.0.1:5562</c>.</param>
         /// <param name="timeout">How long to wait until a message is sent.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public MessageDealer(string endpoint, TimeSpan timeout)
         {
-            this.timeout = timeout;
+            this.timeout = Check.Seconds("timeout", timeout);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.

@@ -32,10 +32,12 @@ namespace NetMQExample
         /// <param name="endpoint">Where Python films, such as <c>tcp://127.0.0.1:5562</c>.</param>
         /// <param name="timeout">How long to wait for it.</param>
         /// <param name="report">Called, on the thread that runs, with a line about what happens.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public ViewSender(string endpoint, TimeSpan timeout, Action<string> report)
         {
-            (this.endpoint, this.timeout, this.report) = (endpoint, timeout, report);
+            this.endpoint = endpoint;
+            this.timeout = Check.Seconds("timeout", timeout);
+            this.report = report;
             limit = timeout < Try ? timeout : Try;
             dealer = new MessageDealer(endpoint, limit);
         }

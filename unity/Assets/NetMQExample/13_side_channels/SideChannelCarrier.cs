@@ -37,10 +37,12 @@ namespace NetMQExample.SideChannels
         /// <param name="timeout">How long it may be silent.</param>
         /// <param name="report">Gets a line when it is silent for longer, and then the carrier goes on trying. Without
         /// it that ends with TimeoutException.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public SideChannelCarrier(string endpoint, TimeSpan timeout, Action<string> report = null)
         {
-            (this.endpoint, this.timeout, this.report) = (endpoint, timeout, report);
+            this.endpoint = endpoint;
+            this.timeout = Check.Seconds("timeout", timeout);
+            this.report = report;
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
         }
 

@@ -10,6 +10,7 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
+using System.Text.RegularExpressions;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
@@ -38,14 +39,16 @@ namespace NetMQExample
         /// <param name="timeout">How long to wait for a word of the job before connecting anew.</param>
         /// <param name="tries">How often that may happen in a row before giving up.</param>
         /// <param name="report">Called, on the thread that watches, with a line to log about each trouble.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public JobClient(string endpoint, string job, TimeSpan timeout, int tries, Action<string> report)
         {
-            if (tries < 1 || timeout <= TimeSpan.Zero)
-                throw new ArgumentException("tries must be 1 or more, and timeout longer than 0 s");
-            if (!System.Text.RegularExpressions.Regex.IsMatch(job, "^[0-9A-Za-z][0-9A-Za-z-]{0,63}\\z"))
+            if (!Regex.IsMatch(job ?? "", "^[0-9A-Za-z][0-9A-Za-z-]{0,63}\\z"))
                 throw new ArgumentException("resume takes the id of a job, such as the one that leave-at prints");
-            (this.endpoint, Job, this.timeout, this.tries, this.report) = (endpoint, job, timeout, tries, report);
+            this.endpoint = endpoint;
+            Job = job;
+            this.timeout = Check.Seconds("timeout", timeout);
+            this.tries = Check.Count("tries", tries);
+            this.report = report;
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.Limit);
         }
 

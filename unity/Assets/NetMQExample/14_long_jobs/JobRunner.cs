@@ -64,7 +64,7 @@ namespace NetMQExample
             }
             if (forget) foreach (var news in mine.Watch(mine.Ask("forget"), stop)) Log(news.Line);
             id = null;
-            if (newest.Status == "aborted") throw new TimeoutException("the job was aborted; see above");
+            if (newest.Status == "aborted") throw new GaveUpException("the job was aborted; see above");
             Log(newest.Outcome);
         }
     }

@@ -44,13 +44,14 @@ namespace NetMQExample
         /// <param name="timeout">How long to wait for the reply to each try.</param>
         /// <param name="tries">How often to send a request before giving up.</param>
         /// <param name="report">Called, on the thread of the request, with a line to log before each retry.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public SecureRequester(string endpoint, ClientKeys keys, TimeSpan timeout, int tries, Action<string> report)
         {
-            if (tries < 1 || timeout <= TimeSpan.Zero)
-                throw new ArgumentException("tries must be 1 or more, and timeout longer than 0 s");
-            (this.endpoint, this.keys, this.timeout) = (endpoint, keys, timeout);
-            (this.tries, this.report) = (tries, report);
+            this.endpoint = endpoint;
+            this.keys = keys;
+            this.timeout = Check.Seconds("timeout", timeout);
+            this.tries = Check.Count("tries", tries);
+            this.report = report;
             // Before there is anything to close again.
             NetMQConnection.Check(endpoint);
             connection = new NetMQConnection(endpoint, Make);

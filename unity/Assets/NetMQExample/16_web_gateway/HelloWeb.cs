@@ -4,6 +4,7 @@
 // Use: start python/01_request_reply/server.py and python/16_web_gateway/server.py, add this component to any
 // GameObject, press Play.
 using System;
+using System.IO;
 using UnityEngine;
 using UnityEngine.Events;
 
@@ -49,7 +50,7 @@ namespace NetMQExample
                 if (asked == replies && asked++ < count) requester.Ask("Hello");
                 if (replies < count) requester.TryReceive(out frames);
             }
-            catch (Exception e) when (e is TimeoutException || e is ArgumentException)
+            catch (Exception e) when (e is TimeoutException || e is IOException || e is ArgumentException)
             {
                 Debug.LogError($"gave up: {e.Message}");
                 enabled = false;

@@ -23,8 +23,11 @@ namespace NetMQExample
         /// <param name="token">The word that the gateway was given as --token.</param>
         /// <param name="timeout">How long to wait for each reply.</param>
         public SocketIORequester(string endpoint, string name, string token, TimeSpan timeout)
-            : base(endpoint, timeout) =>
-            (this.name, this.token) = (name, token);
+            : base(endpoint, timeout)
+        {
+            this.name = name;
+            this.token = token;
+        }
 
         /// <inheritdoc/>
         protected override string Path => "/socket.io/?EIO=4&transport=websocket";
@@ -44,7 +47,7 @@ namespace NetMQExample
             if (Begins("0")) Say("40" + new JObject { ["token"] = token }.ToString(Formatting.None));
             else if (Begins("40")) ready = true;
             // It says why: with another reason than that one it may let us in later.
-            else if (Begins("44") && text.Contains("token")) throw GiveUp(Refused);
+            else if (Begins("44") && text.Contains("token")) throw Refused();
             else if (Begins("44")) Again(text.Substring(2));
             else if (text == "2") Say("3");
             else if (Begins(reply + "["))

@@ -8,6 +8,7 @@
 // neither NetMQ nor a thread. The Python side is python/16_web_gateway/server.py.
 using System;
 using System.Diagnostics;
+using System.IO;
 using System.Linq;
 using System.Text.RegularExpressions;
 using Newtonsoft.Json.Linq;
@@ -18,8 +19,6 @@ namespace NetMQExample
     /// the request is sent again; whether it was done already only an id can tell, as in lesson 02.</summary>
     public abstract class WebRequester : IDisposable
     {
-        /// <summary>What the gateway says to a wrong token.</summary>
-        protected const string Refused = "its token is missing or wrong";
         private static readonly TimeSpan Pause = TimeSpan.FromSeconds(0.1);
         private readonly Stopwatch waited = new Stopwatch(), sinceTrouble = new Stopwatch();
         private readonly string endpoint;
@@ -32,14 +31,18 @@ namespace NetMQExample
         /// <summary>Connects with the first request.</summary>
         /// <param name="endpoint">The gateway, such as <c>http://127.0.0.1:5566</c>.</param>
         /// <param name="timeout">How long to wait for each reply.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         protected WebRequester(string endpoint, TimeSpan timeout)
         {
             var parts = Regex.Match(endpoint ?? "", @"^https?://[^\s:/]+:([0-9]+)$");
             if (!ushort.TryParse(parts.Groups[1].Value, out var port) || port == 0)
                 throw new ArgumentException(
                     $"bad endpoint '{endpoint}': write it like http://127.0.0.1:PORT, PORT from 1 to 65535");
-            (this.endpoint, this.timeout) = (endpoint, timeout);
+            if (timeout <= TimeSpan.Zero || timeout > TimeSpan.FromDays(1))
+                throw new ArgumentException(FormattableString.Invariant(
+                    $"timeout must be more than 0 s and at most a day, not {timeout.TotalSeconds}"));
+            this.endpoint = endpoint;
+            this.timeout = timeout;
         }
 
         /// <summary>The one place that knows both kinds.</summary>
@@ -49,7 +52,7 @@ namespace NetMQExample
         /// <param name="token">The word that the gateway was given as --token.</param>
         /// <param name="timeout">How long to wait for each reply.</param>
         /// <returns>A requester, which connects with the first request.</returns>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public static WebRequester To(string endpoint, string name, bool socketIO, string token, TimeSpan timeout)
         {
             if (socketIO) return new SocketIORequester(endpoint, name, token, timeout);
@@ -72,7 +75,8 @@ namespace NetMQExample
         /// <summary>Looks whether the reply has come. Call it once a frame until it has.</summary>
         /// <param name="frames">Its frames.</param>
         /// <returns>False if it has not, and after Dispose.</returns>
-        /// <exception cref="TimeoutException">It has not come in time, or the gateway lets nobody in.</exception>
+        /// <exception cref="TimeoutException">It has not come in time.</exception>
+        /// <exception cref="IOException">The gateway does not let this client in.</exception>
         public bool TryReceive(out string[] frames)
         {
             frames = null;
@@ -88,7 +92,7 @@ namespace NetMQExample
                 sent = true;
                 Say(Write(asked));
             }
-            if (answer == null && waited.Elapsed > timeout) throw GiveUp("");
+            if (answer == null && waited.Elapsed > timeout) throw Late();
             return (frames = answer) != null;
         }
 
@@ -132,22 +136,26 @@ namespace NetMQExample
             sinceTrouble.Restart();
         }
 
-        /// <summary>Why no timeout would help, or that it has ended.</summary>
-        /// <param name="refused">What the gateway said.</param>
-        /// <returns>What to throw.</returns>
-        protected TimeoutException GiveUp(string refused)
+        /// <summary>No timeout would help.</summary>
+        /// <returns>What to throw: GaveUpException is in Shared, which a build for the browser does not have.</returns>
+        protected IOException Refused()
         {
             Close();
-            var late = FormattableString.Invariant($"no reply from {endpoint} within {timeout.TotalSeconds} s");
-            return new TimeoutException(
-                refused == "" ? late + trouble : $"{endpoint} does not let this client in: {refused}");
+            return new IOException($"{endpoint} does not let this client in: its token is missing or wrong");
+        }
+
+        private TimeoutException Late()
+        {
+            Close();
+            return new TimeoutException(FormattableString.Invariant(
+                $"no reply from {endpoint} within {timeout.TotalSeconds} s{trouble}"));
         }
 
         /// <summary>A new connection, a moment later.</summary>
         /// <param name="why">What was wrong with this one.</param>
         protected void Again(string why)
         {
-            if (why.Contains("403")) throw GiveUp(Refused);
+            if (why.Contains("403")) throw Refused();
             trouble = $"; is the server running? ({WebText.Printable(why)})";
             Close();
             sinceTrouble.Restart();

@@ -28,9 +28,12 @@ namespace NetMQExample
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>The hub's endpoint.</returns>
         /// <exception cref="TimeoutException">None was heard; the message says what to try.</exception>
+        /// <exception cref="GaveUpException">The port is another program's.</exception>
         public static string Find(int port, string serverKey, TimeSpan timeout, CancellationToken stop = default)
         {
-            var (waited, own) = (Stopwatch.StartNew(), Fingerprint(serverKey));
+            Check.Seconds("timeout", timeout);
+            var waited = Stopwatch.StartNew();
+            var own = Fingerprint(serverKey);
             var why = "; is the hub started with --announce, on this network?";
             using var ear = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
             // Several simulators of one machine listen on the same port.
@@ -38,7 +41,7 @@ namespace NetMQExample
             try { ear.Bind(new IPEndPoint(IPAddress.Any, port)); }
             catch (SocketException e)
             {
-                throw new TimeoutException($"cannot listen on UDP port {port}: {e.Message}; give --endpoint instead");
+                throw new GaveUpException($"cannot listen on UDP port {port}: {e.Message}; give --endpoint instead");
             }
             var (datagram, sender) = (new byte[65_536], (EndPoint)new IPEndPoint(IPAddress.Any, 0));
             while (waited.Elapsed < timeout)

@@ -22,12 +22,13 @@ namespace NetMQExample
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5570</c>.</param>
         /// <param name="person">Which one; they count from 0.</param>
         /// <param name="hand">left or right for a hand; empty for the person.</param>
-        /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public BodyListener(string endpoint, int person, string hand = "")
         {
             if (hand != "" && hand != "left" && hand != "right")
                 throw new ArgumentException($"there is no hand '{LogText.Printable(hand)}': take left or right");
             this.endpoint = endpoint;
+            Check.Count("person", person, least: 0);
             Topic = hand == "" ? FormattableString.Invariant($"pose/{person}/") : $"hand/{hand}/";
             Name = hand == "" ? FormattableString.Invariant($"person {person}") : $"{hand} hand";
             listener = new TopicListener(endpoint, Topic);

@@ -66,10 +66,10 @@ namespace NetMQExample
 
         /// <summary>What to say at the end.</summary>
         /// <param name="result">Of the job.</param>
-        /// <exception cref="TimeoutException">It was aborted.</exception>
+        /// <exception cref="GaveUpException">It was aborted.</exception>
         public string Outcome(JobNews result) => result.Status switch
         {
-            "aborted" => throw new TimeoutException(
+            "aborted" => throw new GaveUpException(
                 $"the answer broke off: {LogText.Printable(result.Text)}; ask again"),
             "canceled" => $"done: {Words} words, and you walked away",
             _ => $"done: {Words} words",

@@ -101,9 +101,14 @@ namespace NetMQExample
         /// <param name="timeout">How long to wait; zero gives one slice, of zero.</param>
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>What to give to a method of NetMQ's that takes a timeout, until it succeeds.</returns>
+        /// <exception cref="ArgumentException">The timeout is negative.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public static IEnumerable<TimeSpan> Slices(TimeSpan timeout, CancellationToken stop)
         {
+            // Timeout.InfiniteTimeSpan is negative, and nothing here waits for ever.
+            if (timeout < TimeSpan.Zero)
+                throw new ArgumentException(FormattableString.Invariant(
+                    $"timeout must be 0 s or more, not {timeout.TotalSeconds}"));
             var waited = Stopwatch.StartNew();
             do
             {

@@ -1,0 +1,21 @@
+// Rules that many classes share for what they are given; what breaks one is named in one line. In Python: check.py.
+using System;
+
+namespace NetMQExample
+{
+    internal static class Check
+    {
+        private static readonly TimeSpan Day = TimeSpan.FromDays(1);
+
+        /// <summary>A time to wait: more than 0 s, and at most a day.</summary>
+        public static TimeSpan Seconds(string name, TimeSpan value) => value > TimeSpan.Zero && value <= Day
+            ? value
+            : throw new ArgumentException(FormattableString.Invariant(
+                $"{name} must be more than 0 s and at most a day, not {value.TotalSeconds}"));
+
+        /// <summary>How many there are, or may be.</summary>
+        public static int Count(string name, int value, int least = 1) => value >= least
+            ? value
+            : throw new ArgumentException($"{name} must be {least} or more, not {value}");
+    }
+}
