@@ -247,7 +247,7 @@ def notices() -> dict[str, bytes]:
 
 
 def types(script: Path) -> list[str]:
-    """What a script has for others: Simulation.cs has Chance as well."""
+    """What a script has for others: PoseSubscriber.cs has PoseMessage as well."""
     declared = r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)"
     return re.findall(declared, script.read_text(encoding="utf-8-sig"), re.MULTILINE)
 
