@@ -149,9 +149,11 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
             "ConnectedBehaviour.cs",
             "HelloClient.cs",
             "HelloRequester.cs",
+            "LogText.cs",
             "NetMQConnection.cs",
             "NetMQLifetime.cs",
             "NetworkBehaviour.cs",
+            "NetworkThread.cs",
             "ServerAddress.cs",
         }
     # Whatever type of the kit a copied file uses has come along, also where its file has another name.

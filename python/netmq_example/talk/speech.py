@@ -22,7 +22,9 @@ MOST_CHARACTERS = 1000
 
 def ask(client: JobClient, prompt: str, most: int) -> Message:
     """The request, for `client.watch`, with which the character begins to speak: `most` words at most."""
-    return check.instance("client", client, JobClient).goal("talk", check.count("most", most), a_prompt("prompt", prompt))
+    return check.instance("client", client, JobClient).goal(
+        "talk", check.count("most", most), a_prompt("prompt", prompt)
+    )
 
 
 def a_prompt(name: str, value: Any) -> str:

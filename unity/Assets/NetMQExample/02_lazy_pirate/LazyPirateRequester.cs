@@ -43,8 +43,8 @@ namespace NetMQExample
         public LazyPirateRequester(string endpoint, TimeSpan timeout, int tries, Action<string> report)
         {
             this.endpoint = endpoint;
-            this.timeout = Check.Seconds("timeout", timeout);
-            this.tries = Check.Count("tries", tries);
+            this.timeout = Require.Seconds("timeout", timeout);
+            this.tries = Require.Count("tries", tries);
             this.report = report;
             connection = new NetMQConnection(endpoint, () => new RequestSocket());
         }

@@ -27,7 +27,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public TopicListener(string endpoint, string topic, int hwm = 1000)
         {
-            Check.Count("hwm", hwm, least: 0);
+            Require.Count("hwm", hwm, least: 0);
             this.endpoint = endpoint;
             this.topic = topic ?? throw new ArgumentException("topic must be a text; an empty one takes all messages");
             connection = new NetMQConnection(endpoint, () =>

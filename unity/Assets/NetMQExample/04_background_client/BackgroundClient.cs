@@ -69,9 +69,9 @@ namespace NetMQExample
         {
             // The host's name is looked up on the thread, since that may take its time.
             NetMQConnection.Host(endpoint);
-            Check.Count("tries", tries);
-            this.capacity = Check.Count("capacity", capacity);
-            var first = Check.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
+            Require.Count("tries", tries);
+            this.capacity = Require.Count("capacity", capacity);
+            var first = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(1));
             thread = new Thread(() => Talk(endpoint, first, tries)) { IsBackground = true, Name = "BackgroundClient" };
             thread.Start();
         }

@@ -62,9 +62,9 @@ namespace NetMQExample
         public ManyRequester(string endpoint, int window = 64, TimeSpan? timeout = null, int tries = 3,
             Action<string> report = null)
         {
-            this.window = Check.Count("window", window);
-            this.tries = Check.Count("tries", tries);
-            this.timeout = Check.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(2.5));
+            this.window = Require.Count("window", window);
+            this.tries = Require.Count("tries", tries);
+            this.timeout = Require.Seconds("timeout", timeout ?? TimeSpan.FromSeconds(2.5));
             this.report = report ?? (line => { });
             pending = new Dictionary<string, (int, string, TimeSpan, int)>();
             // The window is the limit of what is under way; no second one is needed.

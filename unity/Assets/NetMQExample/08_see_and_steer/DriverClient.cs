@@ -57,8 +57,8 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public DriverClient(string endpoint, TimeSpan timeout, int tries, Action<string> log)
         {
-            this.timeout = Check.Seconds("timeout", timeout);
-            this.tries = Check.Count("tries", tries);
+            this.timeout = Require.Seconds("timeout", timeout);
+            this.tries = Require.Count("tries", tries);
             this.log = log;
             PooledBuffers.Use();
             requester = new PooledRequester(endpoint);

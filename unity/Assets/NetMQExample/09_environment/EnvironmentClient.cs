@@ -39,7 +39,7 @@ namespace NetMQExample
         public EnvironmentClient(string endpoint, TimeSpan timeout, Action<string> report)
         {
             this.endpoint = endpoint;
-            this.timeout = Check.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout);
             this.report = report;
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {

@@ -22,7 +22,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public MessageDealer(string endpoint, TimeSpan timeout)
         {
-            this.timeout = Check.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.

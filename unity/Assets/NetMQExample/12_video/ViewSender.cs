@@ -36,7 +36,7 @@ namespace NetMQExample
         public ViewSender(string endpoint, TimeSpan timeout, Action<string> report)
         {
             this.endpoint = endpoint;
-            this.timeout = Check.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout);
             this.report = report;
             limit = timeout < Try ? timeout : Try;
             dealer = new MessageDealer(endpoint, limit);

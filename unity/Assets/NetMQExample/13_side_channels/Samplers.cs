@@ -15,8 +15,8 @@ namespace NetMQExample.SideChannels
         public static Func<float> Uniform(float low, float high, int seed)
         {
             Check(low, high);
-            var chance = Draws(seed);
-            return () => (float)(low + (chance() * ((double)high - low)));
+            var chance = new Chance(seed);
+            return () => (float)(low + (chance.Next() * ((double)high - low)));
         }
 
         /// <summary>The sum of twelve numbers from 0 to 1 is bell-shaped with deviation 1, and needs no logarithm:
@@ -24,11 +24,11 @@ namespace NetMQExample.SideChannels
         public static Func<float> Gaussian(float mean, float stDev, int seed)
         {
             Check(mean, stDev);
-            var chance = Draws(seed);
+            var chance = new Chance(seed);
             return () =>
             {
                 var total = -6.0;
-                for (var i = 0; i < 12; i++) total += chance();
+                for (var i = 0; i < 12; i++) total += chance.Next();
                 return (float)(mean + (stDev * total));
             };
         }
@@ -45,12 +45,16 @@ namespace NetMQExample.SideChannels
                 length += (double)bounds[i + 1] - bounds[i];
             }
             if (wrong) throw new UnityAgentsException("ranges are pairs of a lower and a higher number");
-            var chance = Draws(seed);
+            var chance = new Chance(seed);
             return () =>
             {
-                var (at, i) = (chance() * length, 0);
-                for (; i < bounds.Count - 2 && at > (double)bounds[i + 1] - bounds[i]; i += 2)
+                var at = chance.Next() * length;
+                var i = 0;
+                while (i < bounds.Count - 2 && at > (double)bounds[i + 1] - bounds[i])
+                {
                     at -= (double)bounds[i + 1] - bounds[i];
+                    i += 2;
+                }
                 return (float)Math.Min(bounds[i] + at, bounds[i + 1]);
             };
         }
@@ -59,22 +63,6 @@ namespace NetMQExample.SideChannels
         {
             if (numbers.Any(number => float.IsNaN(number) || float.IsInfinity(number)))
                 throw new UnityAgentsException("a sampler takes numbers, not NaN or infinity");
-        }
-
-        // Numbers from 0 to 1, the same in every language: SplitMix64 (Steele, Lea and Flood, 2014).
-        private static Func<double> Draws(int seed)
-        {
-            var state = unchecked((ulong)seed);
-            return () =>
-            {
-                unchecked
-                {
-                    state += 0x9E3779B97F4A7C15;
-                    var bits = (state ^ state >> 30) * 0xBF58476D1CE4E5B9;
-                    bits = (bits ^ bits >> 27) * 0x94D049BB133111EB;
-                    return ((bits ^ bits >> 31) >> 11) / 9007199254740992.0;
-                }
-            };
         }
     }
 }

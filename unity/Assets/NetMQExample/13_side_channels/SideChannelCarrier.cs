@@ -41,7 +41,7 @@ namespace NetMQExample.SideChannels
         public SideChannelCarrier(string endpoint, TimeSpan timeout, Action<string> report = null)
         {
             this.endpoint = endpoint;
-            this.timeout = Check.Seconds("timeout", timeout);
+            this.timeout = Require.Seconds("timeout", timeout);
             this.report = report;
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
         }

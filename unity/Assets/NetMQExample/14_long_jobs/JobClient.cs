@@ -46,8 +46,8 @@ namespace NetMQExample
                 throw new ArgumentException("resume takes the id of a job, such as the one that leave-at prints");
             this.endpoint = endpoint;
             Job = job;
-            this.timeout = Check.Seconds("timeout", timeout);
-            this.tries = Check.Count("tries", tries);
+            this.timeout = Require.Seconds("timeout", timeout);
+            this.tries = Require.Count("tries", tries);
             this.report = report;
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.Limit);
         }

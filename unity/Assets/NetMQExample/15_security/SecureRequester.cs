@@ -49,8 +49,8 @@ namespace NetMQExample
         {
             this.endpoint = endpoint;
             this.keys = keys;
-            this.timeout = Check.Seconds("timeout", timeout);
-            this.tries = Check.Count("tries", tries);
+            this.timeout = Require.Seconds("timeout", timeout);
+            this.tries = Require.Count("tries", tries);
             this.report = report;
             // Before there is anything to close again.
             NetMQConnection.Check(endpoint);

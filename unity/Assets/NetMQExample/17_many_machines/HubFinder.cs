@@ -31,7 +31,7 @@ namespace NetMQExample
         /// <exception cref="GaveUpException">The port is another program's.</exception>
         public static string Find(int port, string serverKey, TimeSpan timeout, CancellationToken stop = default)
         {
-            Check.Seconds("timeout", timeout);
+            Require.Seconds("timeout", timeout);
             var waited = Stopwatch.StartNew();
             var own = Fingerprint(serverKey);
             var why = "; is the hub started with --announce, on this network?";

@@ -28,7 +28,7 @@ namespace NetMQExample
             if (hand != "" && hand != "left" && hand != "right")
                 throw new ArgumentException($"there is no hand '{LogText.Printable(hand)}': take left or right");
             this.endpoint = endpoint;
-            Check.Count("person", person, least: 0);
+            Require.Count("person", person, least: 0);
             Topic = hand == "" ? FormattableString.Invariant($"pose/{person}/") : $"hand/{hand}/";
             Name = hand == "" ? FormattableString.Invariant($"person {person}") : $"{hand} hand";
             listener = new TopicListener(endpoint, Topic);

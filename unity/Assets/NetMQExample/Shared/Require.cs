@@ -3,7 +3,7 @@ using System;
 
 namespace NetMQExample
 {
-    internal static class Check
+    internal static class Require
     {
         private static readonly TimeSpan Day = TimeSpan.FromDays(1);
 
