@@ -1,4 +1,4 @@
-"""Every C# class that talks to a peer says in one line which value it cannot use: tests/lessons/checks/RuleChecks.cs."""
+"""Every C# class that talks to a peer says in one line which value it cannot use (checks/RuleChecks.cs)."""
 
 from __future__ import annotations
 
