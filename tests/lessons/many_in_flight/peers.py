@@ -47,14 +47,14 @@ def memory(process):
 
 def a_client_that_never_reads(server, endpoint, connect):
     """Asks for much, and takes no reply in; the server's memory must not grow by them."""
-    deaf, other = connect(endpoint), connect(endpoint)
+    silent, other = connect(endpoint), connect(endpoint)
     # It takes nothing in, so that its replies stay on the server's side.
-    deaf.setsockopt(zmq.RCVHWM, 1)
+    silent.setsockopt(zmq.RCVHWM, 1)
     text = b"echo " + b"x" * 1000
     ask(other, b"1", text)
     before = memory(server.process)
     for i in range(100_000):
-        deaf.send_multipart([b"%d" % i, text])
+        silent.send_multipart([b"%d" % i, text])
         if i % 1000 == 0:
             ask(other, b"1", text)
     for _ in range(100):
