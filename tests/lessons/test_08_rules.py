@@ -1,0 +1,118 @@
+"""Lesson 08: what the package's classes cannot use is refused in one line that names it, by the class itself."""
+
+from __future__ import annotations
+
+import pytest
+import zmq
+
+from netmq_example.errors import GaveUp
+
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+from netmq_example.camera import pictures  # noqa: E402
+from netmq_example.camera.client import Action, DriverClient  # noqa: E402
+from netmq_example.camera.recording import Recorder, recorded  # noqa: E402
+from netmq_example.messages import Message  # noqa: E402
+from netmq_example.worlds.road import Car, DrawnCamera, Road  # noqa: E402
+
+NAN = float("nan")
+WHERE = "tcp://127.0.0.1:5558"
+ROAD = Road()
+
+
+def client(context, **other):
+    return DriverClient(**{"context": context, "endpoint": WHERE, **other})
+
+
+def asked_twice(context):
+    one = client(context)
+    try:
+        one.send(Message("frame", 5))
+        one.send(Message("frame", 6))
+    finally:
+        one.close()
+
+
+WRONG = {
+    **{f"timeout takes .* not {value!r}": lambda c, v=value: client(c, timeout=v) for value in (0, -1, None, NAN, "1")},
+    **{
+        f"tries takes .* not {value!r}": lambda c, v=value: client(c, tries=v) for value in (0, -1, None, NAN, "1", 1.5)
+    },
+    "bad endpoint ''": lambda c: client(c, endpoint=""),
+    "bad endpoint 'None'": lambda c: client(c, endpoint=None),
+    "context takes": lambda c: client(None),
+    "log takes": lambda c: client(c, log=0),
+    "frame takes": lambda c: client(c).send(None),
+    "until takes .* not nan": lambda c: client(c).receive(NAN),
+    "until takes .* not None": lambda c: client(c).receive(None),
+    "no picture is asked about": lambda c: client(c).receive(),
+    "picture 5 is asked about": asked_twice,
+    **{f"throttle takes .* not {v!r}": lambda c, v=v: Action(1, v, 0, 0) for v in (None, NAN, "1")},
+    "steer takes .* not nan": lambda c: Action(1, 0, 0, NAN),
+    "frame takes a Message": lambda c: pictures.pictures(None),
+    "picture takes .* float64": lambda c: pictures.encode(np.zeros((8, 8, 3))),
+    "picture takes .* object": lambda c: pictures.encode(None),
+    "picture takes .*0, 8, 3": lambda c: pictures.encode(np.zeros((0, 8, 3), np.uint8)),
+    "file takes": lambda c: pictures.decode(None),
+    "folder takes .* not ''": lambda c: Recorder(""),
+    "folder takes .* not 0": lambda c: Recorder(0),
+    "folder takes .* not None": lambda c: next(recorded(None)),
+    "frame takes a Message, not 0": lambda c: Recorder(None).add(0, Message("action")),
+    "road takes": lambda c: DrawnCamera(None),
+    "road takes a Road, not 0": lambda c: Car.on(0),
+    **{f"at takes .* not {value!r}": lambda c, v=value: Car.on(ROAD, v) for value in (-1, len(ROAD.points), None, NAN)},
+    "x takes .* not nan": lambda c: ROAD.nearest(NAN, 0),
+    "speed takes .* not None": lambda c: Car(0, 0, 1, 0, None),
+    "throttle takes .* not -1": lambda c: Car.on(ROAD).step(-1, 0, 0),
+    "brake takes .* not 2": lambda c: Car.on(ROAD).step(0, 2, 0),
+    "steer takes .* not None": lambda c: Car.on(ROAD).step(0, 0, None),
+    "number takes .* not -1": lambda c: DrawnCamera(ROAD).draw(Car.on(ROAD), -1),
+    "right takes .* not nan": lambda c: DrawnCamera(ROAD).draw(Car.on(ROAD), 0, NAN),
+}
+
+
+@pytest.mark.parametrize(("says", "call"), WRONG.items(), ids=WRONG)
+def test_what_a_class_cannot_use_is_named(says, call, context):
+    with pytest.raises((ValueError, TypeError), match=says) as refusal:
+        call(context)
+    assert "\n" not in str(refusal.value) and len(str(refusal.value)) < 200
+
+
+def test_so_many_pictures_in_a_row_without_an_action_are_given_up(context):
+    """And a picture after them is asked about on a new socket."""
+    lines = []
+    with context.socket(zmq.ROUTER) as silent:
+        silent.linger = 0
+        endpoint = f"tcp://127.0.0.1:{silent.bind_to_random_port('tcp://127.0.0.1')}"
+        driver = client(context, endpoint=endpoint, timeout=0.1, tries=2, log=lines.append)
+        driver.send(Message("frame", 1))
+        assert driver.receive() is None and driver.asked is None
+        driver.send(Message("frame", 2))
+        with pytest.raises(GaveUp, match=r"no reply from .* within 0\.1 s; is the server running\?"):
+            driver.receive()
+    assert [line[:15] for line in lines] == ["trouble: no rep"]
+
+
+def test_a_broken_reply_is_no_reply(context):
+    """REQ drops one without the empty frame in front: there is something to receive, and then there is not."""
+    with context.socket(zmq.ROUTER) as rude:
+        rude.linger = 0
+        endpoint = f"tcp://127.0.0.1:{rude.bind_to_random_port('tcp://127.0.0.1')}"
+        driver = client(context, endpoint=endpoint, timeout=2, tries=2)
+        driver.send(Message("frame", 1))
+        assert rude.poll(100_000)
+        rude.send_multipart([rude.recv_multipart()[0], b"no empty frame"])
+        assert driver.receive() is None
+        driver.close()
+
+
+def test_where_there_is_no_pillow_recording_ends_and_driving_goes_on(tmp_path, monkeypatch):
+    lines = []
+    values = {"frame": 1, "run": "", "manual": False, "cameras": "center", "encoding": "raw", "bottom_up": False}
+    frame = Message("frame", 1, values | dict.fromkeys(pictures.NUMBERS, 0.0))
+    frame.arrays.append(pictures.Array("uint8", (8, 8, 3), bytes(192)))
+    monkeypatch.setattr(pictures, "Image", None)
+    recorder = Recorder(tmp_path, lines.append)
+    for _ in range(2):
+        recorder.add(frame, Message("action", 1, {"throttle": 0, "brake": 0, "steer": 0}))
+    assert lines[-1].startswith("trouble: recording has stopped, the car drives on: JPEG needs Pillow")
+    assert len(lines) == 2
