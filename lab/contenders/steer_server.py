@@ -19,7 +19,4 @@ if __name__ == "__main__":
     server = importlib.import_module("server")
     server.drive = idle  # type: ignore[attr-defined]
     sys.argv[1:] = ["--endpoint", "tcp://127.0.0.1:0"]
-    try:
-        server.main()
-    except KeyboardInterrupt:
-        pass
+    server.run(server.main)
