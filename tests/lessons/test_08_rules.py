@@ -92,19 +92,6 @@ def test_so_many_pictures_in_a_row_without_an_action_are_given_up(context):
     assert [line[:15] for line in lines] == ["trouble: no rep"]
 
 
-def test_a_broken_reply_is_no_reply(context):
-    """REQ drops one without the empty frame in front: there is something to receive, and then there is not."""
-    with context.socket(zmq.ROUTER) as rude:
-        rude.linger = 0
-        endpoint = f"tcp://127.0.0.1:{rude.bind_to_random_port('tcp://127.0.0.1')}"
-        driver = client(context, endpoint=endpoint, timeout=2, tries=2)
-        driver.send(Message("frame", 1))
-        assert rude.poll(100_000)
-        rude.send_multipart([rude.recv_multipart()[0], b"no empty frame"])
-        assert driver.receive() is None
-        driver.close()
-
-
 def test_where_there_is_no_pillow_recording_ends_and_driving_goes_on(tmp_path, monkeypatch):
     lines = []
     values = {"frame": 1, "run": "", "manual": False, "cameras": "center", "encoding": "raw", "bottom_up": False}

@@ -12,7 +12,6 @@ Bytes: messages of messages.py. pictures.py says what a `frame` has; the reply i
 `frame`, `throttle`, `brake` and `steer`. The C# side is DriverClient.cs.
 """
 
-import contextlib
 import math
 import time
 from collections.abc import Callable
@@ -125,9 +124,7 @@ class DriverClient:
         while True:
             left = max(0.0, until - time.monotonic())
             if socket.poll(min(SLICE_MS, math.ceil(left * 1000))):
-                # What poll saw may be a broken reply, which the socket drops: then there is none after all.
-                with contextlib.suppress(zmq.Again):
-                    return socket.recv_multipart(zmq.NOBLOCK, copy=False)
+                return socket.recv_multipart(zmq.NOBLOCK, copy=False)
             if not left:
                 return []
 
