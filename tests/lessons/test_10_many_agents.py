@@ -4,6 +4,7 @@ test_10_many_agents_faults.py.
 
 from __future__ import annotations
 
+import importlib
 import sys
 import time
 import warnings
@@ -24,13 +25,12 @@ from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
 sys.path.append(str(ROOT / "python" / KEY))
-from players import policy  # noqa: E402
-
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
 from netmq_example.infos import InfoQueue, pack, unpack  # noqa: E402
 
+policy = importlib.import_module("players").policy
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 # Unity's scene of this lesson has agents; areas are for terminals.
 each_terminal = pytest.mark.parametrize("kind", ["python", "csharp"])
