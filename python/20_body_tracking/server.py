@@ -7,8 +7,8 @@
 Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
 that MediaPipe numbers: in metres from the middle of the hips, x to the right of the picture, y down, z away from the
 camera, with a decimal point. PERSON counts from 0, NUMBER from 1 at each start of the server, SECONDS with the
-computer's clock that nobody sets. Where no landmarks follow, nobody is there. `hand/left/` and `hand/right/` have 21,
-from the middle of the hand.
+computer's clock that nobody sets. Where no landmarks follow, nobody is there. `hand/left/` and `hand/right/` have 21
+landmarks, in metres from the middle of the hand.
 Trouble on command: a client with `--work 0.1` is too slow; stop this server while a client listens, and start it
 again.
 """
