@@ -21,7 +21,7 @@ namespace NetMQExample.Terminal
             arguments.RefuseTheRest();
 
             Console.WriteLine($"asking {endpoint}");
-            // Of an unknown host the client says so only as the error of a request. A terminal has the time to look first.
+            // An unknown host would be the error of each request. A terminal has the time to look first.
             NetMQConnection.Check(endpoint);
             using var client = new BackgroundClient(endpoint, timeout, tries);
 

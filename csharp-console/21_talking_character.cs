@@ -20,18 +20,16 @@ namespace NetMQExample.Terminal
             arguments.RefuseTheRest();
 
             var speech = new Speech();
-            JobNews? last = null;
             void Say(string line) => Console.WriteLine(speech.Text == "" ? line : $"\n{line}");
             using var client = new JobClient(endpoint, JobClient.NewId(), timeout, tries, Say);
             var goal = Speech.Ask(client, prompt, count);
             Console.WriteLine($"asking {endpoint}: {LogText.Printable(prompt)}");
             foreach (var news in client.Watch(goal))
             {
-                last = news;
                 Console.Write(speech.Hear(news));
                 if (news.Kind == "feedback" && leaveAfter > 0 && speech.Words >= leaveAfter) client.Cancel();
             }
-            Console.WriteLine(speech.Outcome(last!));
+            Console.WriteLine(speech.Outcome());
         }
     }
 }

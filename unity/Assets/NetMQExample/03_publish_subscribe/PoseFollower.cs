@@ -50,7 +50,8 @@ namespace NetMQExample
         // The words of `pose/ NUMBER x y z qx qy qz qw`; null if these are others, since anybody can publish on a port.
         private static float[] Parse(string message)
         {
-            var (words, n) = (message.Split(' '), new float[9]);
+            var words = message.Split(' ');
+            var n = new float[9];
             for (var i = 2; i < n.Length; i++)
                 // Without the culture, a German machine reads 0.5 as 5.
                 if (words.Length != n.Length

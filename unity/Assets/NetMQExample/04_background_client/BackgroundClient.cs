@@ -63,8 +63,8 @@ namespace NetMQExample
         /// as long as the one before, at most 8 times as long as the first.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
         /// <param name="capacity">How many requests may be under way; one more is refused.</param>
-        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure. That a host is
-        /// unknown is the error of each request.</exception>
+        /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure. An unknown
+        /// host is the error of each request.</exception>
         public BackgroundClient(string endpoint, TimeSpan? timeout = null, int tries = 3, int capacity = 64)
         {
             // The host's name is looked up on the thread, since that may take its time.
@@ -180,8 +180,14 @@ namespace NetMQExample
                 // If it is not there any more, Dispose has ended it.
                 if (!waiting.TryDequeue(out _)) return;
                 done.Enqueue((callback, text));
-                if (state == ClientState.Lost) status = (state, text);
-                else (status.state, roundTrip, replies) = (state, clock.Elapsed, replies + 1);
+                if (state == ClientState.Lost)
+                {
+                    status = (state, text);
+                    return;
+                }
+                status.state = state;
+                roundTrip = clock.Elapsed;
+                replies++;
             }
         }
     }

@@ -40,7 +40,10 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            (asked, replies, shown, done) = (0, 0, "", false);
+            asked = 0;
+            replies = 0;
+            shown = "";
+            done = false;
             Client = new BackgroundClient(endpoint, Seconds(timeout), tries);
             Debug.Log($"asking {endpoint}");
         }
@@ -52,7 +55,11 @@ namespace NetMQExample
         {
             if (done) return;
             var (state, error) = Client.Status;
-            if (error != shown && state != ClientState.Lost) Debug.Log($"trouble: {shown = error}");
+            if (error != shown && state != ClientState.Lost)
+            {
+                Debug.Log($"trouble: {error}");
+                shown = error;
+            }
             Client.Poll();
             if (asked < count && Client.Request(text, OnReply, Finish)) asked++;
             if (replies >= count) Finish(null);

@@ -15,7 +15,7 @@ namespace NetMQExample
     public sealed class HelloWorldHud : MonoBehaviour
     {
         // A text is garbage once it is drawn: twice a second is often enough to read, and too rare to matter.
-        private const float Interval = 0.5f;
+        private const float IntervalSeconds = 0.5f;
 
         private HelloBackground source;
         private BackgroundClient client;
@@ -31,23 +31,32 @@ namespace NetMQExample
         {
             // IMGUI's own layout would cost a pass, and garbage, in each frame.
             useGUILayout = false;
-            (source, mesh) = (GetComponent<HelloBackground>(), GetComponent<TextMesh>());
+            source = GetComponent<HelloBackground>();
+            mesh = GetComponent<TextMesh>();
         }
 
         private void Update()
         {
             // Time.deltaTime never says more than Time.maximumDeltaTime, a third of a second.
-            if (frames++ > 0 && !done) longest = System.Math.Max(longest, Time.unscaledDeltaTime);
+            if (frames > 0 && !done) longest = System.Math.Max(longest, Time.unscaledDeltaTime);
+            frames++;
             if (source.Done && !done) Debug.Log($"frames: {frames}, the longest took {longest * 1000:F0} ms");
             done = source.Done;
             var now = Time.realtimeSinceStartup;
             if (source.Client == null || now < next) return;
-            if (client != source.Client) (client, before, repliesBefore) = (source.Client, now, 0);
+            if (client != source.Client)
+            {
+                client = source.Client;
+                before = now;
+                repliesBefore = 0;
+            }
             // A client that was made just now has no rate yet.
             var rate = now > before ? (client.Replies - repliesBefore) / (now - before) : 0;
             Text = $"{client.State}\nround trip {client.RoundTripTime.TotalMilliseconds:F1} ms\n"
                 + $"{rate:F0} messages a second\n{client.LastError}";
-            (next, before, repliesBefore) = (now + Interval, now, client.Replies);
+            next = now + IntervalSeconds;
+            before = now;
+            repliesBefore = client.Replies;
             if (mesh != null) mesh.text = Text;
         }
 

@@ -45,7 +45,9 @@ namespace NetMQExample
         /// <exception cref="MessageException">The bytes are not as many as dtype and shape say.</exception>
         public MessageArray(string dtype, ReadOnlyMemory<byte> data, params int[] shape)
         {
-            (Dtype, Data, Shape) = (dtype, data, shape);
+            Dtype = dtype;
+            Data = data;
+            Shape = shape;
             if (!Kinds.TryGetValue(dtype, out var kind))
                 throw new MessageException("bad-dtype",
                     $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Kinds.Keys)}");
@@ -132,7 +134,8 @@ namespace NetMQExample
 
         private static MessageArray ReadArray(object array, ReadOnlyMemory<byte> data)
         {
-            var (dtype, shape) = (Take<string>(array, "dtype"), Take<List<object>>(array, "shape"));
+            var dtype = Take<string>(array, "dtype");
+            var shape = Take<List<object>>(array, "shape");
             var whole = shape.All(length => length is long size && size >= 0 && size <= Limit);
             // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
             if (shape.Count > 8 || !whole || shape.Aggregate(1.0, (all, one) => all * Math.Max(1, (long)one)) > Limit)

@@ -35,7 +35,8 @@ namespace NetMQExample
                 var text = Utf8.GetString(bytes);
                 if (!Words.IsMatch(text)) throw new JsonReaderException("it has a word that is none of JSON's");
                 using var json = new JsonTextReader(new StringReader(text));
-                (json.MaxDepth, json.DateParseHandling) = (32, DateParseHandling.None);
+                json.MaxDepth = 32;
+                json.DateParseHandling = DateParseHandling.None;
                 Next(json);
                 var value = Value(json);
                 // Throws if more follows.

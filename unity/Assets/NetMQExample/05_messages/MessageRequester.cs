@@ -61,7 +61,8 @@ namespace NetMQExample
                 throw;
             }
             if (reply.Kind != "error") return reply;
-            var (code, text) = (reply.Values.GetValueOrDefault("code"), reply.Values.GetValueOrDefault("text"));
+            var code = reply.Values.GetValueOrDefault("code");
+            var text = reply.Values.GetValueOrDefault("text");
             throw new MessageException(LogText.Printable($"{code ?? "not said"}"),
                 LogText.Printable($"{text ?? "not said"}"));
         }
@@ -70,11 +71,13 @@ namespace NetMQExample
         protected virtual bool TryExchange(
             Message request, TimeSpan timeout, CancellationToken stop, out IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
-            var (sent, received) = (new NetMQMessage(), new NetMQMessage());
+            var sent = new NetMQMessage();
+            var received = new NetMQMessage();
             sent.Append(request.Header());
             foreach (var array in request.Arrays) sent.Append(array.Data.ToArray());
             frames = null;
-            var (slices, socket) = (NetMQConnection.Slices(timeout, stop), Connection.Socket);
+            var slices = NetMQConnection.Slices(timeout, stop);
+            var socket = Connection.Socket;
             // Each time it is gone through, the time begins anew.
             if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, sent))) return false;
             Connection.Show(true, sent);

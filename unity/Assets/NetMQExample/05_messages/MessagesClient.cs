@@ -33,7 +33,8 @@ namespace NetMQExample
                     var reply = requester.Request(TestPicture.Request(i), Seconds(timeout), stop);
                     Log(TestPicture.Line(i, reply));
                     Arrive(replied, reply);
-                    (i, lost) = (i + 1, 0);
+                    i++;
+                    lost = 0;
                 }
                 catch (TimeoutException e) when (++lost < tries)
                 {

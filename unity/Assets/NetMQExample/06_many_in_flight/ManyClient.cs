@@ -30,7 +30,8 @@ namespace NetMQExample
         {
             Log($"asking {endpoint}, {window} in flight");
             using var requester = new ManyRequester(endpoint, window, Seconds(timeout), tries, Log);
-            var (texts, failures) = (text.Split('|'), 0);
+            var texts = text.Split('|');
+            var failures = 0;
             var requests = Enumerable.Range(0, count).Select(i => texts[i % texts.Length]);
             foreach (var answer in requester.RequestMany(requests, stop))
             {

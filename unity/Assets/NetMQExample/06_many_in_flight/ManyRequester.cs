@@ -35,8 +35,12 @@ namespace NetMQExample
             /// <summary>Why there is no reply, or null. The request may have been done all the same.</summary>
             public readonly string Failure;
 
-            internal Answer(int number, string reply, string failure) =>
-                (Number, Reply, Failure) = (number, reply, failure);
+            internal Answer(int number, string reply, string failure)
+            {
+                Number = number;
+                Reply = reply;
+                Failure = failure;
+            }
         }
 
         // The bytes of the largest request. The server disconnects whoever sends more, with all that is under way.

@@ -62,7 +62,8 @@ namespace NetMQExample
         private readonly string endpoint;
         private readonly string snapshots;
         private readonly Action<string> report;
-        private int deaf;
+        // How many snapshots in a row came though the stream was silent.
+        private int withoutStream;
 
         /// <summary>Subscribes and connects, which succeeds even while no publisher is there.</summary>
         /// <param name="endpoint">The publisher, such as <c>tcp://127.0.0.1:5557</c>.</param>
@@ -116,7 +117,8 @@ namespace NetMQExample
                     return CatchUp(timeout, message == null, stop);
                 // A lower number was sent before the snapshot was made, and is contained in it.
                 if (pose.Number != Pose.Number + 1) continue;
-                (Pose, deaf) = (pose, 0);
+                Pose = pose;
+                withoutStream = 0;
                 Checksum *= 31;
                 foreach (var character in message) Checksum += character;
                 Received++;
@@ -134,7 +136,8 @@ namespace NetMQExample
         {
             var old = Pose;
             (Checksum, Pose) = Ask(timeout, stop);
-            var (first, same) = (old == PoseMessage.None, Pose.Run == old.Run);
+            var first = old == PoseMessage.None;
+            var same = Pose.Run == old.Run;
             if (same && Pose.Number <= old.Number) return false;
             if (!first) Missed += same ? Pose.Number - old.Number : Pose.Number;
             report(first ? $"joined run {Pose.Run} at {Pose.Number}, checksum {Checksum}"
@@ -142,7 +145,8 @@ namespace NetMQExample
                 : $"missed run {old.Run} from {old.Number + 1} on, and run {Pose.Run} up to {Pose.Number}");
             // The publisher goes on and nothing comes: where another program had the port, libzmq connects no more.
             if (!silent || stream.Socket.HasIn) return true;
-            if (++deaf > 5)
+            withoutStream++;
+            if (withoutStream > 5)
                 throw new TimeoutException($"no pose came over {endpoint}; is that the publisher, and its port open?");
             stream.Close();
             return true;

@@ -34,7 +34,8 @@ namespace NetMQExample
         {
             if (SystemInfo.graphicsDeviceType == GraphicsDeviceType.Null)
                 throw new ArgumentException("a camera needs a graphics card: start Unity without -nographics");
-            (this.camera, this.pixels) = (camera, pixels);
+            this.camera = camera;
+            this.pixels = pixels;
         }
 
         /// <summary>Whether each picture is turned over. What <see cref="IsTurned"/> says makes the lowest row the
@@ -48,7 +49,8 @@ namespace NetMQExample
         public void Begin()
         {
             camera.Render();
-            (waits, Failed) = (SystemInfo.supportsAsyncGPUReadback, false);
+            waits = SystemInfo.supportsAsyncGPUReadback;
+            Failed = false;
             // Red, green, blue, alpha is what the texture holds: nothing has to be converted.
             if (waits) request = AsyncGPUReadback.Request(camera.targetTexture, 0, TextureFormat.RGBA32);
             else Read();
@@ -61,7 +63,8 @@ namespace NetMQExample
         {
             if (!waits) return true;
             if (!request.done) return false;
-            (waits, Failed) = (false, request.hasError);
+            waits = false;
+            Failed = request.hasError;
             if (!Failed) Copy(request.GetData<byte>());
             return true;
         }
@@ -93,7 +96,9 @@ namespace NetMQExample
             Object.DestroyImmediate(marker);
             Object.DestroyImmediate(paint);
             // How much, and not how often: effects may change every pixel a little.
-            var (first, last, half) = (0L, 0L, pixels.Length / 2);
+            var first = 0L;
+            var last = 0L;
+            var half = pixels.Length / 2;
             for (var i = 0; i < half; i++)
             {
                 first += Math.Abs(with[i] - without[i]);
@@ -111,7 +116,8 @@ namespace NetMQExample
 
         private void Read()
         {
-            var (seen, before) = (camera.targetTexture, RenderTexture.active);
+            var seen = camera.targetTexture;
+            var before = RenderTexture.active;
             if (copy == null || copy.width != seen.width || copy.height != seen.height)
             {
                 Object.Destroy(copy);

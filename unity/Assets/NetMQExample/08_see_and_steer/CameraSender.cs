@@ -29,9 +29,14 @@ namespace NetMQExample
         private void Start()
         {
             car = GetComponent<DrivenBehaviour>();
-            enabled = car != null;
-            if (enabled) (car.Drive.Every, car.Drive.Lockstep) = (every, lockstep);
-            else Debug.LogError("gave up: no car beside CameraSender; add DrivenCar, or one of your own");
+            if (car == null)
+            {
+                Debug.LogError("gave up: no car beside CameraSender; add DrivenCar, or one of your own");
+                enabled = false;
+                return;
+            }
+            car.Drive.Every = every;
+            car.Drive.Lockstep = lockstep;
         }
 
         /// <inheritdoc/>

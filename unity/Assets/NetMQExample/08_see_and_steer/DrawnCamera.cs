@@ -63,7 +63,9 @@ namespace NetMQExample
                     var colour = !seen ? Sky : Colours[At(
                         car.X + car.AheadX * ahead + car.AheadY * across,
                         car.Y + car.AheadY * ahead - car.AheadX * across)];
-                    (pixels[at], pixels[at + 1], pixels[at + 2]) = (colour[0], colour[1], colour[2]);
+                    pixels[at] = colour[0];
+                    pixels[at + 1] = colour[1];
+                    pixels[at + 2] = colour[2];
                 }
             }
             for (var y = Height - 8; y < Height; y++)

@@ -44,7 +44,11 @@ namespace NetMQExample
         /// <summary>Begins with the brake on.</summary>
         /// <param name="car">What is driven.</param>
         /// <param name="log">Gets the lines about the drive.</param>
-        public Drive(ICar car, Action<string> log) => (this.car, this.log) = (car, log);
+        public Drive(ICar car, Action<string> log)
+        {
+            this.car = car;
+            this.log = log;
+        }
 
         /// <summary>One action in so many is logged; 0: none.</summary>
         public int Every { get; set; }
@@ -75,7 +79,8 @@ namespace NetMQExample
         public void TakeOver(double throttle, double brake, double steer)
         {
             if (!Manual) log("a person drives");
-            (Manual, action) = (true, new DriveAction(Frame, throttle, brake, steer));
+            Manual = true;
+            action = new DriveAction(Frame, throttle, brake, steer);
         }
 
         /// <summary>The person gives back: Python's next action counts again.</summary>
@@ -88,9 +93,13 @@ namespace NetMQExample
         /// <summary>Writes beside a shot's pictures which moment they show.</summary>
         public void Note(Shot shot)
         {
-            (shot.Frame, shot.SimTime, shot.Run) = (Frame, Time.TotalSeconds, run);
+            shot.Frame = Frame;
+            shot.SimTime = Time.TotalSeconds;
+            shot.Run = run;
             shot.WallTime = (DateTime.UtcNow - DateTime.UnixEpoch).TotalSeconds;
-            (shot.Action, shot.Speed, shot.Manual) = (InForce, car.Speed, Manual);
+            shot.Action = InForce;
+            shot.Speed = car.Speed;
+            shot.Manual = Manual;
         }
 
         /// <summary>Follows an action from the next step on.</summary>
@@ -102,7 +111,8 @@ namespace NetMQExample
                 if (Lockstep) waited = TimeoutSteps;
                 return;
             }
-            (waited, Age) = (0, Frame - newest.Value.Frame);
+            waited = 0;
+            Age = Frame - newest.Value.Frame;
             if (!Manual) action = newest.Value;
             if (Every > 0 && Actions % Every == 0) log(Describe(newest.Value));
             Actions++;

@@ -41,7 +41,8 @@ namespace NetMQExample
         /// <summary>The number of the point that is nearest, and how far away it is in metres.</summary>
         public (int At, double Distance) Nearest(double x, double y)
         {
-            var (at, least) = (0, double.MaxValue);
+            var at = 0;
+            var least = double.MaxValue;
             for (var i = 0; i < Points.Length; i++)
             {
                 double right = Points[i].X - x, up = Points[i].Y - y, square = right * right + up * up;

@@ -22,7 +22,10 @@ namespace NetMQExample
         {
             if (!(cameras == "center" || cameras == "left,right" || cameras == "left,center,right"))
                 throw new ArgumentException($"cameras are center, left,right or left,center,right, not '{cameras}'");
-            (Cameras, Width, Height, Channels) = (cameras, width, height, channels);
+            Cameras = cameras;
+            Width = width;
+            Height = height;
+            Channels = channels;
             Pixels = cameras.Split(',').Select(camera => new byte[width * height * channels]).ToArray();
         }
 
@@ -77,10 +80,17 @@ namespace NetMQExample
         {
             var message = new Message("frame", Frame);
             var values = message.Values;
-            (values["frame"], values["run"], values["manual"]) = (Frame, Run, Manual);
-            (values["sim_time"], values["wall_time"], values["speed"]) = (SimTime, WallTime, Speed);
-            (values["throttle"], values["brake"], values["steer"]) = (Action.Throttle, Action.Brake, Action.Steer);
-            (values["cameras"], values["encoding"]) = (Cameras, jpeg == null ? "raw" : "jpeg");
+            values["frame"] = Frame;
+            values["run"] = Run;
+            values["manual"] = Manual;
+            values["sim_time"] = SimTime;
+            values["wall_time"] = WallTime;
+            values["speed"] = Speed;
+            values["throttle"] = Action.Throttle;
+            values["brake"] = Action.Brake;
+            values["steer"] = Action.Steer;
+            values["cameras"] = Cameras;
+            values["encoding"] = jpeg == null ? "raw" : "jpeg";
             // A JPEG file has its top row first, in Unity as everywhere.
             values["bottom_up"] = jpeg == null;
             foreach (var pixels in Pixels)

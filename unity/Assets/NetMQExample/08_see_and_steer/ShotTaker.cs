@@ -34,7 +34,8 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">There are no such cameras, or there is no graphics card.</exception>
         public ShotTaker(string names, bool jpeg, int steps, Func<double, Camera> make)
         {
-            (this.jpeg, this.steps) = (jpeg, steps);
+            this.jpeg = jpeg;
+            this.steps = steps;
             cameras = new Shot(names, 1, 1, 4).Right.Select(make).ToArray();
             textures = Array.ConvertAll(cameras, camera => camera.targetTexture);
             for (var i = 0; i < 4; i++) free.Push(new Taking(names, cameras));
@@ -137,7 +138,11 @@ namespace NetMQExample
             {
                 var all = true;
                 Failed = false;
-                foreach (var readback in Readbacks) (all, Failed) = (all & readback.Look(), Failed | readback.Failed);
+                foreach (var readback in Readbacks)
+                {
+                    if (!readback.Look()) all = false;
+                    if (readback.Failed) Failed = true;
+                }
                 return all;
             }
         }

@@ -50,7 +50,8 @@ namespace NetMQExample
 
         private void Awake()
         {
-            (cart, pole) = (Cube.Make(new Vector3(0.8f, 0.5f, 0.5f)), Cube.Make(new Vector3(0.1f, 2, 0.1f)));
+            cart = Cube.Make(new Vector3(0.8f, 0.5f, 0.5f));
+            pole = Cube.Make(new Vector3(0.1f, 2, 0.1f));
             Cube.Make(new Vector3(5, 0.05f, 0.1f));
         }
 

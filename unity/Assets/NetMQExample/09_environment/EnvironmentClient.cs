@@ -88,7 +88,8 @@ namespace NetMQExample
         private void Talk(
             SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
         {
-            var (limit, hello) = (timeout < Try ? timeout : Try, perform(simulator.Hello));
+            var limit = timeout < Try ? timeout : Try;
+            var hello = perform(simulator.Hello);
             Send(hello, limit, stop);
             var request = Receive(limit, stop);
             if (request.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
@@ -143,7 +144,8 @@ namespace NetMQExample
                 var message = Message.Read(
                     frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
                 if (message.Kind != "error") return message;
-                var (code, text) = (message.Values.GetValueOrDefault("code"), message.Values.GetValueOrDefault("text"));
+                var code = message.Values.GetValueOrDefault("code");
+                var text = message.Values.GetValueOrDefault("text");
                 throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"));
             }
             throw new TimeoutException("the environment is gone, or silent");

@@ -18,7 +18,9 @@ namespace NetMQExample
 
         private GymSpace(string kind, MessageArray form, params MessageArray[] arrays)
         {
-            (Kind, Form, Arrays) = (kind, form, arrays);
+            Kind = kind;
+            Form = form;
+            Arrays = arrays;
             low = kind == "box" ? Numbers(arrays[0]) : new[] { 0.0 };
             high = kind == "box" ? Numbers(arrays[1]) : new[] { Numbers(arrays[0])[0] - 1 };
         }
@@ -62,7 +64,8 @@ namespace NetMQExample
         {
             if (arrays.Count != 1)
                 throw new MessageException("not-in-space", $"{arrays.Count} arrays are not one of {this}");
-            var (array, numbers) = (arrays[0], Numbers(arrays[0]));
+            var array = arrays[0];
+            var numbers = Numbers(arrays[0]);
             var inside = array.Dtype == Form.Dtype && array.Shape.SequenceEqual(Form.Shape);
             // NaN is not between any two numbers.
             for (var i = 0; inside && i < numbers.Length; i++) inside = numbers[i] >= low[i] && numbers[i] <= high[i];

@@ -24,7 +24,8 @@ namespace NetMQExample
         public RoadCar(bool seesPictures = false)
         {
             this.seesPictures = seesPictures;
-            (car, camera) = (new Car(road, 0), new DrawnCamera(road));
+            car = new Car(road, 0);
+            camera = new DrawnCamera(road);
             var most = new double[] { 2, 2, 2, 2, 2 };
             Observation = seesPictures
                 ? GymSpace.Picture(DrawnCamera.Height, DrawnCamera.Width)
@@ -52,7 +53,8 @@ namespace NetMQExample
             var at = state.Length > 0 ? state[0] : Math.Floor(chance.Next() * road.Points.Length);
             if (!(at >= 0 && at < road.Points.Length))
                 throw new MessageException("bad-state", $"the road has the points 0 to {road.Points.Length - 1}");
-            (car, metres) = (new Car(road, (int)at), 0);
+            car = new Car(road, (int)at);
+            metres = 0;
         }
 
         /// <inheritdoc/>
@@ -67,7 +69,9 @@ namespace NetMQExample
         {
             if (seesPictures) return Render();
             var (at, _) = road.Nearest(car.X, car.Y);
-            var ((x, y), (toX, toY), (farX, farY)) = (road.Points[at], Along(at), Along(at + Ahead));
+            var (x, y) = road.Points[at];
+            var (toX, toY) = Along(at);
+            var (farX, farY) = Along(at + Ahead);
             // To the right of the road's direction is (toY, -toX).
             var off = ((car.X - x) * toY - (car.Y - y) * toX) / Road.HalfWidth;
             return Observation.Of(off, car.AheadX * toY - car.AheadY * toX, car.AheadX * toX + car.AheadY * toY,
@@ -84,7 +88,8 @@ namespace NetMQExample
         /// <inheritdoc/>
         public MessageArray Render()
         {
-            var (drawn, picture) = (new byte[DrawnCamera.Size], new byte[DrawnCamera.Size]);
+            var drawn = new byte[DrawnCamera.Size];
+            var picture = new byte[DrawnCamera.Size];
             camera.Draw(drawn, car, 0);
             // Lesson 08's pictures have the lowest row first, Gymnasium's the highest.
             const int row = DrawnCamera.Width * 3;

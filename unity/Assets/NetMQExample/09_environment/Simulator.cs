@@ -75,9 +75,13 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override Message Describe()
         {
-            var (hello, see, act) = (new Message("hello"), simulation.Observation, simulation.Action);
-            (hello.Values["name"], hello.Values["dt"]) = (simulation.Name, simulation.Dt);
-            (hello.Values["observation"], hello.Values["action"]) = (see.Kind, act.Kind);
+            var hello = new Message("hello");
+            var see = simulation.Observation;
+            var act = simulation.Action;
+            hello.Values["name"] = simulation.Name;
+            hello.Values["dt"] = simulation.Dt;
+            hello.Values["observation"] = see.Kind;
+            hello.Values["action"] = act.Kind;
             hello.Arrays.AddRange(see.Arrays.Concat(act.Arrays));
             return hello;
         }
@@ -96,7 +100,8 @@ namespace NetMQExample
                     Steps++;
                     var (reward, terminated, truncated) = simulation.Judge(state.Values);
                     state.Values["reward"] = reward;
-                    (state.Values["terminated"], state.Values["truncated"]) = (terminated, truncated);
+                    state.Values["terminated"] = terminated;
+                    state.Values["truncated"] = truncated;
                     break;
                 case "render":
                     state.Arrays.Add(simulation.Render());

@@ -46,10 +46,12 @@ namespace NetMQExample
             if (!played || since < Dt - 0.001) return;
             since = 0;
             var (reward, over) = StepByHand();
-            (steps, total) = (steps + 1, total + reward);
+            steps++;
+            total += reward;
             if (!over) return;
             Debug.Log(FormattableString.Invariant($"by hand: {steps} steps, return {total:F1}"));
-            (steps, total) = (0, 0);
+            steps = 0;
+            total = 0;
             ResetByHand(new Chance(++seed));
         }
     }

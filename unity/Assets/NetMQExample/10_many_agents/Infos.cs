@@ -91,7 +91,8 @@ namespace NetMQExample
             if (dropped > 0) infos.Add(("", new Dictionary<string, object> { ["dropped"] = dropped }));
             var text = Infos.Pack(infos);
             infos.Clear();
-            (size, dropped) = (0, 0);
+            size = 0;
+            dropped = 0;
             return text;
         }
     }

@@ -63,7 +63,9 @@ namespace NetMQExample
             foreach (var player in players)
             {
                 (player.X, player.Y) = (2 * chance.Next() - 1, 2 * chance.Next() - 1);
-                (player.Energy, player.Reward, player.Lives) = (1, 0, true);
+                player.Energy = 1;
+                player.Reward = 0;
+                player.Lives = true;
             }
         }
 
@@ -143,7 +145,11 @@ namespace NetMQExample
             public double X, Y, Energy, Reward;
             public bool Lives;
 
-            public Player(string name) => (Name, Hunts) = (name, name.StartsWith("hunter", StringComparison.Ordinal));
+            public Player(string name)
+            {
+                Name = name;
+                Hunts = name.StartsWith("hunter", StringComparison.Ordinal);
+            }
         }
     }
 }

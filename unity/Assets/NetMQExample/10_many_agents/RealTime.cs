@@ -45,7 +45,8 @@ namespace NetMQExample
             game.ResetWorld(chance, options);
             real = options.TryGetValue("real_time", out var value) && value is true;
             next = clock.Elapsed.TotalSeconds + Dt;
-            (living, actions) = (Agents.Select(agent => agent.Name).ToList(), new Dictionary<string, double[]>());
+            living = Agents.Select(agent => agent.Name).ToList();
+            actions = new Dictionary<string, double[]>();
             verdicts.Clear();
         }
 

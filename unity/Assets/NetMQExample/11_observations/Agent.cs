@@ -35,7 +35,8 @@ namespace NetMQExample
             get => agentName;
             set
             {
-                (agentName, state) = (value, null);
+                agentName = value;
+                state = null;
                 if (All.Remove(this)) Join();
             }
         }
@@ -59,7 +60,8 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The locator is wrong, or nobody is meant.</exception>
         public static Source Below(Transform at, string name, string locator, string standard, Func<object> read)
         {
-            var (scopes, keys) = (new List<string>(), "");
+            var scopes = new List<string>();
+            var keys = "";
             if (at.GetComponent<Agent>() == null) standard = "";
             for (; at != null; at = at.parent)
             {

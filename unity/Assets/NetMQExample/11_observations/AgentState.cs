@@ -58,7 +58,8 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
         public AgentState(string name, object observed, int period = 1)
         {
-            (Name, Period) = (name, Math.Max(1, period));
+            Name = name;
+            Period = Math.Max(1, period);
             Scope = Locator.Parse(LocatorMapping.Quoted(name) + "@");
             foreach (var member in Observed.Members(observed.GetType()))
                 Sources.Add(Make(member.FullName, member.Locator, member.Name, Scope, () => member.Read(observed)));
@@ -116,7 +117,11 @@ namespace NetMQExample
 
         internal void Begin(Chance chance, IReadOnlyDictionary<string, object> options)
         {
-            (Chance, Options, reward, terminated, truncated) = (chance, options, 0, false, false);
+            Chance = chance;
+            Options = options;
+            reward = 0;
+            terminated = false;
+            truncated = false;
             infos.Clear();
         }
 

@@ -108,7 +108,8 @@ namespace NetMQExample
         // it is only their precision that may change.
         private static object Exactly(object number, Type type)
         {
-            var (culture, code) = (CultureInfo.InvariantCulture, Convert.GetTypeCode(number));
+            var culture = CultureInfo.InvariantCulture;
+            var code = Convert.GetTypeCode(number);
             try
             {
                 var cast = Convert.ChangeType(number, type, culture);

@@ -46,7 +46,10 @@ namespace NetMQExample
             (x, y) = (Field / 2, Field / 2);
             Spots.Clear();
             for (var i = 0; i < Coins; i++) Spots.Add((1 + 8 * State.Chance.Next(), 1 + 8 * State.Chance.Next()));
-            (push, boost, says, steps) = (new float[2], 0, "", 0);
+            push = new float[2];
+            boost = 0;
+            says = "";
+            steps = 0;
         }
 
         /// <inheritdoc/>

@@ -36,7 +36,10 @@ namespace NetMQExample
 
         internal LocatorMapping(bool everyone, IEnumerable<string> agents, bool root, string destination, string source)
         {
-            (Everyone, this.root, this.destination, this.source) = (everyone, root, destination, source);
+            Everyone = everyone;
+            this.root = root;
+            this.destination = destination;
+            this.source = source;
             Agents = agents.Distinct().OrderBy(agent => agent, StringComparer.Ordinal).ToArray();
         }
 
@@ -77,7 +80,8 @@ namespace NetMQExample
         // Put where the scope says.
         internal LocatorMapping Joined(LocatorReader reader, int at, LocatorMapping scope)
         {
-            var (before, after) = (root ? "" : scope.destination, destination);
+            var before = root ? "" : scope.destination;
+            var after = destination;
             if (!scope.Absolute)
                 throw reader.Fault(at, "expected agents, such as car@, because the scope names none");
             if (scope.source != "")
@@ -113,7 +117,8 @@ namespace NetMQExample
         /// <exception cref="LocatorException">Where the text is wrong, and what was expected there.</exception>
         public static Locator Parse(string text, string name = "", Locator scope = null)
         {
-            var (reader, mappings) = (new LocatorReader(text), new List<LocatorMapping>());
+            var reader = new LocatorReader(text);
+            var mappings = new List<LocatorMapping>();
             string more;
             do
             {
@@ -138,12 +143,14 @@ namespace NetMQExample
                 agents.Add(agent);
                 reader.Sign("@", "'@' after the name of an agent");
             }
-            var (destination, source) = (reader.Path(true), "");
+            var destination = reader.Path(true);
+            var source = "";
             more = LocatorMapping.After(destination) + "'=', ";
             if (reader.Sign("="))
             {
                 reader.Sign("$", "'$'");
-                more = LocatorMapping.After(source = reader.Path(false));
+                source = reader.Path(false);
+                more = LocatorMapping.After(source);
             }
             return new LocatorMapping(everyone, agents, root, destination, source);
         }

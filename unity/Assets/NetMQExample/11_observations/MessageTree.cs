@@ -18,8 +18,12 @@ namespace NetMQExample
     public sealed class MessageGraph
     {
         /// <summary>Without edges, the other two are left out.</summary>
-        public MessageGraph(object nodes, object edges = null, object edgeLinks = null) =>
-            (Nodes, Edges, EdgeLinks) = (nodes, edges, edgeLinks);
+        public MessageGraph(object nodes, object edges = null, object edgeLinks = null)
+        {
+            Nodes = nodes;
+            Edges = edges;
+            EdgeLinks = edgeLinks;
+        }
 
         /// <summary>An item for each node.</summary>
         public object Nodes { get; }

@@ -29,10 +29,12 @@ namespace NetMQExample
 
         private Observed(Type type, MemberInfo member, ObsAttribute attribute)
         {
-            (this.member, this.attribute) = (member, attribute);
+            this.member = member;
+            this.attribute = attribute;
             // [field: Box] stands at the field behind a property, whose name is <Speed>k__BackingField.
             var parts = member.Name.Split('<', '>');
-            FullName = $"{type.Name}.{Name = parts[parts.Length > 1 ? 1 : 0]}";
+            Name = parts[parts.Length > 1 ? 1 : 0];
+            FullName = $"{type.Name}.{Name}";
         }
 
         /// <summary>Makes numbers or lists of what an engine has, such as a Vector3. Agent.cs sets it.</summary>
@@ -72,7 +74,8 @@ namespace NetMQExample
         /// <summary>A value of any kind as its own kind says.</summary>
         public static object Of(object value)
         {
-            switch (value = Engine(value))
+            value = Engine(value);
+            switch (value)
             {
                 case null:
                 case bool _:
@@ -134,7 +137,8 @@ namespace NetMQExample
                 var one = new Observed(type, member, attributes[0]);
                 ArgumentException Wrong(string what) => new ArgumentException($"{one.FullName} {what}");
                 if (attributes.Length > 1) throw Wrong("has two attributes: one is enough");
-                var (field, property) = (member as FieldInfo, member as PropertyInfo);
+                var field = member as FieldInfo;
+                var property = member as PropertyInfo;
                 if (property != null && (!property.CanRead || property.GetIndexParameters().Length > 0))
                     throw Wrong("cannot be read: give it a get");
                 if (field?.IsStatic ?? property.GetMethod.IsStatic) throw Wrong("is static: it belongs to no agent");

@@ -31,7 +31,10 @@ namespace NetMQExample
             IReadOnlyList<Source> sensors = null, Action tick = null)
         {
             Name = name;
-            (this.dt, this.agents, this.sensors, this.tick) = (dt, agents, sensors ?? new Source[0], tick);
+            this.dt = dt;
+            this.agents = agents;
+            this.sensors = sensors ?? new Source[0];
+            this.tick = tick;
         }
 
         /// <inheritdoc/>
@@ -125,7 +128,8 @@ namespace NetMQExample
         // In the order of their locators: the whole of a thing before its parts, and the same on every side.
         private Message State(Message request, List<IAgent> asked)
         {
-            var (state, observations) = (new Message("state", request.Id), new List<object>());
+            var state = new Message("state", request.Id);
+            var observations = new List<object>();
             foreach (var source in agents.SelectMany(agent => agent.State.Sources).Concat(sensors)
                 .Where(source => asked.Any(agent => source.Locator.Mappings.Any(one => one.Names(agent.State.Name))))
                 .OrderBy(source => source.Locator.ToString(), StringComparer.Ordinal))

@@ -33,7 +33,10 @@ namespace NetMQExample
                 throw new ArgumentException($"a view cannot be '{name}': give it a name of letters, digits, - and _");
             if (!(width > 0 && height > 0 && (long)width * height * channels <= Message.Limit))
                 throw new ArgumentException($"a view of {width} x {height} is too small, or too large for a message");
-            (Name, Width, Height, this.channels) = (name, width, height, channels);
+            Name = name;
+            Width = width;
+            Height = height;
+            this.channels = channels;
         }
 
         /// <summary>What Python calls it.</summary>
@@ -101,7 +104,8 @@ namespace NetMQExample
                 throw new MessageException("bad-rate", "fps is more than 0, and at most 1000");
             film = new RunningFilm(request.Id, Name, (int)width, (int)height, channels, fps);
             var begun = new Message("begun", request.Id) { Values = { ["view"] = Name } };
-            (begun.Values["width"], begun.Values["height"]) = (film.Width, film.Height);
+            begun.Values["width"] = film.Width;
+            begun.Values["height"] = film.Height;
             return begun;
         }
     }

@@ -25,7 +25,8 @@ namespace NetMQExample
         /// card.</exception>
         public FilmedCamera(Camera camera, int width, int height)
         {
-            (this.camera, View) = (camera, new FilmView(camera.name, width, height, 4));
+            this.camera = camera;
+            View = new FilmView(camera.name, width, height, 4);
             // For its check alone.
             _ = new CameraReadback(camera, new byte[0]);
         }

@@ -25,7 +25,8 @@ namespace NetMQExample
             Cube.Make(new Vector3(3, 0.8f, 3), new Color32(200, 30, 30, 255), transform).localPosition =
                 new Vector3(0, 0.6f, -2);
             Camera front = CarCamera.On(transform, 0), map = CarCamera.On(transform, 0);
-            (front.name, map.name) = ("front", "map");
+            front.name = "front";
+            map.name = "map";
             // 120 m of ground from above, which 60 degrees see from this height.
             map.transform.SetParent(null, false);
             map.transform.SetPositionAndRotation(new Vector3(60, 103.9f, 50), Quaternion.Euler(90, 0, 0));

@@ -64,7 +64,8 @@ namespace NetMQExample
                 var message = Message.Read(
                     frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
                 if (message.Kind != "error") return message;
-                var (code, text) = (message.Values.GetValueOrDefault("code"), message.Values.GetValueOrDefault("text"));
+                var code = message.Values.GetValueOrDefault("code");
+                var text = message.Values.GetValueOrDefault("text");
                 throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"));
             }
             return null;

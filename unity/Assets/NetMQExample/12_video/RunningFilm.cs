@@ -9,8 +9,11 @@ namespace NetMQExample
     /// <summary>A picture's bytes, which are used again once Python has them.</summary>
     public sealed class Picture
     {
-        internal Picture(RunningFilm film, int channels) =>
-            (Film, Pixels) = (film, new byte[film.Width * film.Height * channels]);
+        internal Picture(RunningFilm film, int channels)
+        {
+            Film = film;
+            Pixels = new byte[film.Width * film.Height * channels];
+        }
 
         /// <summary>The film that it belongs to, which says how large it is.</summary>
         public RunningFilm Film { get; }
@@ -42,7 +45,11 @@ namespace NetMQExample
 
         internal RunningFilm(long id, string view, int width, int height, int channels, double fps)
         {
-            (Id, this.view, Width, Height, interval) = (id, view, width, height, 1 / fps);
+            Id = id;
+            this.view = view;
+            Width = width;
+            Height = height;
+            interval = 1 / fps;
             for (var i = 0; i < Room; i++) free.Enqueue(new Picture(this, channels));
         }
 
@@ -63,8 +70,13 @@ namespace NetMQExample
             // As often as it was asked for, whenever the game has its frames; more than one is not made up for.
             next = Math.Max(next + interval, now - interval);
             number++;
-            if (free.TryDequeue(out var picture)) (picture.Number, picture.Time) = (number, now);
-            else skipped++;
+            if (!free.TryDequeue(out var picture))
+            {
+                skipped++;
+                return null;
+            }
+            picture.Number = number;
+            picture.Time = now;
             return picture;
         }
 
@@ -80,7 +92,11 @@ namespace NetMQExample
             if (sent.Remove((int)taken, out var picture)) free.Enqueue(picture);
         }
 
-        internal void End(Message request) => (seconds, ending) = (clock.Elapsed.TotalSeconds, request);
+        internal void End(Message request)
+        {
+            seconds = clock.Elapsed.TotalSeconds;
+            ending = request;
+        }
 
         /// <summary>The next picture that is there, and after the last one the answer to end; or null.</summary>
         internal Message Next()
@@ -90,7 +106,8 @@ namespace NetMQExample
                 frames++;
                 sent[picture.Number] = picture;
                 var frame = new Message("frame", Id) { Values = { ["view"] = view, ["number"] = picture.Number } };
-                (frame.Values["time"], frame.Values["bottom_up"]) = (picture.Time, true);
+                frame.Values["time"] = picture.Time;
+                frame.Values["bottom_up"] = true;
                 var channels = picture.Pixels.Length / (Width * Height);
                 frame.Arrays.Add(new MessageArray("uint8", picture.Pixels, Height, Width, channels));
                 return frame;
@@ -99,7 +116,8 @@ namespace NetMQExample
             var all = frames + skipped == number || clock.Elapsed.TotalSeconds > seconds + 1;
             if (!Ending || !all) return null;
             var ended = new Message("ended", ending.Id) { Values = { ["view"] = view, ["time"] = seconds } };
-            (ended.Values["frames"], ended.Values["skipped"]) = (frames, skipped);
+            ended.Values["frames"] = frames;
+            ended.Values["skipped"] = skipped;
             return ended;
         }
     }

@@ -73,7 +73,9 @@ namespace NetMQExample
         // Of each place the nearest pixel.
         private void Shrink(Picture picture)
         {
-            var (width, height, at) = (picture.Film.Width, picture.Film.Height, 0);
+            var width = picture.Film.Width;
+            var height = picture.Film.Height;
+            var at = 0;
             for (var row = 0; row < height; row++)
                 for (var column = 0; column < width; column++, at += 3)
                 {

@@ -32,7 +32,8 @@ namespace NetMQExample.SideChannels
         /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg)
         {
-            var (key, kind) = (msg.ReadString(""), msg.ReadInt32());
+            var key = msg.ReadString("");
+            var kind = msg.ReadInt32();
             if (kind == 1)
             {
                 parameters[key] = Sampler(msg);
@@ -52,7 +53,8 @@ namespace NetMQExample.SideChannels
 
         private static Func<float> Sampler(IncomingMessage msg)
         {
-            var (seed, kind) = (msg.ReadInt32(), msg.ReadInt32());
+            var seed = msg.ReadInt32();
+            var kind = msg.ReadInt32();
             switch (kind)
             {
                 case 0: return Samplers.Uniform(msg.ReadFloat32(), msg.ReadFloat32(), seed);

@@ -71,7 +71,8 @@ namespace NetMQExample.SideChannels
             if (received.Count > 0)
             {
                 heard.Restart();
-                (answered, away) = (true, false);
+                answered = true;
+                away = false;
             }
             else if (heard.Elapsed > timeout && !away)
             {
@@ -97,7 +98,8 @@ namespace NetMQExample.SideChannels
 
         private List<byte[]> Receive(TimeSpan wait, CancellationToken stop)
         {
-            var (received, size) = (new List<byte[]>(), 0);
+            var received = new List<byte[]>();
+            var size = 0;
             foreach (var slice in NetMQConnection.Slices(unread.Count > 0 ? TimeSpan.Zero : wait, stop))
             {
                 for (var next = slice; size < PartSize && received.Count < 100; next = TimeSpan.Zero)
@@ -119,7 +121,9 @@ namespace NetMQExample.SideChannels
             // Several frames are none.
             if (exchange.Count != 1) return;
             connection.Show(false, exchange);
-            var (data, begin, end) = (exchange[0], 0, 0);
+            var data = exchange[0];
+            var begin = 0;
+            var end = 0;
             while (data.Length - end >= 20)
             {
                 var length = BitConverter.ToInt32(data, end + 16);

@@ -91,7 +91,9 @@ namespace NetMQExample.SideChannels
         private int Advance(int size)
         {
             if (Left < size) throw new UnityAgentsException($"a number of which only {Left} bytes are there");
-            return (offset += size) - size;
+            var before = offset;
+            offset += size;
+            return before;
         }
     }
 

@@ -34,7 +34,9 @@ namespace NetMQExample.SideChannels
         {
             if (!Troubles.Contains(trouble))
                 throw new ArgumentException($"trouble is one of {string.Join(", ", Troubles)}, not '{trouble}'");
-            (this.count, this.trouble, this.limit) = (count, trouble, limit);
+            this.count = count;
+            this.trouble = trouble;
+            this.limit = limit;
             this.log = line => log(LogText.Printable(line));
             StringLog = new StringLogChannel(this.log, trouble == "throw");
             SideChannelManager.Report = new Trouble(this.log).Report;

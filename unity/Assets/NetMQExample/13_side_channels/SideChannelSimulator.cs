@@ -33,7 +33,8 @@ namespace NetMQExample.SideChannels
             }
             simulator.Mistake = Mistake;
             var answer = simulator.Answer(request);
-            (Episodes, Steps) = (simulator.Episodes, simulator.Steps);
+            Episodes = simulator.Episodes;
+            Steps = simulator.Steps;
             if (!carried || answer.Kind == "error") return answer;
             var data = SideChannelManager.GetSideChannelMessage();
             answer.Values["side_channel"] = true;

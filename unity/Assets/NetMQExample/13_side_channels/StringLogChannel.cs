@@ -15,7 +15,8 @@ namespace NetMQExample.SideChannels
         public StringLogChannel(Action<string> log, bool throws = false)
         {
             ChannelId = new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7");
-            (this.log, this.throws) = (log, throws);
+            this.log = log;
+            this.throws = throws;
         }
 
         /// <summary>Queues a line. Not all of Unity's errors are ASCII.</summary>

@@ -64,7 +64,9 @@ namespace NetMQExample
         {
             var goal = Ask("goal");
             if (count < 1) throw new ArgumentException("count takes a whole number from 1");
-            (goal.Values["kind"], goal.Values["count"], goal.Values["text"]) = (kind, (long)count, text);
+            goal.Values["kind"] = kind;
+            goal.Values["count"] = (long)count;
+            goal.Values["text"] = text;
             return goal;
         }
 
@@ -85,7 +87,9 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {
-            var (silent, seq, since) = (0, -1L, Stopwatch.StartNew());
+            var silent = 0;
+            var seq = -1L;
+            var since = Stopwatch.StartNew();
             // Twice within its timeout: work that has nothing to say for so long is no server that is away.
             var again = timeout / 2 < Again ? timeout / 2 : Again;
             while (true)
@@ -93,7 +97,11 @@ namespace NetMQExample
                 Send(request, stop);
                 for (var asked = Stopwatch.StartNew(); asked.Elapsed < again;)
                 {
-                    if (Interlocked.Exchange(ref cancel, 0) > 0) Send(request = Ask("cancel"), stop);
+                    if (Interlocked.Exchange(ref cancel, 0) > 0)
+                    {
+                        request = Ask("cancel");
+                        Send(request, stop);
+                    }
                     if (!TryReceive(stop, out var news)) continue;
                     silent = 0;
                     since.Restart();
@@ -108,7 +116,8 @@ namespace NetMQExample
                 }
                 if (since.Elapsed < timeout) continue;
                 var limit = FormattableString.Invariant($"{timeout.TotalSeconds} s");
-                if (++silent == tries)
+                silent++;
+                if (silent == tries)
                     throw new TimeoutException($"no word of it from {endpoint} in {tries} tries of {limit}; "
                         + $"is the server running? Its id is {Job}");
                 report($"no word within {limit}; try {silent + 1} of {tries}");

@@ -19,22 +19,29 @@ namespace NetMQExample
         /// <exception cref="MessageException">Something is missing in it.</exception>
         public JobNews(Message message)
         {
-            (Kind, Job, Status) = (message.Kind, Take<string>(message, "job"), "");
+            Kind = message.Kind;
+            Job = Take<string>(message, "job");
+            Status = "";
             if (Array.IndexOf(Kinds, Kind) < 0) throw Wrong("unknown-kind", "kind", Kind, Kinds);
             if (Kind != "forgotten") Seq = Take<long>(message, "seq");
             if (Kind == "accepted") Position = Take<long>(message, "position");
             else if (Kind != "forgotten")
             {
-                (Done, Total) = (Take<long>(message, "done"), Take<long>(message, "total"));
+                Done = Take<long>(message, "done");
+                Total = Take<long>(message, "total");
                 Text = Take<string>(message, "text");
             }
-            if (Kind == "result" && Array.IndexOf(Statuses, Status = Take<string>(message, "status")) < 0)
+            if (Kind == "result") Status = Take<string>(message, "status");
+            if (Kind == "result" && Array.IndexOf(Statuses, Status) < 0)
                 throw Wrong("bad-status", "status", Status, Statuses);
             var finished = message.Arrays.FirstOrDefault();
             Finished = finished?.Data ?? default;
             if (finished?.Dtype == "uint8" && finished.Shape is { Length: 3 } shape && shape[2] == 3
                 && shape[0] <= shape[1] && shape[1] > 0 && shape[1] <= LargestSide)
-                (Side, Pixels) = (shape[1], Upwards(shape[0], shape[1]));
+            {
+                Side = shape[1];
+                Pixels = Upwards(shape[0], shape[1]);
+            }
             var name = $"job {Job.Substring(0, Math.Min(Job.Length, 8))}";
             Line = LogText.Printable($"{name}: {Words}");
         }

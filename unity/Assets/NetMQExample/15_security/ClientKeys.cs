@@ -29,7 +29,8 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">A key is missing; the message names cause and cure.</exception>
         public ClientKeys(string folder, string serverKey = "")
         {
-            var (open, secret) = (Path.Combine(folder, "server.key"), Path.Combine(folder, "client.key_secret"));
+            var open = Path.Combine(folder, "server.key");
+            var secret = Path.Combine(folder, "client.key_secret");
             if (serverKey != "" && !Regex.IsMatch(serverKey, $"^{Key}$"))
                 throw new ArgumentException($"no key: '{serverKey}'; a key has 40 characters, as in server.key");
             try
@@ -37,7 +38,8 @@ namespace NetMQExample
                 if (serverKey == "") serverKey = Read(open, "public");
                 server = Certificate(open, () => NetMQCertificate.FromPublicKey(serverKey));
                 if (!File.Exists(secret)) Make(folder, secret);
-                var (secretKey, publicKey) = (Read(secret, "secret"), Read(secret, "public"));
+                var secretKey = Read(secret, "secret");
+                var publicKey = Read(secret, "public");
                 own = Certificate(secret, () => new NetMQCertificate(secretKey, publicKey));
             }
             catch (Exception e) when (e is IOException || e is UnauthorizedAccessException)
@@ -68,7 +70,8 @@ namespace NetMQExample
 
         private static void Make(string folder, string secret)
         {
-            var (pair, open) = (new NetMQCertificate(), Path.Combine(folder, "client.key"));
+            var pair = new NetMQCertificate();
+            var open = Path.Combine(folder, "client.key");
             if (File.Exists(open))
                 throw new ArgumentException(
                     $"{open} is there, and is never overwritten; rotate makes a new pair, revoke frees a name");

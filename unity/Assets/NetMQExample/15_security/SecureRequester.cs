@@ -87,7 +87,8 @@ namespace NetMQExample
 
         private bool Try(string text, CancellationToken stop, out string reply, out string trouble)
         {
-            (reply, trouble) = ("", ThrownOut);
+            reply = "";
+            trouble = ThrownOut;
             var sent = false;
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
@@ -116,10 +117,12 @@ namespace NetMQExample
             // Before it connects, so that no report is missed.
             var where = $"inproc://{Guid.NewGuid():N}";
             socket.Monitor(where, SocketEvents.Disconnected);
-            (reports, cutOff) = (new PairSocket(), false);
+            reports = new PairSocket();
+            cutOff = false;
             monitor = new NetMQMonitor(reports, where, true);
             monitor.Disconnected += (sender, e) => cutOff = true;
-            monitor.AttachToPoller(nobody = new NetMQPoller());
+            nobody = new NetMQPoller();
+            monitor.AttachToPoller(nobody);
             return socket;
         }
 
@@ -127,7 +130,8 @@ namespace NetMQExample
         {
             monitor?.Dispose();
             nobody?.Dispose();
-            (monitor, nobody) = (null, null);
+            monitor = null;
+            nobody = null;
             connection.Close();
         }
     }

@@ -58,7 +58,8 @@ namespace NetMQExample
             sending = OnPool(async () =>
             {
                 await before.ConfigureAwait(false);
-                var (bytes, kind) = (new ArraySegment<byte>(Encoding.UTF8.GetBytes(text)), WebSocketMessageType.Text);
+                var bytes = new ArraySegment<byte>(Encoding.UTF8.GetBytes(text));
+                var kind = WebSocketMessageType.Text;
                 try { await socket.SendAsync(bytes, kind, true, stop.Token).ConfigureAwait(false); }
                 catch (Exception e) { closed ??= e.Message; }
             });

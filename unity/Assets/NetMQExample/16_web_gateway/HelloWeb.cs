@@ -4,7 +4,6 @@
 // Use: start python/01_request_reply/server.py and python/16_web_gateway/server.py, add this component to any
 // GameObject, press Play.
 using System;
-using System.IO;
 using UnityEngine;
 using UnityEngine.Events;
 
@@ -50,7 +49,7 @@ namespace NetMQExample
                 if (asked == replies && asked++ < count) requester.Ask("Hello");
                 if (replies < count) requester.TryReceive(out frames);
             }
-            catch (Exception e) when (e is TimeoutException || e is IOException || e is ArgumentException)
+            catch (Exception e) when (e is TimeoutException || e is System.IO.IOException || e is ArgumentException)
             {
                 Debug.LogError($"gave up: {e.Message}");
                 enabled = false;

@@ -68,7 +68,9 @@ namespace NetMQExample
         {
             // The one that comes next could be that of an earlier request.
             if (sent && answer == null) Close();
-            (asked, answer, sent) = (frames, null, false);
+            asked = frames;
+            answer = null;
+            sent = false;
             waited.Restart();
         }
 
@@ -93,7 +95,8 @@ namespace NetMQExample
                 Say(Write(asked));
             }
             if (answer == null && waited.Elapsed > timeout) throw Late();
-            return (frames = answer) != null;
+            frames = answer;
+            return frames != null;
         }
 
         /// <summary>Leaves at once, and does not come again.</summary>
@@ -132,7 +135,8 @@ namespace NetMQExample
                 return;
             }
             // The server behind is away: the connection will do for the next try.
-            (trouble, sent) = ($": {WebText.Printable($"{(reply as JObject)?["error"] ?? WebText.NoGateway}")}", false);
+            trouble = $": {WebText.Printable($"{(reply as JObject)?["error"] ?? WebText.NoGateway}")}";
+            sent = false;
             sinceTrouble.Restart();
         }
 
@@ -164,7 +168,8 @@ namespace NetMQExample
         private void Close()
         {
             connection?.Dispose();
-            (connection, sent) = (null, false);
+            connection = null;
+            sent = false;
             Forget();
         }
     }

@@ -36,7 +36,8 @@ namespace NetMQExample
         public static string Printable(string text)
         {
             var line = new StringBuilder();
-            var (at, width) = (0, 0);
+            var at = 0;
+            var width = 0;
             for (var length = 0; at < text.Length; length++, at += width)
             {
                 if (length == 200) return line.Append('…').ToString();

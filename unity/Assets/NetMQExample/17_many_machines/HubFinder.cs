@@ -43,7 +43,8 @@ namespace NetMQExample
             {
                 throw new GaveUpException($"cannot listen on UDP port {port}: {e.Message}; give --endpoint instead");
             }
-            var (datagram, sender) = (new byte[65_536], (EndPoint)new IPEndPoint(IPAddress.Any, 0));
+            var datagram = new byte[65_536];
+            EndPoint sender = new IPEndPoint(IPAddress.Any, 0);
             while (waited.Elapsed < timeout)
             {
                 stop.ThrowIfCancellationRequested();

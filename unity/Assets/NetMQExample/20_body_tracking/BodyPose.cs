@@ -20,8 +20,13 @@ namespace NetMQExample
         private static readonly Regex Form = new Regex(@"^(?:pose/[0-9]+|(hand)/(?:left|right))/ ([0-9]{1,18}) "
             + @"([0-9]{1,9}\.[0-9]{1,9})((?: -?[0-9]{1,9}(?:\.[0-9]{1,9})?)*)\z");
 
-        private BodyPose(long number, double seconds, double[] places, double[] visibility) =>
-            (Number, Seconds, Places, Visibility) = (number, seconds, places, visibility);
+        private BodyPose(long number, double seconds, double[] places, double[] visibility)
+        {
+            Number = number;
+            Seconds = seconds;
+            Places = places;
+            Visibility = visibility;
+        }
 
         /// <summary>Counts the server's poses from 1.</summary>
         public long Number { get; }
@@ -49,13 +54,16 @@ namespace NetMQExample
             var number = long.Parse(parts.Groups[2].Value, CultureInfo.InvariantCulture);
             var seconds = Read(parts.Groups[3].Value);
             if (words.Length == 1) return new BodyPose(number, seconds, null, null);
-            var (places, visibility) = (new double[3 * count], new double[count]);
+            var places = new double[3 * count];
+            var visibility = new double[count];
             for (var i = 0; i < count; i++)
             {
                 var word = 1 + 4 * i;
                 // MediaPipe's y points down, Unity's up. That also makes its right-handed axes left-handed ones.
-                (places[3 * i], places[3 * i + 1]) = (Read(words[word]), -Read(words[word + 1]));
-                (places[3 * i + 2], visibility[i]) = (Read(words[word + 2]), Read(words[word + 3]));
+                places[3 * i] = Read(words[word]);
+                places[3 * i + 1] = -Read(words[word + 1]);
+                places[3 * i + 2] = Read(words[word + 2]);
+                visibility[i] = Read(words[word + 3]);
             }
             return new BodyPose(number, seconds, places, visibility);
         }
@@ -66,8 +74,11 @@ namespace NetMQExample
             double dot = 0, one = 0, other = 0;
             for (var i = 0; i < 3; i++)
             {
-                var (first, last) = (Places[3 * a + i] - Places[3 * b + i], Places[3 * c + i] - Places[3 * b + i]);
-                (dot, one, other) = (dot + first * last, one + first * first, other + last * last);
+                var first = Places[3 * a + i] - Places[3 * b + i];
+                var last = Places[3 * c + i] - Places[3 * b + i];
+                dot += first * last;
+                one += first * first;
+                other += last * last;
             }
             var lengths = Math.Sqrt(one) * Math.Sqrt(other);
             return lengths > 0 ? Math.Acos(Math.Max(-1, Math.Min(1, dot / lengths))) * 180 / Math.PI : 0;

@@ -39,7 +39,8 @@ namespace NetMQExample
         public Vector3 Place(int landmark)
         {
             if (filter == null) return Vector3.zero;
-            var (values, x) = (filter.Values, 3 * landmark);
+            var values = filter.Values;
+            var x = 3 * landmark;
             return new Vector3((float)values[x], (float)values[x + 1], (float)values[x + 2]);
         }
 
@@ -50,7 +51,9 @@ namespace NetMQExample
             var pose = newest;
             if (pose?.Places is double[] places)
                 (filter ??= new OneEuroFilter(places.Length)).Step(places, Time.deltaTime);
-            if (pose != told) tracked.Raise(told = pose);
+            if (pose == told) return;
+            told = pose;
+            tracked.Raise(pose);
         }
 
         /// <inheritdoc/>
@@ -65,7 +68,8 @@ namespace NetMQExample
                     newest = listener.Receive(Seconds(timeout), stop);
                     if (listener.Restarted) Log($"{listener.Name}: the server was started again");
                     if (every > 0 && i % every == 0) Log(listener.Line(newest));
-                    (i, lost) = (i + 1, 0);
+                    i++;
+                    lost = 0;
                 }
                 // The body stands still meanwhile.
                 catch (TimeoutException e) when (++lost < tries) { Log($"trouble: {e.Message}"); }

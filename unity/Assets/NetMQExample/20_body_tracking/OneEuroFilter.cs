@@ -22,8 +22,11 @@ namespace NetMQExample
         /// <param name="fastest">No number changes faster, in metres a second.</param>
         public OneEuroFilter(int count, double cutoff = 1.5, double beta = 5, double fastest = 6)
         {
-            (this.cutoff, this.beta, this.fastest) = (cutoff, beta, fastest);
-            (Values, speeds) = (new double[count], new double[count]);
+            this.cutoff = cutoff;
+            this.beta = beta;
+            this.fastest = fastest;
+            Values = new double[count];
+            speeds = new double[count];
         }
 
         /// <summary>Whether there was a step: before it the values are no place.</summary>

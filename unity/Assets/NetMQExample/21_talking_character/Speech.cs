@@ -3,6 +3,8 @@
 //
 // The Python side is python/21_talking_character/server.py.
 using System;
+using System.Collections.Generic;
+using System.Linq;
 using System.Text.RegularExpressions;
 using System.Threading;
 
@@ -11,7 +13,8 @@ namespace NetMQExample
     /// <summary>Of one speech. Use it on one thread.</summary>
     public sealed class Speech
     {
-        private string shown = "";
+        private string shown = "", unfinished = "";
+        private JobNews newest;
 
         /// <summary>All of it, in one line.</summary>
         public string Text { get; private set; } = "";
@@ -51,11 +54,13 @@ namespace NetMQExample
         /// <returns>What to write behind what was written so far: a line for each sentence.</returns>
         public string Hear(JobNews news)
         {
+            newest = news;
             // At another end the text says why there is no more.
             if (news.Kind == "feedback" || news.Status == "succeeded")
             {
                 var words = news.Text.Split((char[])null, StringSplitOptions.RemoveEmptyEntries);
-                (Words, Text) = (words.Length, LogText.Printable(string.Join(" ", words), int.MaxValue));
+                Words = words.Length;
+                Text = LogText.Printable(string.Join(" ", words), int.MaxValue);
             }
             var lines = Text == "" ? "" : Regex.Replace($"she: {Text}", "(?<=[.!?]) ", "\nshe: ");
             if (news.Kind == "result" && lines != "") lines += "\n";
@@ -64,13 +69,22 @@ namespace NetMQExample
             return end;
         }
 
-        /// <summary>What to say at the end.</summary>
-        /// <param name="result">Of the job.</param>
+        /// <summary>The same for a log.</summary>
+        /// <param name="news">Of the job.</param>
+        /// <returns>The sentences that are complete now.</returns>
+        public IReadOnlyList<string> Sentences(JobNews news)
+        {
+            var lines = (unfinished + Hear(news)).Split('\n');
+            unfinished = lines[lines.Length - 1];
+            return lines.Take(lines.Length - 1).Select(line => line.Substring("she: ".Length)).ToList();
+        }
+
+        /// <summary>What to say after the result.</summary>
         /// <exception cref="GaveUpException">It was aborted.</exception>
-        public string Outcome(JobNews result) => result.Status switch
+        public string Outcome() => newest.Status switch
         {
             "aborted" => throw new GaveUpException(
-                $"the answer broke off: {LogText.Printable(result.Text)}; ask again"),
+                $"the answer broke off: {LogText.Printable(newest.Text)}; ask again"),
             "canceled" => $"done: {Words} words, and you walked away",
             _ => $"done: {Words} words",
         };

@@ -63,23 +63,23 @@ namespace NetMQExample
         protected override void Talk(CancellationToken stop)
         {
             while (!near) if (stop.WaitHandle.WaitOne(20)) return;
-            var (speech, line, last) = (new Speech(), "", (JobNews)null);
+            var speech = new Speech();
             using var mine = client = new JobClient(endpoint, JobClient.NewId(), Seconds(timeout), tries, Log);
             Log($"asking {endpoint}: {LogText.Printable(prompt)}");
             foreach (var news in mine.Watch(Speech.Ask(mine, prompt, count), Speech.LeaveAt(mine, stop)))
             {
                 // The next one may speak already.
                 if (stop.IsCancellationRequested) continue;
-                var lines = (line + speech.Hear(last = news)).Split('\n');
-                (text, line) = (speech.Text, lines[lines.Length - 1]);
-                for (var i = 0; i < lines.Length - 1; i++)
+                var sentences = speech.Sentences(news);
+                text = speech.Text;
+                foreach (var sentence in sentences)
                 {
-                    Log(lines[i]);
-                    Arrive(said, lines[i].Substring("she: ".Length));
+                    Log($"she: {sentence}");
+                    Arrive(said, sentence);
                 }
                 if (news.Kind == "feedback" && leaveAfter > 0 && speech.Words >= leaveAfter) mine.Cancel();
             }
-            Log(speech.Outcome(last));
+            Log(speech.Outcome());
         }
     }
 }

@@ -63,12 +63,13 @@ namespace NetMQExample.Editor
             var beside = RuntimeInformation.IsOSPlatform(OSPlatform.OSX)
                 ? new[] { "/usr/local/bin/python3", "/opt/homebrew/bin/python3" }.Where(File.Exists) : new string[0];
             var names = known.Concat(beside).Concat(new[] { "python3", "python", "py" });
-            var (bare, code) = (default(string), -1);
+            string bare = null;
             trouble = "";
             // One after the other: a macOS without developer tools asks to install them when it is asked for python3.
             foreach (var name in names)
             {
-                if ((code = Ask(name)) == 0) return name;
+                var code = Ask(name);
+                if (code == 0) return name;
                 if (code == 4) bare ??= name;
             }
             trouble = bare != null

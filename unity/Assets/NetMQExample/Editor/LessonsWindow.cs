@@ -60,7 +60,8 @@ namespace NetMQExample.Editor
         private void OnInspectorUpdate()
         {
             var before = lines;
-            (lines, running) = (server?.Lines ?? "", server?.Running == true);
+            lines = server?.Lines ?? "";
+            running = server?.Running == true;
             // To the end: the newest line is the one to read.
             if (lines != before) scrolled.y = float.MaxValue;
             Repaint();

@@ -12,7 +12,7 @@ namespace NetMQExample
     public sealed class ClientHud : MonoBehaviour
     {
         // A text is garbage once it is drawn.
-        private const float Interval = 0.5f;
+        private const float IntervalSeconds = 0.5f;
 
         [SerializeField, Tooltip("The client")] private ConnectedBehaviour client;
         [SerializeField, Min(0), Tooltip("In front of the camera, in metres; 0: not")] private float distance = 2;
@@ -20,7 +20,11 @@ namespace NetMQExample
         private TextMesh mesh;
         private float next;
 
-        private void OnEnable() => (mesh, next) = (GetComponent<TextMesh>(), 0);
+        private void OnEnable()
+        {
+            mesh = GetComponent<TextMesh>();
+            next = 0;
+        }
 
         // After the camera has moved.
         private void LateUpdate()
@@ -28,7 +32,7 @@ namespace NetMQExample
             if (distance > 0 && Camera.main != null) Follow(Camera.main.transform);
             var now = Time.realtimeSinceStartup;
             if (now < next) return;
-            next = now + Interval;
+            next = now + IntervalSeconds;
             mesh.text = LastLine.Wrapped(
                 client == null ? "no client" : $"{client.GetType().Name}: {client.State}\n{client.LastError}");
         }

@@ -48,7 +48,8 @@ namespace NetMQExample
         protected virtual void OnEnable()
         {
             // Enabled while the game is paused, it has begun already.
-            (LastError, interrupted) = ("", false);
+            LastError = "";
+            interrupted = false;
             if (runInBackground && !Application.runInBackground)
             {
                 // Without it Unity stops calling Update when another window has the focus.

@@ -11,8 +11,8 @@ namespace NetMQExample
         private const int LimitMilliseconds = 200;
         private static readonly Stopwatch Joining = new Stopwatch(), SinceJoin = new Stopwatch();
 
-        /// <summary>Waits for a thread. All the waits of one Stop share 200 ms, however many clients the scene has: Stop
-        /// must never freeze the editor.</summary>
+        /// <summary>Waits for a thread. All the waits of one Stop share 200 ms, however many clients the scene has:
+        /// Stop must never freeze the editor.</summary>
         /// <param name="thread">The thread; it may still run afterwards, and ends by itself.</param>
         public static void Join(Thread thread)
         {

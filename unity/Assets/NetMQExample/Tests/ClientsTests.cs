@@ -55,7 +55,8 @@ namespace NetMQExample.Tests
         [UnityTest]
         public IEnumerator GetsItsFirstReply([ValueSource(nameof(Talks))] Talk talk)
         {
-            var (lines, events) = (new List<string>(), new List<string>());
+            var lines = new List<string>();
+            var events = new List<string>();
             void Hear(string line, string stack, LogType type) => lines.Add(line);
             Application.logMessageReceived += Hear;
             MonoBehaviour client;
@@ -83,7 +84,8 @@ namespace NetMQExample.Tests
             Application.logMessageReceived += Hear;
             var plain = type == typeof(HelloClient);
             // All is asked before the first answer is there, and the others come while that is heard.
-            var (answer, slow) = (WithId("World"), TimeSpan.FromSeconds(0.05));
+            var answer = WithId("World");
+            var slow = TimeSpan.FromSeconds(0.05);
             using var server = InProcessServer.Answering(request =>
             {
                 Thread.Sleep(slow);
@@ -170,12 +172,20 @@ namespace NetMQExample.Tests
             public readonly Func<InProcessServer> Serve;
             public readonly Regex Line;
 
-            public Talk(Type client, Func<NetMQMessage, NetMQMessage> answer, string line, Type beside = null) =>
-                (Client, Serve, Line, Beside) =
-                    (client, () => InProcessServer.Answering(answer), new Regex(line), beside);
+            public Talk(Type client, Func<NetMQMessage, NetMQMessage> answer, string line, Type beside = null)
+            {
+                Client = client;
+                Serve = () => InProcessServer.Answering(answer);
+                Line = new Regex(line);
+                Beside = beside;
+            }
 
-            public Talk(Type client, Func<int, string> text, string line) =>
-                (Client, Serve, Line) = (client, () => InProcessServer.Publishing(text), new Regex(line));
+            public Talk(Type client, Func<int, string> text, string line)
+            {
+                Client = client;
+                Serve = () => InProcessServer.Publishing(text);
+                Line = new Regex(line);
+            }
 
             public override string ToString() => Client.Name;
         }

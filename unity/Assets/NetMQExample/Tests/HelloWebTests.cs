@@ -23,7 +23,8 @@ namespace NetMQExample.Tests
             var listener = new TcpListener(IPAddress.Loopback, 0);
             listener.Start();
             var gateway = Task.Run(() => Answer(listener));
-            var (heard, wired) = (new List<string>(), new UnityEvent<string>());
+            var heard = new List<string>();
+            var wired = new UnityEvent<string>();
             wired.AddListener(heard.Add);
             var endpoint = $"http://127.0.0.1:{((IPEndPoint)listener.LocalEndpoint).Port}";
             var client = (HelloWeb)Scene.Play(typeof(HelloWeb), null, endpoint, ("count", 1), ("replied", wired));
@@ -41,7 +42,8 @@ namespace NetMQExample.Tests
         private static IDisposable Answer(TcpListener listener)
         {
             var stream = new NetworkStream(listener.AcceptSocket(), true) { ReadTimeout = 5000 };
-            var (head, key) = (new StreamReader(stream), "");
+            var head = new StreamReader(stream);
+            var key = "";
             for (var line = head.ReadLine(); !string.IsNullOrEmpty(line); line = head.ReadLine())
                 if (line.StartsWith("Sec-WebSocket-Key:", StringComparison.OrdinalIgnoreCase))
                     key = line.Substring(18).Trim();
