@@ -165,7 +165,7 @@ namespace UnityPlayer
             ForEach(script => script.BeginFrame());
             ForEach(script => script.Tick("LateUpdate"));
             ForEach(script => script.Tick("OnGUI"));
-            Scene.RemoveDoomed();
+            Scene.RemoveDestroyed();
         }
 
         private static TimeSpan FrameLength => Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate) : FrameTime;
@@ -206,7 +206,7 @@ namespace UnityPlayer
             ForEach(script => script.Send("OnApplicationQuit"));
             Application.SayQuitting();
             while (Scene.Objects.Count > 0) Scene.Remove(Scene.Objects[0]);
-            Scene.RemoveDoomed();
+            Scene.RemoveDestroyed();
             Application.Playing = false;
             SynchronizationContext.SetSynchronizationContext(contextBefore);
             return busy.Elapsed;

@@ -243,7 +243,7 @@ namespace UnityEngine
     {
         public static List<GameObject> Objects { get; } = new List<GameObject>();
 
-        public static List<Object> Doomed { get; } = new List<Object>();
+        public static List<Object> Destroyed { get; } = new List<Object>();
 
         /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is left.</summary>
         public static HashSet<Object> Made { get; } = new HashSet<Object>();
@@ -267,12 +267,12 @@ namespace UnityEngine
             thing.Destroyed = true;
         }
 
-        public static void RemoveDoomed()
+        public static void RemoveDestroyed()
         {
-            // By index: what OnDestroy dooms is removed as well.
-            for (var i = 0; i < Doomed.Count; i++)
-                if (Doomed[i] != null) Remove(Doomed[i]);
-            Doomed.Clear();
+            // By index: what OnDestroy destroys is removed as well.
+            for (var i = 0; i < Destroyed.Count; i++)
+                if (Destroyed[i] != null) Remove(Destroyed[i]);
+            Destroyed.Clear();
         }
     }
 }

@@ -20,7 +20,7 @@ namespace UnityEngine
         public static void Destroy(Object obj)
         {
             MainThread.Only(nameof(Destroy));
-            if (obj != null && !Scene.Doomed.Contains(obj)) Scene.Doomed.Add(obj);
+            if (obj != null && !Scene.Destroyed.Contains(obj)) Scene.Destroyed.Add(obj);
         }
 
         public static void DestroyImmediate(Object obj)

@@ -1,7 +1,7 @@
 // Lesson 03, publish-subscribe: listen to every message that begins with a topic, or only to the newest.
 //
-// The Python side is
-// python/03_publish_subscribe/server.py. Bytes: UTF-8 text, one frame, which begins with its topic.
+// The Python side is python/03_publish_subscribe/server.py.
+// Bytes: UTF-8 text, one frame, which begins with its topic.
 // What was sent before the publisher knew of this listener is lost, and so is what comes when the queues are full;
 // neither is reported. Trouble: a topic is a prefix. `news` also gets newsflash/; the delimiter, `news/`, cures that.
 using System;

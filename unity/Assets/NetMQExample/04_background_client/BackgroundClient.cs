@@ -5,8 +5,7 @@
 //     client.Poll();                                                                    in Update: callbacks run here
 //     client.Dispose();                                                                 in OnDisable
 //
-// For await there is
-// BackgroundClientAsync.cs. The Python side is python/04_background_client/server.py.
+// For await there is BackgroundClientAsync.cs. The Python side is python/04_background_client/server.py.
 // Bytes: those of lesson 02, [id][text] each way. Its LazyPirateRequester sends and retries; this file has only the
 // thread on which it may block, and the queues between that thread and yours.
 // Trouble: --slow-on of the server, or no server at all. Update goes on, State and LastError say what is wrong, and

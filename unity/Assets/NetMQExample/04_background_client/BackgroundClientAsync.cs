@@ -1,7 +1,6 @@
 // Lesson 04 with await: var reply = await client.RequestAsync("hello", destroyCancellationToken);
 //
-// The main thread goes on in a later Poll, so call
-// Poll in Update as before.
+// The main thread goes on in a later Poll, so call Poll in Update as before.
 using System.Threading;
 using System.Threading.Tasks;
 

@@ -6,8 +6,8 @@
 //
 // Values are texts, numbers, true and false by name. A reply has the request's id, and its kind is "ok", or "error"
 // with the values "code", for programs, and "text", for people. Fields that this version does not know are ignored.
-// They need Newtonsoft.Json, in Unity the package
-// com.unity.nuget.newtonsoft-json, and neither NetMQ nor UnityEngine. The Python side is messages.py.
+// It needs Newtonsoft.Json, in Unity the package com.unity.nuget.newtonsoft-json, and neither NetMQ nor UnityEngine.
+// The Python side is messages.py.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -77,7 +77,7 @@ namespace NetMQExample
     public sealed class Message
     {
         /// <summary>The version of this standard, the most bytes of a header, and of all arrays together.</summary>
-        public const int Version = 1, HeaderLimit = 64 * 1024, Limit = 64 * 1024 * 1024;
+        public const int Version = 1, HeaderLimitBytes = 64 * 1024, LimitBytes = 64 * 1024 * 1024;
 
         // Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only doubles.
         private const long Exact = 1L << 53;
@@ -112,9 +112,9 @@ namespace NetMQExample
         /// <exception cref="MessageException">They are no message; its text says why.</exception>
         public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
-            if (frames[0].Length > HeaderLimit || frames.Skip(1).Sum(frame => (long)frame.Length) > Limit)
+            if (frames[0].Length > HeaderLimitBytes || frames.Skip(1).Sum(frame => (long)frame.Length) > LimitBytes)
                 throw new MessageException("too-big",
-                    $"a header has at most {HeaderLimit} bytes, all arrays together {Limit}");
+                    $"a header has at most {HeaderLimitBytes} bytes, all arrays together {LimitBytes}");
             var header = MessageJson.Read(frames[0].Span);
             // The version comes first: another one may have other fields.
             if (Take<long>(header, "version") != Version)
@@ -136,11 +136,12 @@ namespace NetMQExample
         {
             var dtype = Take<string>(array, "dtype");
             var shape = Take<List<object>>(array, "shape");
-            var whole = shape.All(length => length is long size && size >= 0 && size <= Limit);
+            var whole = shape.All(length => length is long size && size >= 0 && size <= LimitBytes);
             // Its items are counted also where a 0 makes nothing of them: numpy takes no larger shape.
-            if (shape.Count > 8 || !whole || shape.Aggregate(1.0, (all, one) => all * Math.Max(1, (long)one)) > Limit)
+            if (shape.Count > 8 || !whole
+                || shape.Aggregate(1.0, (all, one) => all * Math.Max(1, (long)one)) > LimitBytes)
                 throw new MessageException("bad-shape",
-                    $"a shape is at most 8 whole numbers, of at most {Limit} items");
+                    $"a shape is at most 8 whole numbers, of at most {LimitBytes} items");
             return new MessageArray(dtype, data, shape.Select(length => (int)(long)length).ToArray());
         }
 

@@ -1,7 +1,6 @@
 // Lesson 05, messages: ask with structure and arrays.
 //
-// The Python
-// side is python/05_messages/server.py. Bytes: see Message.cs.
+// The Python side is python/05_messages/server.py. Bytes: see Message.cs.
 // Trouble: python/05_messages/client.py sends a header that does not fit its bytes with --wrong-shape; here
 // MessageArray refuses to be made of them.
 using System;
@@ -31,7 +30,7 @@ namespace NetMQExample
         {
             this.endpoint = endpoint;
             // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ hangs up.
-            Connection = new NetMQConnection(endpoint, make, 4 * Message.Limit);
+            Connection = new NetMQConnection(endpoint, make, 4 * Message.LimitBytes);
         }
 
         /// <summary>The socket and its limits.</summary>

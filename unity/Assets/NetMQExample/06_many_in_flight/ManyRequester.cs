@@ -44,7 +44,7 @@ namespace NetMQExample
         }
 
         // The bytes of the largest request. The server disconnects whoever sends more, with all that is under way.
-        private const int Largest = 65536;
+        private const int LargestBytes = 65536;
         private readonly Dictionary<string, (int number, string text, TimeSpan sent, int tries)> pending;
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly NetMQConnection connection;
@@ -93,10 +93,11 @@ namespace NetMQExample
                 {
                     number++;
                     var size = Encoding.UTF8.GetByteCount(upcoming.Current);
-                    if (size <= Largest)
+                    if (size <= LargestBytes)
                         Send((++lastId).ToString(CultureInfo.InvariantCulture), number, upcoming.Current, 1);
                     else
-                        yield return new Answer(number, null, $"not sent: {size} bytes, and the limit is {Largest}");
+                        yield return new Answer(
+                            number, null, $"not sent: {size} bytes, and the limit is {LargestBytes}");
                 }
                 if (pending.Count == 0) yield break;
                 stop.ThrowIfCancellationRequested();

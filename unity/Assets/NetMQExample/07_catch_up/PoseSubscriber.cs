@@ -1,7 +1,7 @@
 // Lesson 07, catch up: follow a stream, notice each missed message, and get back to the exact state.
 //
-// The Python side is python/07_catch_up/server.py, whose
-// header says the bytes: UTF-8 text, one frame, numbers with a decimal point.
+// The Python side is python/07_catch_up/server.py, whose header says the bytes: UTF-8 text, one frame, numbers with a
+// decimal point.
 // One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
 // Trouble: start the server with --interval 0 and a client with --work 0.001, or restart the server.
 using System;

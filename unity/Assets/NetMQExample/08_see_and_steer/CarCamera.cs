@@ -1,6 +1,6 @@
 // Lesson 08, the camera of the car: as DrawnCamera.cs, but a real one. It renders when it is asked to, and only then.
 //
-// At home it sees what a camera of your own sees, which goes on as it is.
+// Beside a camera of your own it sees what that one sees, which goes on as it is.
 using UnityEngine;
 
 namespace NetMQExample

@@ -1,6 +1,6 @@
 // Lesson 08 in Unity: the lesson's car, a point on a road in the shape of two cubes.
 //
-// Use: it stands in the lesson's scene beside CameraSender. At home a car of your own takes its place; see
+// Use: it stands in the lesson's scene beside CameraSender. A car of your own can take its place; see
 // DrivenBehaviour.cs.
 using System;
 using UnityEngine;

@@ -1,6 +1,6 @@
 // Lesson 08, the road: a closed curve, the same for Unity, for the terminal and for Python.
 //
-// Road.cs, Car.cs and DrawnCamera.cs are the lesson's world; at home your own takes their place. The Python side is
+// Road.cs, Car.cs and DrawnCamera.cs are the lesson's world; your own takes their place. The Python side is
 // road.py. Both give the same numbers to the last bit, because they only add, subtract, multiply, divide and take
 // square roots of doubles: sine and cosine differ from one system to the next.
 // Lengths are in metres, x to the right and y forward as seen from above: Unity's x and z.

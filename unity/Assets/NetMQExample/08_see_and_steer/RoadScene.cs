@@ -1,6 +1,6 @@
 // Lesson 08 in Unity: builds the road and the ground of cubes when play begins, in the colours of DrawnCamera.cs.
 //
-// Use: it stands in the lesson's scene. At home your own scene takes its place.
+// Use: it stands in the lesson's scene. A scene of your own needs none.
 using UnityEngine;
 
 namespace NetMQExample

@@ -2,7 +2,7 @@
 //
 // The equations are those of Gymnasium's CartPole-v1 (Barto, Sutton and Anderson, 1983; Florian, 2007): from the same
 // state, the same actions lead to the same states. Sine and cosine differ in their last bit from one system to the
-// next, so two systems agree to many digits and not to all. At home your own simulation takes its place.
+// next, so two systems agree to many digits and not to all. Your own simulation takes its place.
 using System;
 using System.Collections.Generic;
 using System.Globalization;

@@ -49,13 +49,13 @@ namespace NetMQExample
                 // answer.
                 Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan,
                     HeartbeatInterval = Try, HeartbeatTimeout = Try + Try },
-            }, 4 * Message.Limit);
+            }, 4 * Message.LimitBytes);
         }
 
         /// <summary>Serves until it is closed.</summary>
         /// <param name="simulator">What answers.</param>
         /// <param name="count">Or until it is asked for more episodes than this; 0 is no limit.</param>
-        /// <param name="perform">Calls what it is given, on the thread where the simulation is at home.</param>
+        /// <param name="perform">Calls what it is given, on the simulation's own thread.</param>
         /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
         /// <exception cref="TimeoutException">There was no environment for too long.</exception>
         public void Run(

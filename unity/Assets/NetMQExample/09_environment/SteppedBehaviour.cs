@@ -18,7 +18,7 @@ namespace NetMQExample
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float timeout = 30;
 
         // How many milliseconds a frame may wait for Python's requests.
-        private const int Most = 10;
+        private const int MostMilliseconds = 10;
 
         // Physics is everybody's: the first one that steps it takes it, and the last one gives it back.
         private static readonly HashSet<SteppedBehaviour> Users = new HashSet<SteppedBehaviour>();
@@ -69,7 +69,7 @@ namespace NetMQExample
 
         private Message Perform(Func<Message> answer)
         {
-            quick = thinking.ElapsedMilliseconds < Most;
+            quick = thinking.ElapsedMilliseconds < MostMilliseconds;
             var message = FromUpdate(answer);
             thinking.Restart();
             return message;
@@ -80,8 +80,8 @@ namespace NetMQExample
         {
             // A Python that thinks fast makes many steps in a frame; else, or when time is up, it goes on.
             var clock = Stopwatch.StartNew();
-            for (var wait = 0; Connects && clock.ElapsedMilliseconds < Most && DoNext(wait);)
-                wait = quick ? Math.Max(1, Most - (int)clock.ElapsedMilliseconds) : 1;
+            for (var wait = 0; Connects && clock.ElapsedMilliseconds < MostMilliseconds && DoNext(wait);)
+                wait = quick ? Math.Max(1, MostMilliseconds - (int)clock.ElapsedMilliseconds) : 1;
             // In the editor this does nothing. Not before the last line was logged.
             if (launched && Done) Application.Quit();
         }

@@ -62,7 +62,7 @@ namespace NetMQExample
     public sealed class InfoQueue
     {
         // Characters. In a header each may take four bytes, and a header has at most 64 KB.
-        private const int Limit = 12_000;
+        private const int LimitCharacters = 12_000;
 
         private readonly List<(object, IReadOnlyDictionary<string, object>)> infos =
             new List<(object, IReadOnlyDictionary<string, object>)>();
@@ -77,7 +77,7 @@ namespace NetMQExample
         {
             var one = ((object)agent, (IReadOnlyDictionary<string, object>)new Dictionary<string, object>(info));
             var length = Infos.Pack(new[] { one }).Length;
-            if (size + length > Limit) dropped++;
+            if (size + length > LimitCharacters) dropped++;
             else
             {
                 size += length;

@@ -3,7 +3,7 @@
 // Rabbits are faster, so hunters must drive them into a corner. A hunter who runs tires, and one without energy is out;
 // a rabbit that is caught is out as well. The game ends when all rabbits are caught, or no hunter is left.
 // Both sides give the same numbers to the last bit: there is nothing but plus, minus, times, divide and square root.
-// At home your own game takes its place.
+// Your own game takes its place.
 using System;
 using System.Collections.Generic;
 using System.Linq;

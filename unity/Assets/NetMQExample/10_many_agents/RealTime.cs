@@ -14,7 +14,7 @@ namespace NetMQExample
     public sealed class RealTime : IAgentSimulation
     {
         // Seconds. Who slept longer, as a computer does, has not that much made up for.
-        private const double Most = 10;
+        private const double MostSeconds = 10;
 
         private readonly IAgentSimulation game;
         private readonly Stopwatch clock = Stopwatch.StartNew();
@@ -64,7 +64,7 @@ namespace NetMQExample
         public void CatchUp(double but = 0)
         {
             var until = clock.Elapsed.TotalSeconds - but;
-            for (next = Math.Max(next, until - Most); real && living.Count > 0 && until >= next;) Tick();
+            for (next = Math.Max(next, until - MostSeconds); real && living.Count > 0 && until >= next;) Tick();
         }
 
         private void Tick()

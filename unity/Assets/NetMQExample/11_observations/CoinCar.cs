@@ -1,6 +1,6 @@
 // Lesson 11, the world: a car that collects coins on a field of 10 by 10 m. In Python: worlds/coin_car.py.
 //
-// Its members say what is seen of them. At home your own agent takes its place.
+// Its members say what is seen of them. Your own agent takes its place.
 using System;
 using System.Collections.Generic;
 

@@ -1,6 +1,6 @@
 // Lesson 11 in Unity, the example: a car that collects coins, and a camera above the field.
 //
-// Use: it stands in the lesson's scene, with a GymManager and a CameraSensor. At home your own agent takes its place:
+// Use: it stands in the lesson's scene, with a GymManager and a CameraSensor. Your own agent takes its place:
 // one whose own fields have the attributes, which here are CoinCar's, because the terminal client sees with them too.
 using System.Collections.Generic;
 using UnityEngine;

@@ -1,7 +1,7 @@
 // Lesson 12 in Unity, the example: lesson 08's car drives along its road by itself, and two cameras can be filmed.
 //
 // Use: it stands in the lesson's scene beside ViewRecorder, to which it gives its cameras. It drives once Python is
-// there, so that a film shows it from its beginning. At home your own game takes its place.
+// there, so that a film shows it from its beginning. Your own game takes its place.
 using UnityEngine;
 
 namespace NetMQExample

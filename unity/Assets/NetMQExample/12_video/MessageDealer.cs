@@ -27,7 +27,7 @@ namespace NetMQExample
             {
                 // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
                 Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan },
-            }, 4 * Message.Limit);
+            }, 4 * Message.LimitBytes);
         }
 
         /// <summary>Sends a message. Its arrays are lent: leave them alone until the other side says that it has

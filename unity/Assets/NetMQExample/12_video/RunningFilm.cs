@@ -31,7 +31,7 @@ namespace NetMQExample
     public sealed class RunningFilm
     {
         // Pictures that were sent and are not yet with Python, and pictures at all: a camera needs a frame or two.
-        private const int Credit = 2, Room = 4;
+        private const int PicturesUnderWay = 2, Pictures = 4;
         private readonly ConcurrentQueue<Picture> free = new ConcurrentQueue<Picture>();
         private readonly ConcurrentQueue<Picture> ready = new ConcurrentQueue<Picture>();
         private readonly Dictionary<int, Picture> sent = new Dictionary<int, Picture>();
@@ -50,7 +50,7 @@ namespace NetMQExample
             Width = width;
             Height = height;
             interval = 1 / fps;
-            for (var i = 0; i < Room; i++) free.Enqueue(new Picture(this, channels));
+            for (var i = 0; i < Pictures; i++) free.Enqueue(new Picture(this, channels));
         }
 
         /// <summary>In pixels.</summary>
@@ -101,7 +101,7 @@ namespace NetMQExample
         /// <summary>The next picture that is there, and after the last one the answer to end; or null.</summary>
         internal Message Next()
         {
-            if (sent.Count < Credit && ready.TryDequeue(out var picture))
+            if (sent.Count < PicturesUnderWay && ready.TryDequeue(out var picture))
             {
                 frames++;
                 sent[picture.Number] = picture;

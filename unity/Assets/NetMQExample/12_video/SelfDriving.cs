@@ -1,7 +1,7 @@
 // Lesson 12, the world: lesson 08's car drives along its road by itself, seen by two views.
 //
-// The Python side is self_driving.py, and its pictures are the same to the last byte. At home your own game takes its
-// place. Unity's real cameras look at the same drive; the drawn ones are for the terminal.
+// The Python side is self_driving.py, and its pictures are the same to the last byte. Your own game takes its place.
+// Unity's real cameras look at the same drive; the drawn ones are for the terminal.
 using System;
 
 namespace NetMQExample

@@ -11,7 +11,7 @@ namespace NetMQExample.SideChannels
     public class FloatPropertiesChannel : SideChannel
     {
         // What the other side may make this one keep: so many, with names of so many characters.
-        private const int Most = 10000, Longest = 1000;
+        private const int MostProperties = 10000, LongestName = 1000;
 
         private readonly Dictionary<string, float> properties = new Dictionary<string, float>();
         private readonly Dictionary<string, Action<float>> callbacks = new Dictionary<string, Action<float>>();
@@ -44,9 +44,9 @@ namespace NetMQExample.SideChannels
         protected override void OnMessageReceived(IncomingMessage msg)
         {
             var key = msg.ReadString("");
-            if (key.Length > Longest || (properties.Count >= Most && !properties.ContainsKey(key)))
+            if (key.Length > LongestName || (properties.Count >= MostProperties && !properties.ContainsKey(key)))
                 throw new UnityAgentsException(
-                    $"at most {Most} properties, with names of at most {Longest} characters");
+                    $"at most {MostProperties} properties, with names of at most {LongestName} characters");
             Keep(key, msg.ReadFloat32());
         }
 

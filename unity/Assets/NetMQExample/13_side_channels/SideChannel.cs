@@ -14,11 +14,11 @@ namespace NetMQExample.SideChannels
     public abstract class SideChannel
     {
         // An exchange is at most this large, with the 20 bytes in front of each message.
-        internal const int LargestExchange = 16 * 1024 * 1024;
+        internal const int LargestExchangeBytes = 16 * 1024 * 1024;
 
         // What a channel keeps while nobody takes its messages: so many, with so many bytes together.
-        private const int MostQueued = 100_000;
-        private const long MostBytes = 4L * LargestExchange;
+        private const int MostQueuedMessages = 100_000;
+        private const long MostQueuedBytes = 4L * LargestExchangeBytes;
 
         private readonly Queue<byte[]> queue = new Queue<byte[]>();
         private long bytes, dropped;
@@ -34,11 +34,11 @@ namespace NetMQExample.SideChannels
 
         internal void QueueBytes(byte[] data)
         {
-            if (data.Length > LargestExchange - 20)
+            if (data.Length > LargestExchangeBytes - 20)
                 throw new UnityAgentsException($"a message of {data.Length} bytes is too large: send it in parts");
             queue.Enqueue(data);
             bytes += data.Length;
-            if (queue.Count <= MostQueued && bytes <= MostBytes) return;
+            if (queue.Count <= MostQueuedMessages && bytes <= MostQueuedBytes) return;
             if (dropped == 0)
                 SideChannelManager.Report($"channel {ChannelId}: nobody takes its messages, the oldest are dropped");
             for (var left = queue.Count / 2; queue.Count > left; dropped++) bytes -= queue.Dequeue().Length;

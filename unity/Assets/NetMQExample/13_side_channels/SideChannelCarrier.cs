@@ -21,7 +21,7 @@ namespace NetMQExample.SideChannels
 
         // A part of an exchange, in bytes: it ends with the message that makes it so large. So much is handed out at
         // once, in Unity in one frame.
-        private const int PartSize = 65536;
+        private const int PartBytes = 65536;
 
         private readonly Queue<byte[]> unsent = new Queue<byte[]>(), unread = new Queue<byte[]>();
         private readonly Stopwatch heard = Stopwatch.StartNew(), said = new Stopwatch();
@@ -43,7 +43,7 @@ namespace NetMQExample.SideChannels
             this.endpoint = endpoint;
             this.timeout = Require.Seconds("timeout", timeout);
             this.report = report;
-            connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchange);
+            connection = new NetMQConnection(endpoint, () => new DealerSocket(), SideChannel.LargestExchangeBytes);
         }
 
         /// <summary>Whether an exchange waits for a server that is away. Pack none then: their channels keep the
@@ -102,7 +102,7 @@ namespace NetMQExample.SideChannels
             var size = 0;
             foreach (var slice in NetMQConnection.Slices(unread.Count > 0 ? TimeSpan.Zero : wait, stop))
             {
-                for (var next = slice; size < PartSize && received.Count < 100; next = TimeSpan.Zero)
+                for (var next = slice; size < PartBytes && received.Count < 100; next = TimeSpan.Zero)
                 {
                     if (unread.Count == 0 && connection.Socket.TryReceiveMultipartBytes(next, ref frames))
                         Split(frames);
@@ -129,7 +129,7 @@ namespace NetMQExample.SideChannels
                 var length = BitConverter.ToInt32(data, end + 16);
                 if (length < 0 || length > data.Length - end - 20) break;
                 end += 20 + length;
-                if (end - begin < PartSize) continue;
+                if (end - begin < PartBytes) continue;
                 unread.Enqueue(data.AsSpan(begin, end - begin).ToArray());
                 begin = end;
             }

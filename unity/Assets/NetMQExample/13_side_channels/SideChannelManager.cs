@@ -19,7 +19,7 @@ namespace NetMQExample.SideChannels
     public static class SideChannelManager
     {
         // How much is kept for channels that nobody has registered yet: messages, and bytes of each.
-        private const int MostKept = 100, LargestKept = 65536;
+        private const int MostKeptMessages = 100, LargestKeptBytes = 65536;
 
         // A list: they send in the order of their registration.
         private static readonly List<SideChannel> Channels = new List<SideChannel>();
@@ -55,7 +55,7 @@ namespace NetMQExample.SideChannels
             using var writer = new BinaryWriter(data);
             foreach (var channel in Channels)
             {
-                while (channel.TryTake(SideChannel.LargestExchange - data.Length, out var message))
+                while (channel.TryTake(SideChannel.LargestExchangeBytes - data.Length, out var message))
                 {
                     writer.Write(channel.ChannelId.ToByteArray());
                     writer.Write(message.Length);
@@ -127,7 +127,7 @@ namespace NetMQExample.SideChannels
 
         private static void Keep(Guid id, byte[] message)
         {
-            if (Unknown.Count == MostKept || message.Length > LargestKept)
+            if (Unknown.Count == MostKeptMessages || message.Length > LargestKeptBytes)
             {
                 Report($"unknown channel {id}: dropped, too much is kept");
                 return;

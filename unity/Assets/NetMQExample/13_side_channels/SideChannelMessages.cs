@@ -24,7 +24,7 @@ namespace NetMQExample.SideChannels
     {
         // Both halves of ML-Agents make zeros of a list's items that are missing. More than so many would only fill the
         // memory.
-        private const int MostMissing = 65536;
+        private const int MostMissingItems = 65536;
 
         private readonly byte[] buffer;
         private int offset;
@@ -69,7 +69,7 @@ namespace NetMQExample.SideChannels
         {
             if (Left <= 0) return defaultValue;
             var count = ReadLength();
-            if (count - (Left / 4) > MostMissing)
+            if (count - (Left / 4) > MostMissingItems)
                 throw new UnityAgentsException($"a list of {count} items, of which {Left} bytes are there");
             var list = new float[count];
             for (var i = 0; i < count; i++) list[i] = ReadFloat32();

@@ -49,7 +49,7 @@ namespace NetMQExample
             this.timeout = Require.Seconds("timeout", timeout);
             this.tries = Require.Count("tries", tries);
             this.report = report;
-            connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.Limit);
+            connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.LimitBytes);
         }
 
         /// <summary>The job's id.</summary>
@@ -90,7 +90,7 @@ namespace NetMQExample
             var silent = 0;
             var seq = -1L;
             var since = Stopwatch.StartNew();
-            // Twice within its timeout: work that has nothing to say for so long is no server that is away.
+            // Twice within the timeout: work that has nothing to say for so long is no server that is away.
             var again = timeout / 2 < Again ? timeout / 2 : Again;
             while (true)
             {

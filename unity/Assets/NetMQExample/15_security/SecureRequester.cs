@@ -3,8 +3,7 @@
 //     using var requester = new SecureRequester("tcp://127.0.0.1:5565", new ClientKeys("keys"), timeout, 3, Log);
 //     requester.Request("Hello");        the reply, or TimeoutException
 //
-// The Python side is
-// python/15_security/server.py.
+// The Python side is python/15_security/server.py.
 // Bytes: UTF-8 text, one frame each way.
 // A refused client is told nothing: it is connected, and cut off in the handshake. NetMQ then tries again for ever and
 // libzmq never, and neither says why; so each try has a new socket, and the line says what was seen.

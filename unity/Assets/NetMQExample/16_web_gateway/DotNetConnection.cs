@@ -13,7 +13,7 @@ namespace NetMQExample
     public sealed class DotNetConnection : IWebConnection
     {
         // The gateway answers what it is asked: who sends more than this at once is no gateway.
-        private const int Room = 64, MaxBytes = 4 * 1024 * 1024;
+        private const int MostMessages = 64, MaxBytes = 4 * 1024 * 1024;
         // Says to all at once that an assembly reload has begun.
         private static readonly CancellationTokenSource Reload = new CancellationTokenSource();
         // What is at work on the thread pool, or waits for its turn there.
@@ -110,7 +110,7 @@ namespace NetMQExample
                 if (result.MessageType == WebSocketMessageType.Close) return null;
                 message.Write(part.Array, 0, result.Count);
                 ended = result.EndOfMessage;
-                if (message.Length > MaxBytes || received.Count > Room)
+                if (message.Length > MaxBytes || received.Count > MostMessages)
                     throw new InvalidDataException("more came than a gateway sends");
             }
             return Encoding.UTF8.GetString(message.GetBuffer(), 0, (int)message.Length);

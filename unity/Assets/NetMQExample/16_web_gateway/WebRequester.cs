@@ -1,11 +1,10 @@
 // Asks one of the servers behind the gateway, without ever waiting: what WebSocket and Socket.IO have in common.
 //
-//     using var requester = new WebSocketRequester("http://127.0.0.1:5566", "hello", timeout);
+//     using var requester = new WebSocketRequester("http://127.0.0.1:5566", "hello", token: "", timeout);
 //     requester.Ask("Hello");
 //     if (requester.TryReceive(out var frames)) …           once a frame, until it is true
 //
-// They need Newtonsoft.Json, and
-// neither NetMQ nor a thread. The Python side is python/16_web_gateway/server.py.
+// They need Newtonsoft.Json, and neither NetMQ nor a thread. The Python side is python/16_web_gateway/server.py.
 using System;
 using System.Diagnostics;
 using System.IO;

@@ -13,7 +13,7 @@ namespace NetMQExample.Editor
     public sealed class LessonServer
     {
         // So many characters of the end are shown: a text field of the editor's takes no more than 65,535 vertices.
-        private const int Shown = 8000;
+        private const int ShownBytes = 8000;
         private static readonly TimeSpan Timeout = TimeSpan.FromSeconds(2);
 
         // What a shell does with > on every system, in the same process: the one whose number is known. A program with
@@ -41,7 +41,7 @@ namespace NetMQExample.Editor
                 {
                     const FileShare others = FileShare.ReadWrite | FileShare.Delete;
                     using var file = new FileStream(log, FileMode.Open, FileAccess.Read, others);
-                    file.Position = Math.Max(0, file.Length - Shown);
+                    file.Position = Math.Max(0, file.Length - ShownBytes);
                     using var reader = new StreamReader(file);
                     return reader.ReadToEnd();
                 }

@@ -12,7 +12,7 @@ namespace NetMQExample.Editor
     /// <summary>What was sent and received since <see cref="Begin"/>.</summary>
     public sealed class TrafficLog
     {
-        private const int Room = 1000;
+        private const int MostLines = 1000;
         private static readonly Encoding Strict = new UTF8Encoding(false, true);
 
         private readonly Queue<string> lines = new Queue<string>();
@@ -30,7 +30,7 @@ namespace NetMQExample.Editor
         /// <param name="filter">The text, upper or lower case; empty: all.</param>
         /// <param name="most">How many.</param>
         /// <returns>Lines.</returns>
-        public string Text(string filter, int most = Room)
+        public string Text(string filter, int most = MostLines)
         {
             lock (lines)
             {
@@ -49,7 +49,7 @@ namespace NetMQExample.Editor
             lock (lines)
             {
                 lines.Enqueue(line);
-                if (lines.Count > Room) lines.Dequeue();
+                if (lines.Count > MostLines) lines.Dequeue();
             }
         }
 

@@ -9,7 +9,7 @@ namespace NetMQExample.Editor
     public sealed class TrafficWindow : EditorWindow
     {
         // A text field takes no more than some 16,000 characters; the clipboard gets all.
-        private const int Shown = 60, Longest = 15_000;
+        private const int ShownLines = 60, LongestCharacters = 15_000;
 
         [SerializeField] private string filter = "";
         [SerializeField] private Vector2 scrolled;
@@ -29,8 +29,8 @@ namespace NetMQExample.Editor
         private void OnInspectorUpdate()
         {
             var before = text;
-            text = log.Text(filter, Shown);
-            text = text.Substring(Math.Max(0, text.Length - Longest));
+            text = log.Text(filter, ShownLines);
+            text = text.Substring(Math.Max(0, text.Length - LongestCharacters));
             // To the end: the newest line is the one to read.
             if (text != before) scrolled.y = float.MaxValue;
             Repaint();

@@ -2,8 +2,7 @@
 // Talk, which runs on that thread, so that no frame waits for the network; only what it hands to Update may touch the
 // scene.
 //
-// For a component of your own,
-// derive from it; an Update of its own overrides this one, and calls base.Update().
+// For a component of your own, derive from it; an Update of its own overrides this one, and calls base.Update().
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
@@ -21,9 +20,9 @@ namespace NetMQExample
     {
         // How much may wait for Update. Whoever has more waits on its own thread, so that a fast server can fill
         // neither a frame nor the memory, also while the editor is paused and no Update comes.
-        private const int Room = 50;
+        private const int MostQueued = 50;
         // What Update spends in a frame. One action is always done, however long it takes.
-        private static readonly long Budget = Stopwatch.Frequency / 500;
+        private static readonly long BudgetTicks = Stopwatch.Frequency / 500;
         // For the main thread only. It outlives a Play where Unity keeps statics, and holds only what has not ended.
         private static readonly List<Run> Runs = new List<Run>();
         [ThreadStatic] private static Run own;
@@ -109,8 +108,8 @@ namespace NetMQExample
         /// <summary>Does what the network thread has for this frame.</summary>
         protected virtual void Update()
         {
-            var end = Stopwatch.GetTimestamp() + Budget;
-            for (var left = Room; left > 0 && DoNext(0) && Stopwatch.GetTimestamp() < end; left--) { }
+            var end = Stopwatch.GetTimestamp() + BudgetTicks;
+            for (var left = MostQueued; left > 0 && DoNext(0) && Stopwatch.GetTimestamp() < end; left--) { }
         }
 
         /// <summary>Does what the network thread has next for Update.</summary>
@@ -144,7 +143,7 @@ namespace NetMQExample
         /// <summary>One run of the thread. What a run before it has left behind is never mixed with it.</summary>
         private sealed class Run
         {
-            public readonly BlockingCollection<Action> ForUpdate = new BlockingCollection<Action>(Room);
+            public readonly BlockingCollection<Action> ForUpdate = new BlockingCollection<Action>(MostQueued);
             public readonly CancellationTokenSource Stop = new CancellationTokenSource();
             public readonly Thread Thread;
 
