@@ -7,7 +7,7 @@
 
 Prints what lesson 09's train.py prints, number for number: a seed belongs to its episode and not to who plays it, so
 it makes no difference how many actors there are, and which of them die. Below that: by how many processes.
-They need gymnasium and ray.
+It needs gymnasium and ray.
 """
 
 import argparse
@@ -19,34 +19,32 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.program import at_least_one, importing, run, whole
 
 # Otherwise Ray tells its makers how it is used.
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-# In their own lesson's folder; at home they lie beside this file.
-ENVIRONMENT = Path(__file__).resolve().parents[1] / "09_environment"
-sys.path.append(str(ENVIRONMENT))
-try:
+with importing("gymnasium and ray; pip install gymnasium ray", stopped="stopped"):
     import gymnasium
     import ray
 
     from netmq_example.cross_entropy import STEPS, Episode, play, train
-except ImportError as error:
-    sys.exit(f"{error}: Ray's part of this lesson needs gymnasium and ray; pip install gymnasium ray")
-except KeyboardInterrupt:
-    sys.exit("stopped")
 
-WORLD, TRIES, GENERATIONS = "environment:NetMQExample/CartPole-v0", 10, 50
-# Seconds for all episodes that are under way.
-WAIT = 300
+LESSONS = Path(__file__).resolve().parents[1]
+WORLD = "netmq_example.envs:NetMQExample/CartPole-v0"
+GENERATIONS = 50
+# How often a process that ended is started again, and its episode played again.
+MOST_RESTARTS = 10
+# For all episodes that are under way.
+WAIT_SECONDS = 300
 
 
-# A process that ends is started again, and its episode is played again: so often, and no more.
-@ray.remote(max_restarts=TRIES, max_task_retries=TRIES)
+@ray.remote(max_restarts=MOST_RESTARTS, max_task_retries=MOST_RESTARTS)
 class Player:
     """A process of its own, where Ray has a place for it. Whole episodes pass through Ray; their steps do not."""
 
     def __init__(self, launch: list[str], crash_on: int) -> None:
-        self.launch, self.crash_on = launch, crash_on
+        self.launch = launch
+        self.crash_on = crash_on
         self.env: gymnasium.Env[Any, Any] | None = None
 
     def play(self, number: int, episode: Episode) -> tuple[int, int]:
@@ -54,7 +52,8 @@ class Player:
         if number == self.crash_on and not ray.get_runtime_context().was_current_actor_reconstructed:
             os._exit(1)
         # Not before it is needed: what goes wrong is then the answer of a call, and not the end of an actor.
-        self.env = self.env or gymnasium.make(WORLD, max_episode_steps=STEPS, launch=self.launch)
+        if not self.env:
+            self.env = gymnasium.make(WORLD, max_episode_steps=STEPS, launch=self.launch)
         try:
             return play(self.env, *episode), os.getpid()
         except ConnectionError:
@@ -71,34 +70,37 @@ def play_all(players: list[Any], episodes: list[Episode], played_by: list[int]) 
     """All at once, dealt to the players in turn; what they return comes in the order of the episodes."""
     numbers = range(len(played_by), len(played_by) + len(episodes))
     asked = [players[n % len(players)].play.remote(n + 1, each) for n, each in zip(numbers, episodes, strict=True)]
-    _, missing = ray.wait(asked, num_returns=len(asked), timeout=WAIT)
+    _, missing = ray.wait(asked, num_returns=len(asked), timeout=WAIT_SECONDS)
     if missing:
-        raise TimeoutError(f"{len(missing)} episodes are not over after {WAIT} s: is there a place for each actor?")
+        raise TimeoutError(
+            f"{len(missing)} episodes are not over after {WAIT_SECONDS} s: is there a place for each actor?"
+        )
     returns = ray.get(asked)
     played_by += [process for _, process in returns]
     return [steps for steps, _ in returns]
 
 
 def main() -> None:
-    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Learns to balance a pole, in processes that Ray places.")
-    parser.add_argument("--actors", type=int, default=2, help="how many, 1 or more")
+    parser.add_argument("--actors", type=at_least_one, default=2, help="how many, 1 or more")
     parser.add_argument("--address", default="local", help="auto: this machine's Ray cluster; local: one for this run")
-    parser.add_argument("--crash-on", type=int, default=0, metavar="EPISODE", help="there the actor's process ends")
-    parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same numbers")
+    parser.add_argument("--crash-on", type=whole, default=0, metavar="EPISODE", help="there the actor's process ends")
+    parser.add_argument("--seed", type=whole, default=0, help="the same seed gives the same numbers")
     parser.add_argument("--launch", nargs=argparse.REMAINDER, metavar="WORD", help="a simulator and its words; last")
     options = parser.parse_args()
-    if options.actors < 1 or options.seed < 0:
-        parser.error("--actors takes whole numbers from 1, --seed from 0")
-    words = options.launch or [sys.executable, str(ENVIRONMENT / "client.py")]
+    launch = options.launch or [sys.executable, str(LESSONS / "09_environment" / "client.py")]
     # A place for each on this machine, whatever its cores: simulators wait more than they compute.
     here = {"num_cpus": options.actors, "include_dashboard": False} if options.address == "local" else {}
-    path, players, played_by = {"env_vars": {"PYTHONPATH": str(ENVIRONMENT)}}, list[Any](), list[int]()
+    # Where Ray's processes find the package.
+    path = {"env_vars": {"PYTHONPATH": str(LESSONS)}}
+    players: list[Any] = []
+    played_by: list[int] = []
     try:
         ray.init(options.address, log_to_driver=False, logging_level=logging.ERROR, runtime_env=path, **here)
         # SIGTERM, on Windows SIGBREAK, ends the simulators as well, as Ctrl-C does.
         signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
-        players += [Player.remote(words, options.crash_on) for _ in range(options.actors)]  # type: ignore[attr-defined]
+        for _ in range(options.actors):
+            players.append(Player.remote(launch, options.crash_on))  # type: ignore[attr-defined]
         train(lambda episodes: play_all(players, episodes, played_by), options.seed, GENERATIONS)
         print(f"done: {len(played_by)} episodes by {len(set(played_by))} processes of {len(players)} actors")
     except (OSError, ValueError, ray.exceptions.RayError) as error:
@@ -111,7 +113,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        sys.exit("stopped")
+    run(main, stopped="stopped")

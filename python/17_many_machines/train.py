@@ -14,22 +14,16 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from netmq_example.program import importing, run
+from netmq_example.security.requester import ClientKeys
 
-# In its own lesson's folder; at home they lie beside this file.
-LESSONS = "05_messages", "09_environment", "10_many_agents", "15_security"
-try:
+with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     import gymnasium
     import numpy as np
 
     import netmq_example.envs  # noqa: F401, it registers the vector environments.
     from netmq_example.fleet.trainer import FleetSocket
     from netmq_example.messages import MessageError
-    from netmq_example.security.requester import ClientKeys
-except ImportError as error:
-    sys.exit(f"{error}: this lesson needs gymnasium; kit.py run 17 installs it")
-except KeyboardInterrupt:
-    # gymnasium takes a second.
-    sys.exit("stopped")
 
 
 def policy(seen: Any) -> Any:
@@ -40,16 +34,20 @@ def policy(seen: Any) -> Any:
 def play(envs: Any, episodes: int) -> list[float]:
     """The return of each episode, by its seed: 0, 1, 2, and so on. What is lost with a hub begins anew."""
     areas = envs.num_envs
-    nothing, seeds, following = np.zeros(areas, bool), list(range(areas)), areas
+    nothing = np.zeros(areas, bool)
+    seeds = list(range(areas))
+    following = areas
     returns = dict.fromkeys(seeds, 0.0)
     seen, _ = envs.reset(seed=seeds)
     while min(seeds) < episodes:
         seen, rewards, terminated, truncated, infos = envs.step(policy(seen))
-        over, lost = terminated | truncated, infos.get("_lost", nothing)
+        over = terminated | truncated
+        lost = infos.get("_lost", nothing)
         for area in range(areas):
             returns[seeds[area]] += rewards[area]
             if over[area] and not lost[area]:
-                seeds[area], following = following, following + 1
+                seeds[area] = following
+                following += 1
         if over.any():
             begun, infos = envs.reset(seed=seeds, options={"reset_mask": over})
             # Those that were not over, when the hub is lost just now.
@@ -60,7 +58,6 @@ def play(envs: Any, episodes: int) -> list[float]:
 
 
 def main() -> None:
-    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
     parser = argparse.ArgumentParser(description="Plays episodes by way of the hub.")
     parser.add_argument("--endpoint", default="tcp://127.0.0.1:5567", help="the hub")
     parser.add_argument("--areas", type=int, choices=range(1, 1025), default=2, metavar="N", help="how many at a time")
@@ -72,7 +69,7 @@ def main() -> None:
     # SIGTERM, on Windows SIGBREAK, ends it as Ctrl-C does.
     signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     try:
-        keys = ClientKeys(Path(options.keys)).apply if options.keys else None
+        keys = ClientKeys(options.keys).apply if options.keys else None
         where: dict[str, Any] = {"wait": options.wait, "timeout": options.wait, "autoreset_mode": "Disabled"}
         with FleetSocket(options.endpoint, "CartPole", options.areas, keys) as socket:
             envs = gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket, **where)
@@ -80,13 +77,11 @@ def main() -> None:
             envs.close()
     except (OSError, MessageError, ValueError) as error:
         sys.exit(f"gave up: {error}")
-    for seed, steps in enumerate(returns) if options.each else ():
-        print(f"seed {seed}: return {steps:.0f}")
+    if options.each:
+        for seed, steps in enumerate(returns):
+            print(f"seed {seed}: return {steps:.0f}")
     print(f"done: {len(returns)} episodes, sum {sum(returns):.0f}", flush=True)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        sys.exit("stopped")
+    run(main, stopped="stopped")

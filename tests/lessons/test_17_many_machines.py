@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import runpy
+import socket
 import sys
 
 import pytest
@@ -16,13 +17,13 @@ gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: 
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: pip install numpy")
 
 KEY = "17_many_machines"
-FOLDERS = ("05_messages", "09_environment", "10_many_agents", "15_security", KEY)
-sys.path += [str(ROOT / "python" / folder) for folder in FOLDERS]
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages  # noqa: E402
-from netmq_example.fleet import batch as episode  # noqa: E402
-from netmq_example.fleet import hub as upkeep  # noqa: E402
+from netmq_example.errors import GaveUp  # noqa: E402
+from netmq_example.fleet.beacon import Beacon, find, fingerprint  # noqa: E402
 from netmq_example.fleet.hub import Hub  # noqa: E402
+from netmq_example.fleet.members import Episode, Member  # noqa: E402
+from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
 from netmq_example.split_mix import draws  # noqa: E402
@@ -208,9 +209,9 @@ def test_an_episode_that_is_lost_while_another_begins_is_begun_anew():
 
 
 def test_deaths_by_chance_are_not_taken_for_what_ends_each_simulator():
-    begun = episode.Episode(messages.Message("reset"), lambda: None)
+    begun = Episode(messages.Message("reset"), lambda: None)
     for number, done in enumerate([*(i % 5 for i in range(40)), *[7] * 9]):
-        run = episode.Member(number, "CartPole", lambda message: True)
+        run = Member(number, "CartPole", lambda message: True)
         run.lease(begun)
         run.done = done
         begun.lost_by(run)
@@ -320,7 +321,7 @@ def test_with_keys_it_lets_in_who_is_on_its_list(kind, serve, start, client_comm
     assert played(train(endpoint, 1, 3, "--keys", str(folder))) == returns(3)
     assert stranger.wait() == 1
     # Who is not on the list any more is not heard, though its connection is still there.
-    keys.do("revoke", ["alice"], folder)
+    keys.revoke(folder, "alice")
     assert played(train(endpoint, 1, 3, "--keys", str(folder), "--wait", "1"), code=1) == []
 
 
@@ -362,10 +363,10 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
         def send_multipart(self, frames, flags=0):
             sent.append(messages.read(frames[1:]))
 
-    hub = Hub(Socket(), None, print)
+    hub = Hub(Socket())
     hub.take(b"trainer", messages.Message("join", 0, {"name": "CartPole", "areas": 2}).frames())
-    hub.trainers[b"trainer"].told -= 10
-    upkeep.tick(hub)
+    hub.trainers[b"trainer"].sent -= 10
+    hub.tick()
     assert [(one.kind, one.values) for one in sent] == [("alive", {"simulators": 0, "taken": 0})]
 
 
@@ -379,3 +380,39 @@ def test_a_trainer_says_in_one_line_what_it_cannot_read(context, start):
     assert trainer.wait() == 1
     assert trainer.lines[-1] == "gave up: missing-field: there is no 'simulators'", trainer.output
     assert "Traceback" not in trainer.output
+
+
+@pytest.mark.parametrize(
+    ("name", "attempt"),
+    [
+        ("report", lambda: Hub(None, None)),
+        ("build", lambda: Hub(None, build=1)),
+        ("late", lambda: Hub(None, late=0)),
+        ("timeout", lambda: Hub(None, timeout=float("nan"))),
+        ("idle", lambda: Hub(None, idle=None)),
+        ("where", lambda: Beacon("255.255.255.256:5567", "tcp://127.0.0.1:5567")),
+        ("where", lambda: Beacon("", "tcp://127.0.0.1:5567")),
+        ("endpoint", lambda: Beacon(None, "tcp://127.0.0.1:0")),
+        ("key", lambda: fingerprint("")),
+        ("key", lambda: find(5567, None, 1)),
+        ("port", lambda: find(0, b"", 1)),
+        ("timeout", lambda: find(5567, b"", -1)),
+        ("crash_after", lambda: FleetSimulator(CartPole(), crash_after=-1)),
+        ("delay", lambda: FleetSimulator(CartPole(), delay="1")),
+        ("build", lambda: FleetSimulator(CartPole(), None)),
+        ("endpoint", lambda: FleetSocket(None, "CartPole", 1)),
+        ("name", lambda: FleetSocket("tcp://127.0.0.1:5567", "", 1)),
+        ("areas", lambda: FleetSocket("tcp://127.0.0.1:5567", "CartPole", 0)),
+        ("prepare", lambda: FleetSocket("tcp://127.0.0.1:5567", "CartPole", 1, "keys")),
+    ],
+)
+def test_what_cannot_be_is_named_at_once(name, attempt):
+    with pytest.raises(ValueError, match=rf"^(bad )?{name}\b.*$"):
+        attempt()
+
+
+def test_a_udp_port_that_is_taken_is_no_timeout():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("", 0))
+        with pytest.raises(GaveUp, match="cannot listen on UDP port"):
+            find(taken.getsockname()[1], b"", 1)

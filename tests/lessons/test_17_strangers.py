@@ -14,12 +14,10 @@ from pathlib import Path
 import pytest
 import zmq
 
+from netmq_example import messages
 from tests.conftest import PYTHON
 from tests.lessons.test_17_many_machines import KEY
 from tests.programs import ROOT, free_port
-
-sys.path.append(str(ROOT / "python/05_messages"))
-from netmq_example import messages
 
 Array, Message = messages.Array, messages.Message
 # What a trainer with one area sends.

@@ -1,25 +1,17 @@
-"""Lesson 17, the simulator: lesson 09's, which also says of which build it is. In C#: FleetSimulator.cs.
+"""A simulator of the fleet: lesson 09's, which also says of which build it is. In C#: FleetSimulator.cs.
 
-An episode that was begun elsewhere is done again here, and must go the same way. So the hub takes simulators of one
+    client = EnvironmentClient("tcp://127.0.0.1:5567", timeout=30)
+    client.run(FleetSimulator(CartPole(), build="1"))
+
+An episode that was begun elsewhere is played again here, and must go the same way. So the hub takes simulators of one
 build only; write another one wherever yours computes differently.
 """
 
-import argparse
 import os
-import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
 
-import zmq
-
-# In its own lesson's folder; at home they lie beside this file.
-sys.path += [
-    str(Path(__file__).resolve().parents[1] / name) for name in ("05_messages", "09_environment", "15_security")
-]
-from netmq_example.fleet.beacon import find
+from netmq_example import check
 from netmq_example.messages import Message
-from netmq_example.security.requester import ClientKeys
 from netmq_example.simulation.simulation import Simulation
 from netmq_example.simulation.simulator import Simulator
 
@@ -27,9 +19,11 @@ from netmq_example.simulation.simulator import Simulator
 class FleetSimulator(Simulator):
     """Trouble on command: it ends instead of one more step than `crash_after`, and takes `delay` seconds for each."""
 
-    def __init__(self, simulation: Simulation, build: str, crash_after: int = 0, delay: float = 0) -> None:
+    def __init__(self, simulation: Simulation, build: str = "1", crash_after: int = 0, delay: float = 0) -> None:
         super().__init__(simulation)
-        self.build, self.crash_after, self.delay = build, crash_after, delay
+        self.build: str = check.instance("build", build, str)
+        self.crash_after = check.count("crash_after", crash_after, least=0)
+        self.delay = check.seconds_or_none("delay", delay)
 
     def describe(self) -> Message:
         hello = super().describe()
@@ -43,10 +37,3 @@ class FleetSimulator(Simulator):
                 os._exit(1)
             time.sleep(self.delay)
         return super().do(request)
-
-
-def way_to_hub(options: argparse.Namespace) -> tuple[str, Callable[[zmq.Socket[bytes]], object] | None]:
-    """Its endpoint, which may have to be found, and what gives a socket its keys, if there are any."""
-    keys = ClientKeys(Path(options.keys)) if options.keys else None
-    place = find(options.find, keys.server if keys else b"", options.timeout) if options.find else options.endpoint
-    return place, keys.apply if keys else None

@@ -1,32 +1,55 @@
-"""Lesson 17, a trainer as the hub sees it: N areas, which are stepped together, each an episode of its own."""
+"""Trainers as the hub sees them: N areas, which are stepped together, each an episode of its own.
 
+    trainer = Trainer("CartPole", 2, send, count)        send(message) is False if the trainer is gone
+    trainer.take(request)                                reset, step, render or close, for all areas
+    trainer.under_way()                                  the episodes whose answers are still to come
+
+A trainer's one message for all its areas is split into one for each, and their answers are joined. To a trainer the
+hub is lesson 10's simulator with many areas, and to a simulator it is lesson 09's environment: what the messages hold
+is described there.
+"""
+
+import math
+import struct
 import time
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
 
-from netmq_example.fleet.batch import Episode, check, joined, split
-from netmq_example.messages import Message, MessageError
+from netmq_example.fleet.members import Episode
+from netmq_example.messages import DTYPES, ENCODER, Array, Message, MessageError
+
+# An episode is kept, so that it can be played again, and so it must end.
+MOST_STEPS = 100_000
+MOST_AREAS = 1024
+VERDICTS = {"reward", "terminated", "truncated"}
 
 
 class Trainer:
-    """Its request, until all areas have answered it, and what it was answered last."""
+    """Its request, until all areas have answered it, and its last answer."""
 
     def __init__(self, name: str, areas: int, send: Callable[[Message], bool], count: Counter[str]) -> None:
-        if not 0 < areas <= 1024:
-            raise MessageError("bad-areas", f"a trainer has 1 to 1024 areas, not {areas}")
-        self.name, self.areas, self.send, self.count = name, areas, send, count
+        if not 0 < areas <= MOST_AREAS:
+            raise MessageError("bad-areas", f"a trainer has 1 to {MOST_AREAS} areas, not {areas}")
+        self.name = name
+        self.areas = areas
+        self.send = send
+        self.count = count
         self.episodes: list[Episode | None] = [None] * areas
-        # `left`: the areas whose answers are still to come.
-        self.request, self.kept, self.left = Message("join"), Message("alive"), set[int]()
-        # Whether it was told of simulators; and when it was told anything.
-        self.admitted, self.there, self.told = False, True, time.monotonic()
+        self.request = Message("join")
+        self.kept = Message("alive")
+        # The areas whose answers are still to come.
+        self.left: set[int] = set()
+        # Whether it has got simulators, and when it was sent anything.
+        self.admitted = False
+        self.there = True
+        self.sent = time.monotonic()
 
     def take(self, request: Message) -> None:
         """A new request is split among the areas. One that comes again gets its answer again, if there is one."""
         if request.id <= self.request.id:
             if not self.left:
-                self.tell(self.kept)
+                self.reply(self.kept)
             return
         self.request = request
         if request.kind == "close":
@@ -37,7 +60,7 @@ class Trainer:
             return
         try:
             parts = {area: part for area, part in enumerate(split(request, self.areas)) if part}
-            check(self.episodes, parts)
+            check_parts(self.episodes, parts)
         except MessageError as error:
             self.refuse(error)
             return
@@ -64,9 +87,10 @@ class Trainer:
         episodes = [episode for episode in self.episodes if episode]
         answers = [episode.answer or Message("none") for episode in episodes]
         for episode in episodes:
-            # It is told once: the next request may be for others.
+            # It is sent once: the next request may be for others.
             episode.answer = None
-        if errors := [answer.values for answer in answers if answer.kind == "error"]:
+        errors = [answer.values for answer in answers if answer.kind == "error"]
+        if errors:
             for area, episode in enumerate(episodes):
                 if not episode.seen:
                     # What was begun wrongly is none.
@@ -87,13 +111,83 @@ class Trainer:
 
     def answer(self, answer: Message) -> None:
         self.kept = answer
-        self.tell(answer)
+        self.reply(answer)
 
-    def tell(self, message: Message) -> None:
-        self.told, self.there = time.monotonic(), self.send(message)
+    def reply(self, message: Message) -> None:
+        self.sent = time.monotonic()
+        self.there = self.send(message)
 
     def release(self) -> None:
-        """It is gone, or has closed: nobody works for it any more."""
+        """It is gone, or has closed: its simulators are for others."""
         for episode in filter(None, self.episodes):
             episode.release()
-        self.episodes, self.left = [None] * self.areas, set()
+        self.episodes = [None] * self.areas
+        self.left = set()
+
+
+def check_parts(episodes: list[Episode | None], parts: dict[int, Message]) -> None:
+    """MessageError before anything is begun: half a step would be none."""
+    for area, episode in enumerate(episodes):
+        part = parts.get(area)
+        if not episode and (not part or part.kind != "reset"):
+            raise MessageError("no-episode", f"area {area} was never reset")
+        if episode and part and part.kind == "step" and len(episode.requests) > MOST_STEPS:
+            raise MessageError("too-long", f"an episode has at most {MOST_STEPS} steps: set max_episode_steps")
+
+
+def split(request: Message, count: int) -> list[Message | None]:
+    """What each area is asked, if anything."""
+    arrays = list(request.arrays)
+    areas = range(count)
+    if request.kind == "render" and not arrays:
+        return [Message("render") for _ in areas]
+    if request.kind not in ("reset", "step"):
+        raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
+    steps: list[Message | None] = [None for _ in areas]
+    if request.kind == "step":
+        steps = [Message("step", arrays=[row]) for row in rows(arrays.pop(0) if arrays else None, count)]
+        if not arrays:
+            return steps
+    if len(arrays) not in (2, 3) or [(array.dtype, array.shape) for array in arrays[:2]] != [
+        ("uint8", (count,)),
+        ("int64", (count,)),
+    ]:
+        raise MessageError("no-mask", f"a reset has mask uint8 [{count}], seeds int64 [{count}], and perhaps a state")
+    mask = bytes(arrays[0].data)
+    seeds = struct.unpack(f"<{count}q", arrays[1].data)
+    values = request.values if request.kind == "reset" else {}
+    resets = [Message("reset", 0, {**values, "seed": seed}, arrays[2:]) for seed in seeds]
+    return [resets[area] if mask[area] else steps[area] for area in areas]
+
+
+def rows(array: Array | None, count: int) -> list[Array]:
+    """One for each area, of the same memory."""
+    if not array or array.shape[:1] != (count,):
+        raise MessageError("wrong-areas", f"actions are not one row for each of {count} areas")
+    size = math.prod(array.shape[1:]) * DTYPES[array.dtype]
+    view = memoryview(array.data).cast("B")
+    return [Array(array.dtype, array.shape[1:], bytes(view[i * size : i * size + size])) for i in range(count)]
+
+
+def joined(kind: str, id: int, answers: list[Message], seen: list[Array]) -> Message:
+    """One answer for all. Of an area that was not asked for it the answer is empty."""
+    if kind == "render":
+        return Message("picture", id, {}, [answer.arrays[0] for answer in answers])
+    infos = []
+    rewards = []
+    flags = [bytearray(), bytearray()]
+    for area, answer in enumerate(answers):
+        rewards.append(float(answer.values.get("reward", 0)))
+        for flag, name in zip(flags, ("terminated", "truncated"), strict=True):
+            flag.append(bool(answer.values.get(name)))
+        info = {name: value for name, value in answer.values.items() if name not in VERDICTS}
+        if info:
+            infos.append((area, info))
+    count = len(answers)
+    first = seen[0]
+    arrays = [
+        Array(first.dtype, (count, *first.shape), b"".join(bytes(array.data) for array in seen)),
+        Array("float64", (count,), struct.pack(f"<{count}d", *rewards)),
+        *(Array("uint8", (count,), bytes(flag)) for flag in flags),
+    ]
+    return Message("state", id, {"infos": ENCODER.encode(infos)}, arrays)
