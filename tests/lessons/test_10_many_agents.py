@@ -25,7 +25,6 @@ from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
 sys.path.append(str(ROOT / "python" / KEY))
-import netmq_example.envs  # noqa: E402, F401
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
 from netmq_example.infos import InfoQueue, pack, unpack  # noqa: E402
