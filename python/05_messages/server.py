@@ -11,7 +11,6 @@ A request that cannot be answered gets a reply of kind `error`, and the server s
 Trouble on command: `client.py --wrong-shape`.
 """
 
-import contextlib
 import sys
 from pathlib import Path
 
@@ -19,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
 from netmq_example.messages import LIMIT, Array, Message, MessageError, reply_to
-from netmq_example.program import listening, run, server_options
+from netmq_example.program import listening, receive_frames, run, server_options
 
 
 def answer(request: Message) -> Message:
@@ -44,14 +43,12 @@ def main() -> None:
     # Above LIMIT a sender is told so. Above four times as much libzmq takes no more of it and hangs up.
     with listening(zmq.REP, options, largest=4 * LIMIT) as socket:
         while True:
-            # The socket waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
-            with contextlib.suppress(zmq.Again):
-                # A JSON header, then the arrays. Without a copy: they stay where ZeroMQ has received them.
-                header, *arrays = socket.recv_multipart(copy=False)
-                _, reply, frames = reply_to(answer, [header, *arrays])
-                socket.send_multipart(frames, copy=False)
-                if not (options.quiet or reply.kind == "error"):
-                    print(f"sent {frames[0]!r:.80}", flush=True)
+            # A JSON header, then the arrays. Without a copy: they stay where ZeroMQ has received them.
+            header, *arrays = receive_frames(socket)
+            _, reply, frames = reply_to(answer, [header, *arrays])
+            socket.send_multipart(frames, copy=False)
+            if not (options.quiet or reply.kind == "error"):
+                print(f"sent {frames[0]!r:.80}", flush=True)
 
 
 if __name__ == "__main__":

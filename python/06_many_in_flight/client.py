@@ -7,7 +7,6 @@ How a reply finds its request, and the bytes: many_requester.py.
 """
 
 import contextlib
-import functools
 import itertools
 import sys
 from pathlib import Path
@@ -17,7 +16,7 @@ import zmq
 
 from netmq_example.errors import GaveUp
 from netmq_example.many_requester import ManyRequester
-from netmq_example.program import at_least_one, client_options, printable, run, whole
+from netmq_example.program import at_least_one, client_options, printable, run, show, whole
 
 TEXT = "sleep 0.8|echo one|sleep 0.5|echo two|sleep 0.2|echo three"
 
@@ -33,18 +32,15 @@ def main() -> None:
     texts = options.text.split("|")
     requests = itertools.islice(itertools.cycle(texts), options.count)
     failures = 0
-    say = functools.partial(print, flush=True)
-    limits = (options.window, options.timeout, options.tries)
-    with (
-        zmq.Context() as context,
-        contextlib.closing(ManyRequester(context, options.endpoint, *limits, say)) as requester,
-    ):
-        for number, reply, failure in requester.request_many(requests):
-            outcome = f"received {printable(reply)}"
-            if failure:
-                failures += 1
-                outcome = f"gave up: {failure}"
-            print(f"{number}: sent {printable(texts[(number - 1) % len(texts)])}, {outcome}", flush=True)
+    with zmq.Context() as context:
+        requester = ManyRequester(context, options.endpoint, options.window, options.timeout, options.tries, show)
+        with contextlib.closing(requester):
+            for number, reply, failure in requester.request_many(requests):
+                outcome = f"received {printable(reply)}"
+                if failure:
+                    failures += 1
+                    outcome = f"gave up: {failure}"
+                print(f"{number}: sent {printable(texts[(number - 1) % len(texts)])}, {outcome}", flush=True)
     print(f"done: {options.count - failures} replies", flush=True)
     if failures:
         raise GaveUp(f"{failures} of {options.count} requests to {options.endpoint} have no reply; see above")

@@ -7,7 +7,6 @@
 Bytes: as in server.py.
 """
 
-import argparse
 import sys
 import time
 from pathlib import Path
@@ -17,19 +16,6 @@ import zmq
 
 from netmq_example.pose_stream import PoseSubscriber
 from netmq_example.program import client_endpoint, client_options, run, seconds, show, whole
-
-
-def follow(subscriber: PoseSubscriber, options: argparse.Namespace) -> None:
-    end = time.monotonic() + options.seconds
-    while subscriber.received < options.count and time.monotonic() < end:
-        # The next pose of the stream. After one that is missing, a snapshot.
-        news = subscriber.receive(options.timeout)
-        _, number, position, _ = subscriber.pose
-        if news and options.every and subscriber.received % options.every == 0:
-            print(f"{number}: at", *(f"{value:.4f}" for value in position), flush=True)
-        if number >= options.until > 0:
-            break
-        time.sleep(options.work)
 
 
 def main() -> None:
@@ -47,10 +33,20 @@ def main() -> None:
         except ValueError as error:
             parser.error(f"{error}; give --snapshots")
         print(f"following {options.endpoint}, snapshots from {subscriber.snapshots}", flush=True)
-        follow(subscriber, options)
-    pose, checksum = subscriber.pose, subscriber.checksum
-    done = f"received {subscriber.received}, missed {subscriber.missed}"
-    print(f"done: {done}; run {pose.run} at {pose.number}, checksum {checksum}")
+        end = time.monotonic() + options.seconds
+        while subscriber.received < options.count and time.monotonic() < end:
+            # The next pose of the stream. After one that is missing, a snapshot.
+            news = subscriber.receive(options.timeout)
+            if news and options.every and subscriber.received % options.every == 0:
+                print(
+                    f"{subscriber.pose.number}: at", *(f"{value:.4f}" for value in subscriber.pose.position), flush=True
+                )
+            if subscriber.pose.number >= options.until > 0:
+                break
+            time.sleep(options.work)
+    pose = subscriber.pose
+    done = f"received {subscriber.received}, missed {subscriber.missed}; run {pose.run} at {pose.number}"
+    print(f"done: {done}, checksum {subscriber.checksum}")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ and `bottom_up`; netmq_example/camera/pictures.py says what its arrays are. The 
 Trouble on command: `--delay 0.2` is a slow driver.
 """
 
-import contextlib
 import functools
 import sys
 import time
@@ -23,7 +22,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
-from netmq_example.program import importing, listening, run, seconds, server_options
+from netmq_example.program import importing, listening, receive_frames, run, seconds, server_options
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it"):
     from driver import follow_road, main_camera
@@ -56,16 +55,14 @@ def main() -> None:
     recorder = Recorder(options.record)
     with listening(zmq.REP, options, largest=4 * LIMIT) as socket:
         while True:
-            # The socket waits in slices: on Windows Ctrl-C does not interrupt a longer wait.
-            with contextlib.suppress(zmq.Again):
-                request = socket.recv_multipart(copy=False)
-                frame, action, parts = reply_to(functools.partial(answer, options.model), request, "error-in-driver")
-                # Even a sleep of 0 takes as long as the whole reply.
-                if options.delay:
-                    time.sleep(options.delay)
-                socket.send_multipart(parts)
-                # Afterwards: a picture that is written makes no action older.
-                recorder.add(frame, action)
+            request = receive_frames(socket)
+            frame, action, parts = reply_to(functools.partial(answer, options.model), request, "error-in-driver")
+            # Even a sleep of 0 takes as long as the whole reply.
+            if options.delay:
+                time.sleep(options.delay)
+            socket.send_multipart(parts)
+            # Afterwards: a picture that is written makes no action older.
+            recorder.add(frame, action)
 
 
 if __name__ == "__main__":

@@ -9,14 +9,13 @@ How it notices that it is refused, and the bytes: netmq_example/security/request
 """
 
 import contextlib
-import functools
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
-from netmq_example.program import at_least_one, client_options, printable, run, whole
+from netmq_example.program import at_least_one, client_options, printable, run, show, whole
 from netmq_example.security.requester import ClientKeys, SecureRequester
 
 
@@ -41,9 +40,8 @@ def main() -> None:
         if options.stranger:
             keys.public, keys.secret = zmq.curve_keypair()
     print(f"asking {options.endpoint}", flush=True)
-    report = functools.partial(print, flush=True)
     with zmq.Context() as context:
-        requester = SecureRequester(context, options.endpoint, keys, options.timeout, options.tries, report)
+        requester = SecureRequester(context, options.endpoint, keys, options.timeout, options.tries, show)
         with contextlib.closing(requester):
             for i in range(1, options.count + 1):
                 print(f"{i}: sent Hello, received {printable(requester.request('Hello'))}", flush=True)

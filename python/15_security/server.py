@@ -19,8 +19,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import zmq
 
-from netmq_example.program import Context, Socket, listening, reply_to, run, server_options
+from netmq_example.program import Context, Socket, listening, receive_frames, reply_to, run, server_options
 from netmq_example.security.allow_list import AllowList, keys_for
+
+REFUSED = b"error: your key is not on the list, or not any more"
 
 
 def answer(name: str, text: str) -> str:
@@ -30,18 +32,12 @@ def answer(name: str, text: str) -> str:
 
 def serve(socket: Socket, allowed: AllowList) -> None:
     while True:
-        try:
-            # Only a frame knows who sent it, and its bytes do not.
-            frame = socket.recv_multipart(copy=False)[-1]
-        except zmq.Again:
-            continue
+        # Only a frame knows who sent it, and its bytes do not.
+        frame = receive_frames(socket)[-1]
         name = allowed.name_of(frame)
         text = frame.bytes.decode(errors="replace")
         allowed.report(f"{name or 'nobody knows who'} from {frame.get('Peer-Address')}: {text!r:.80}")
-        reply = b"error: your key is not on the list, or not any more"
-        if name:
-            reply = reply_to(partial(answer, name), frame.bytes)
-        socket.send(reply)
+        socket.send(reply_to(partial(answer, name), frame.bytes) if name else REFUSED)
 
 
 def main() -> None:

@@ -113,10 +113,19 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
 
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:
     """The frames of the next message; zmq.Again if none comes within `timeout` seconds."""
+    return next_message(socket.recv_multipart, timeout)
+
+
+def receive_frames(socket: Socket, timeout: float = math.inf) -> list[zmq.Frame]:
+    """The same, not copied into bytes: for large frames, and where it counts who sent one."""
+    return next_message(lambda: socket.recv_multipart(copy=False), timeout)
+
+
+def next_message(recv_multipart: Callable[[], list[T]], timeout: float) -> list[T]:
     end = time.monotonic() + timeout
     while True:
         try:
-            return socket.recv_multipart()
+            return recv_multipart()
         except zmq.Again:
             if time.monotonic() >= end:
                 raise
@@ -138,7 +147,7 @@ def printable(text: str, most: int = 200) -> str:
 
 def show(text: str) -> None:
     """Print a line at once, also into a pipe, and whatever a peer has put into it."""
-    print(printable(text), flush=True)
+    print(printable(text, most=1000), flush=True)
 
 
 # The types of options

@@ -11,7 +11,7 @@ np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install num
 from netmq_example.camera import pictures  # noqa: E402
 from netmq_example.camera.client import Action, DriverClient  # noqa: E402
 from netmq_example.camera.recording import Recorder, recorded  # noqa: E402
-from netmq_example.messages import Message  # noqa: E402
+from netmq_example.messages import Array, Message  # noqa: E402
 from netmq_example.worlds.road import Car, DrawnCamera, Road  # noqa: E402
 
 NAN = float("nan")
@@ -96,7 +96,7 @@ def test_where_there_is_no_pillow_recording_ends_and_driving_goes_on(tmp_path, m
     lines = []
     values = {"frame": 1, "run": "", "manual": False, "cameras": "center", "encoding": "raw", "bottom_up": False}
     frame = Message("frame", 1, values | dict.fromkeys(pictures.NUMBERS, 0.0))
-    frame.arrays.append(pictures.Array("uint8", (8, 8, 3), bytes(192)))
+    frame.arrays.append(Array("uint8", (8, 8, 3), bytes(192)))
     monkeypatch.setattr(pictures, "Image", None)
     recorder = Recorder(tmp_path, lines.append)
     for _ in range(2):
