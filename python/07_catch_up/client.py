@@ -29,24 +29,22 @@ def main() -> None:
     options = parser.parse_args()
     with zmq.Context() as context, context.socket(zmq.SUB) as stream:
         try:
-            subscriber = PoseSubscriber(stream, options.endpoint, options.snapshots or "", show)
+            poses = PoseSubscriber(stream, options.endpoint, options.snapshots or "", show)
         except ValueError as error:
             parser.error(f"{error}; give --snapshots")
-        print(f"following {options.endpoint}, snapshots from {subscriber.snapshots}", flush=True)
+        print(f"following {options.endpoint}, snapshots from {poses.snapshots}", flush=True)
         end = time.monotonic() + options.seconds
-        while subscriber.received < options.count and time.monotonic() < end:
+        while poses.received < options.count and time.monotonic() < end:
             # The next pose of the stream. After one that is missing, a snapshot.
-            news = subscriber.receive(options.timeout)
-            if news and options.every and subscriber.received % options.every == 0:
-                print(
-                    f"{subscriber.pose.number}: at", *(f"{value:.4f}" for value in subscriber.pose.position), flush=True
-                )
-            if subscriber.pose.number >= options.until > 0:
+            news = poses.receive(options.timeout)
+            if news and options.every and poses.received % options.every == 0:
+                print(f"{poses.pose.number}: at", *(f"{value:.4f}" for value in poses.pose.position), flush=True)
+            if 0 < options.until <= poses.pose.number:
                 break
             time.sleep(options.work)
-    pose = subscriber.pose
-    done = f"received {subscriber.received}, missed {subscriber.missed}; run {pose.run} at {pose.number}"
-    print(f"done: {done}, checksum {subscriber.checksum}")
+    pose = poses.pose
+    done = f"received {poses.received}, missed {poses.missed}; run {pose.run} at {pose.number}"
+    print(f"done: {done}, checksum {poses.checksum}")
 
 
 if __name__ == "__main__":
