@@ -25,6 +25,7 @@ with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
     import gymnasium
     from players import Game, Poles, areas
 
+    import netmq_example.envs  # noqa: F401, it registers the vector environment.
     from netmq_example.envs import ZmqParallelEnv
     from netmq_example.messages import LIMIT, MessageError
 
