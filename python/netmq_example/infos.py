@@ -43,14 +43,16 @@ def checked(who: Any, info: Any) -> dict[str, Any]:
     return plain
 
 
-def unpack(text: Any, whose: type = str, own: Collection[str] = ()) -> list[tuple[Any, dict[str, Any]]]:
-    """MessageError says what is wrong with what a peer sent. `own` are the names that the environment itself gives."""
+def unpack(text: Any, whose: type = str, reserved: Collection[str] = ()) -> list[tuple[Any, dict[str, Any]]]:
+    """MessageError says what is wrong with what a peer sent. `reserved` names are the environment's own."""
     try:
         infos = [(who, info) for who, info in DECODER.decode(text)]
         pack(infos)
-        wrong = [who for who, info in infos if type(who) is not whose or not info.keys().isdisjoint(own)]
+        wrong = [who for who, info in infos if type(who) is not whose or not info.keys().isdisjoint(reserved)]
         if wrong:
-            raise ValueError(f"{wrong[0]!a:.40} is no {whose.__name__}, or has a name of the environment's own: {own}")
+            raise ValueError(
+                f"{wrong[0]!a:.40} is no {whose.__name__}, or has a name of the environment's own: {reserved}"
+            )
     except (ValueError, TypeError, RecursionError) as error:
         raise MessageError("bad-infos", f"these are no infos: {error!s:.120}") from None
     return infos

@@ -131,12 +131,12 @@ def copied(options: Any) -> dict[str, Any]:
     return dict(options)
 
 
-def sendable(options: Any, **own: int) -> tuple[dict[str, Any], list[Array]]:
-    """What reset sends: the options, beside values of its own, and the option `state` as an array.
+def sendable(options: Any, **others: int) -> tuple[dict[str, Any], list[Array]]:
+    """What reset sends: the options, beside these others, and the option `state` as an array.
 
     ValueError names what no simulator could read, before anything is sent.
     """
-    values = {**copied(options), **own}
+    values = {**copied(options), **others}
     try:
         state = [to_array(values.pop("state"), np.float64)] if "state" in values else []
     except (ValueError, TypeError) as error:

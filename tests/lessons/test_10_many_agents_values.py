@@ -60,7 +60,7 @@ INFOS = {
 @pytest.mark.parametrize("what", INFOS)
 def test_infos_that_are_none_are_named(what):
     with pytest.raises(MessageError, match=r"^bad-infos: these are no infos: "):
-        unpack(INFOS[what], own=("told", "lost"))
+        unpack(INFOS[what], reserved=("told", "lost"))
 
 
 class Peer:

@@ -117,7 +117,7 @@ class Connection:
         return None
 
     def receive(self) -> tuple[bytes, Message | None]:
-        """Who sent something, and the message: none if nothing came, or nothing that is a message."""
+        """The sender and the message; no message if nothing came, or nothing that is one."""
         try:
             peer, *frames = self.socket.recv_multipart()
         except zmq.Again:
@@ -252,7 +252,7 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
     # way; what others send while nobody listens must not fill the memory.
     socket.maxmsgsize = 4 * LIMIT
     socket.rcvhwm = 10
-    # At its end so many milliseconds for what it has said last, such as why it refused a simulator.
+    # Milliseconds at its end for what it has sent last, such as why it refused a simulator.
     socket.linger = 500
     socket.rcvtimeo = 200
     try:

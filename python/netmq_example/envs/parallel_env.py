@@ -80,7 +80,7 @@ class RemoteAgents:
 
     def read(self, state: Message, living: list[str]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminated, truncated and infos, each by agent."""
-        infos = unpack(take(state.values, "infos", str), own=("told", "lost"))
+        infos = unpack(take(state.values, "infos", str), reserved=("told", "lost"))
         names = [name for name, _ in infos]
         if names != living or len(state.arrays) != 3 + len(living):
             raise MessageError("wrong-agents", f"a state of {names!s:.80}, but those that live are {living}")
@@ -92,10 +92,10 @@ class RemoteAgents:
         last = dict(zip(living, state.arrays[3:], strict=True))
         seen = self.seen(last)
         told = told_in(state)
-        said = {"told": told} if told else {}
+        added = {"told": told} if told else {}
         by_agent = [dict(zip(living, each, strict=True)) for each in (rewards, terminated, truncated)]
         self.last = last
-        return seen, *by_agent, {agent: {**info, **said} for agent, info in infos}
+        return seen, *by_agent, {agent: {**info, **added} for agent, info in infos}
 
     def seen(self, arrays: dict[str, Array]) -> dict[str, Any]:
         return {agent: from_array(self.spaces[agent][0], [array]) for agent, array in arrays.items()}

@@ -227,7 +227,7 @@ class EnvironmentClient:
                 if request.kind == "reset" and 0 < count <= simulator.episodes:
                     return
                 socket.send_multipart(simulator.answer(request))
-            # So many milliseconds for the last answer; without them it would be dropped.
+            # Milliseconds for the last answer, which would be dropped without them.
             socket.linger = 1000
             socket.send_multipart(Message("closed", request.id).frames())
         except TimeoutError as error:
