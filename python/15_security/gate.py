@@ -90,7 +90,7 @@ def main() -> None:
     # The server may be on another machine: whoever is on the way there reads along.
     example = "tcp://127.0.0.1:5554"
     parser.add_argument("--to", type=client_endpoint(example), required=True, help=f"the server behind it: {example}")
-    parser.add_argument("--keys", type=Path, metavar="DIR", help="the gate's pair, and allowed/: keys, if not said")
+    parser.add_argument("--keys", type=Path, metavar="DIR", help="the gate's pair, and allowed/; default: keys")
     options = parser.parse_args()
 
     def prepare(context: Context, door: Socket) -> None:

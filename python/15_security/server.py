@@ -42,7 +42,7 @@ def serve(socket: Socket, allowed: AllowList) -> None:
 
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5565")
-    parser.add_argument("--keys", type=Path, metavar="DIR", help="the server's pair, and allowed/: keys, if not said")
+    parser.add_argument("--keys", type=Path, metavar="DIR", help="the server's pair, and allowed/; default: keys")
     parser.add_argument("--no-authenticator", action="store_true", help="trouble: nobody may come in")
     parser.add_argument("--any-domain", action="store_true", help="trouble: with it, everybody may")
     options = parser.parse_args()

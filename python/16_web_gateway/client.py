@@ -3,7 +3,7 @@
     python python/16_web_gateway/client.py                     by WebSocket
     python python/16_web_gateway/client.py --socketio          the same by Socket.IO
 
-The bytes are said in server.py.
+server.py describes the bytes.
 """
 
 import argparse

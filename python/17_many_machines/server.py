@@ -48,7 +48,8 @@ def main() -> None:
     def prepare(context: Context, socket: Socket) -> None:
         # A silent peer is asked every 0.5 s whether it is there, and cut off when 2.5 s bring no answer. Both engines
         # answer on a thread of their own: a busy program is not a dead one. To send to a peer that is gone is an error.
-        socket.heartbeat_ivl, socket.heartbeat_timeout, socket.router_mandatory = 500, 2500, True
+        socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
+        socket.router_mandatory = True
         if allowed:
             allowed.answer(context)
             allowed.guard(socket)

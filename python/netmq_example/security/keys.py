@@ -186,7 +186,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("verb", choices=FORMS)
     parser.add_argument("what", nargs="?", default="", help="server or client; alice=client.key; alice")
-    parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="where they are: keys, if not said")
+    parser.add_argument("--keys", type=Path, default="keys", metavar="DIR", help="where they are; default: keys")
     options = parser.parse_args()
     form = re.fullmatch(FORMS[options.verb], options.what)
     if not form:

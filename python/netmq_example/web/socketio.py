@@ -79,7 +79,7 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
         if unread > MOST_WAITING or browser.waiting == MOST_WAITING:
             print(f"let a browser go: {MOST_WAITING} of its requests, or answers for it, wait", flush=True)
-            # At once, so that this is said once.
+            # At once, so that this is printed once.
             await leave(sid)
             await server.disconnect(sid)
             return {"error": "too many requests at once"}
