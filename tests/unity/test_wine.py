@@ -85,7 +85,7 @@ def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
     shutil.rmtree(prefix, ignore_errors=True)
 
 
-@pytest.mark.parametrize("unity", [False, True], ids=["twin", "unity"])
+@pytest.mark.parametrize("unity", [False, True], ids=["terminal", "unity"])
 @pytest.mark.parametrize("key", KEYS)
 def test_a_client(
     key: str, unity: bool, wine: Callable[..., Program], serve: Callable[..., Any], tmp_path: Path
