@@ -31,7 +31,7 @@ namespace NetMQExample
         {
             if (!Regex.IsMatch(name, @"^[A-Za-z0-9_ -]{1,40}\z"))
                 throw new ArgumentException($"a view cannot be '{name}': give it a name of letters, digits, - and _");
-            if (!(width > 0 && height > 0 && (long)width * height * channels <= Message.Limit))
+            if (!(width > 0 && height > 0 && (long)width * height * channels <= Message.LimitBytes))
                 throw new ArgumentException($"a view of {width} x {height} is too small, or too large for a message");
             Name = name;
             Width = width;

@@ -10,7 +10,7 @@ namespace NetMQExample
     /// <summary>The newest about a job. It never changes, so every thread may have it.</summary>
     public sealed class JobNews
     {
-        private const int LargestSide = 4096;
+        private const int LargestSidePixels = 4096;
 
         private static readonly string[] Kinds = { "accepted", "feedback", "canceling", "result", "forgotten" };
         private static readonly string[] Statuses = { "succeeded", "canceled", "aborted" };
@@ -37,7 +37,7 @@ namespace NetMQExample
             var finished = message.Arrays.FirstOrDefault();
             Finished = finished?.Data ?? default;
             if (finished?.Dtype == "uint8" && finished.Shape is { Length: 3 } shape && shape[2] == 3
-                && shape[0] <= shape[1] && shape[1] > 0 && shape[1] <= LargestSide)
+                && shape[0] <= shape[1] && shape[1] > 0 && shape[1] <= LargestSidePixels)
             {
                 Side = shape[1];
                 Pixels = Upwards(shape[0], shape[1]);
