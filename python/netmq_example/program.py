@@ -147,7 +147,8 @@ def printable(text: str, most: int = 200) -> str:
 
 def show(text: str) -> None:
     """Print a line at once, also into a pipe, and whatever a peer has put into it."""
-    print(printable(text, most=1000), flush=True)
+    # In one piece with its end: another thread may print as well.
+    print(f"{printable(text, most=1000)}\n", end="", flush=True)
 
 
 # The types of options
