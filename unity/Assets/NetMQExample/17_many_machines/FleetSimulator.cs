@@ -1,4 +1,4 @@
-// Lesson 17, the simulator: lesson 09's, which also says of which build it is. In Python: fleet_simulator.py.
+// Lesson 17, the simulator: lesson 09's, which also says of which build it is. In Python: fleet/simulator.py.
 //
 // An episode that was begun elsewhere is done again here, and must go the same way. So the hub takes simulators of one
 // build only; write another one wherever yours computes differently.
