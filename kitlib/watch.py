@@ -28,8 +28,8 @@ def open_page(tap: Program) -> None:
     page = tap.wait_for(r"^page at (\S+)")[1]
     # Without a display Python may find a browser that takes over this terminal.
     display = sys.platform in ("win32", "darwin") or {"DISPLAY", "WAYLAND_DISPLAY", "BROWSER"} & set(os.environ)
-    if not (display and webbrowser.open(page)):
-        say(f"open {page} in a browser; the client starts then, or after {TIMEOUT:.0f} s")
+    opened = display and webbrowser.open(page)
+    say(f"{'opening' if opened else 'open'} {page} in a browser; the client starts then, or after {TIMEOUT:.0f} s")
     try:
         tap.wait_for("^a page looks on$", TIMEOUT)
     except KitError:

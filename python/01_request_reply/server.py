@@ -32,6 +32,7 @@ def main() -> None:
     with listening(zmq.REP, options) as socket:
         # REP alternates strictly: receive, send, receive, send.
         while True:
+            # One frame is what a client sends. Of more than one all are answered, as an error.
             request = b" ".join(receive(socket))
             reply = reply_to(answer, request)
             # Even a sleep of 0 takes as long as the whole reply.
@@ -39,6 +40,7 @@ def main() -> None:
                 time.sleep(options.delay)
             # This never waits: REP drops the reply to a client that has gone, or does not read.
             socket.send(reply)
+            # The client prints an error; a flood of wrong requests must not fill this terminal.
             if not (options.quiet or reply.startswith(b"error:")):
                 print(f"sent {reply!r:.80}", flush=True)
 

@@ -71,8 +71,11 @@ class Array:
         except TypeError:
             raise MessageError("wrong-type", f"an array's data is bytes, not {self.data!a:.40}") from None
         size = math.prod(self.shape) * DTYPES[self.dtype]
-        if size != view.nbytes or not view.c_contiguous:
+        if size != view.nbytes:
             raise MessageError("bad-shape", f"{self.dtype} {self.shape} is {size} contiguous bytes, not {view.nbytes}")
+        if not view.c_contiguous:
+            cure = "the data has gaps: numpy.ascontiguousarray makes it whole"
+            raise MessageError("bad-shape", f"{self.dtype} {self.shape} is {size} contiguous bytes; {cure}")
 
     def numpy(self) -> Any:
         """The numbers for numpy, in the very memory that ZeroMQ received them in."""
@@ -99,6 +102,9 @@ class Message:
 
     def frames(self) -> list[Any]:
         """What is sent: the header, and the bytes of each array, which are not copied."""
+        for array in self.arrays:
+            if not isinstance(array, Array):
+                raise TypeError(f"arrays takes Array(dtype, shape, data), not {type(array).__name__}")
         arrays = [{"dtype": array.dtype, "shape": array.shape} for array in self.arrays]
         header = {"kind": self.kind, "version": VERSION, "id": self.id, "values": self.values, "arrays": arrays}
         text = ENCODER.encode(header)

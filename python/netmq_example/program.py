@@ -95,7 +95,7 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
     print(f"asking {options.endpoint}", flush=True)
     with zmq.Context() as context, context.socket(kind) as socket:
         limit(socket, largest)
-        # Sending does not wait: libzmq would take for sent what it has lost with a broken connection.
+        # Sending does not wait: without a connection it raises zmq.Again, and queues nothing.
         socket.rcvtimeo, socket.sndtimeo = SLICE_MS, 0
         socket.connect(options.endpoint)
         try:
