@@ -9,7 +9,7 @@ Bytes: UTF-8 text, one frame each way.
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.program import Socket, client_options, connected, printable, receive, run, whole

@@ -12,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.background_client import BackgroundClient
 from netmq_example.errors import GaveUp
 from netmq_example.program import at_least_one, client_options, printable, run, whole

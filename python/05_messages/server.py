@@ -14,7 +14,7 @@ Trouble on command: `client.py --wrong-shape`.
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.messages import LIMIT, Array, Message, MessageError, reply_to

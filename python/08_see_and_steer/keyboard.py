@@ -4,7 +4,6 @@ A terminal tells when a key is pressed, and not when it is let go: what was set 
 """
 
 import os
-import signal
 import sys
 from typing import Protocol
 
@@ -53,8 +52,6 @@ class Keyboard:
             import termios
             import tty
 
-            # So that SIGTERM too gives the terminal back as it was.
-            signal.signal(signal.SIGTERM, signal.default_int_handler)
             self.before = termios.tcgetattr(sys.stdin)
             # Each key at once and without an echo; Ctrl-C stays what it is.
             tty.setcbreak(sys.stdin)

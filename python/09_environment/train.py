@@ -10,13 +10,12 @@ train with Stable-Baselines3.
 
 import argparse
 import importlib.util
-import signal
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.errors import GaveUp
-from netmq_example.program import importing, run, whole
+from netmq_example.program import importing, run, server_endpoint, whole
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
     import gymnasium
@@ -38,7 +37,10 @@ def figure(path: str) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Learns to balance a pole.")
-    parser.add_argument("--endpoint", default="", help="where the simulator comes to; tcp://127.0.0.1:5559")
+    place = "tcp://127.0.0.1:5559"
+    parser.add_argument(
+        "--endpoint", type=server_endpoint(place), default="", help=f"where simulators come to; {place}"
+    )
     parser.add_argument("--seed", type=whole, default=0, help="the same seed gives the same numbers")
     parser.add_argument("--generations", type=whole, default=50, help="how many at the most")
     parser.add_argument("--plot", type=figure, metavar="FILE", help="draw the learning curve as SVG")
@@ -47,8 +49,6 @@ def main() -> None:
     at = sys.argv.index("--launch") if "--launch" in sys.argv[1:-1] else len(sys.argv)
     options = parser.parse_args(sys.argv[1:at])
     launch = sys.argv[at + 1 :] or options.launch
-    # SIGTERM, on Windows SIGBREAK, ends the simulator as well, as Ctrl-C does.
-    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     where = {"endpoint": options.endpoint, "launch": launch}
     try:
         with gymnasium.make("NetMQExample/CartPole-v0", max_episode_steps=STEPS, **where) as env:

@@ -9,7 +9,7 @@ Bytes: messages of lesson 05, see scene.py and spaces.py.
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.program import client_options, importing, run, show, whole
 
 with importing("gymnasium; kit.py run 11 installs it", stopped="stopped"):

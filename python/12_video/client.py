@@ -12,7 +12,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.program import client_options, importing, run, show, whole
 
 with importing("numpy; kit.py run 12 installs it", stopped="stopped"):

@@ -14,14 +14,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from netmq_example.program import importing, run
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
+from netmq_example.program import client_endpoint, importing, run
 from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.side_channel.stats_side_channel import StatsSideChannel
 from netmq_example.side_channel.unity_channels import EnvironmentParameters, StatsRecorder
 
-with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", stopped="stopped"):
+with importing("gymnasium; pip install gymnasium, or let kit.py run 13 do it", stopped="stopped"):
     import numpy as np
     from gymnasium.spaces import Box, Discrete
 
@@ -90,7 +90,8 @@ def simulate(endpoint: str) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--endpoint", help="the environment adds this to what it starts")
+    example = "tcp://127.0.0.1:5559"
+    parser.add_argument("--endpoint", type=client_endpoint(example), help="the environment adds this to what it starts")
     options = parser.parse_args()
     if options.endpoint:
         simulate(options.endpoint)

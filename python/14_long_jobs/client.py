@@ -11,7 +11,7 @@ A job that ignores cancel is killed: --kind deaf --count 1000 --cancel-at 1. The
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.errors import GaveUp

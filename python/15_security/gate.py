@@ -12,7 +12,7 @@ Bytes: those of the server behind it. A PUB socket, as in lesson 03, takes its k
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.program import Context, Socket, client_endpoint, limit, listening, run, server_options

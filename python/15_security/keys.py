@@ -9,7 +9,7 @@ All its verbs, and what the files are: netmq_example/security/keys.py.
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.program import run
 from netmq_example.security.keys import main
 

@@ -11,7 +11,7 @@ import asyncio
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.program import client_options, importing, printable, run, whole
 
 with importing("aiohttp and python-socketio; kit.py run 16 installs them", stopped="stopped"):

@@ -17,7 +17,7 @@ import argparse
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq.asyncio
 
 from netmq_example.program import client_endpoint, importing, positive_seconds, run, server_endpoint

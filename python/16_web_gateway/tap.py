@@ -25,7 +25,7 @@ import sys
 import threading
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example import check
 from netmq_example.program import at_least_one, client_endpoint, importing, option, run
 from netmq_example.tap.arrows import Arrows, recording

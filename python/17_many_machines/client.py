@@ -12,7 +12,7 @@ Bytes: those of lesson 09, see netmq_example/simulation/simulator.py.
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.program import client_options, importing, run, seconds, show, whole
 from netmq_example.security.requester import client_keys
 

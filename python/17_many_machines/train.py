@@ -8,13 +8,12 @@ simulated, and however often it was begun anew. What you train with comes in pla
 """
 
 import argparse
-import signal
 import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from netmq_example.program import importing, run
+sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
+from netmq_example.program import client_endpoint, importing, positive_seconds, run
 from netmq_example.security.requester import ClientKeys
 
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
@@ -59,15 +58,16 @@ def play(envs: Any, episodes: int) -> list[float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Plays episodes by way of the hub.")
-    parser.add_argument("--endpoint", default="tcp://127.0.0.1:5567", help="the hub")
+    hub = "tcp://127.0.0.1:5567"
+    parser.add_argument("--endpoint", type=client_endpoint(hub), default=hub, help="the hub")
     parser.add_argument("--areas", type=int, choices=range(1, 1025), default=2, metavar="N", help="how many at a time")
     parser.add_argument("--episodes", type=int, choices=range(1, 10**6), default=20, metavar="N", help="how many")
     parser.add_argument("--each", action="store_true", help="print each episode's return")
     parser.add_argument("--keys", default="", metavar="DIR", help="server.key and this trainer's pair")
-    parser.add_argument("--wait", type=float, default=60, help="seconds to wait for simulators, and for each step")
+    parser.add_argument(
+        "--wait", type=positive_seconds, default=60, help="seconds to wait for simulators, and for each step"
+    )
     options = parser.parse_args()
-    # SIGTERM, on Windows SIGBREAK, ends it as Ctrl-C does.
-    signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
     try:
         keys = ClientKeys(options.keys).apply if options.keys else None
         where: dict[str, Any] = {"wait": options.wait, "timeout": options.wait, "autoreset_mode": "Disabled"}

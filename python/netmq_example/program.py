@@ -14,7 +14,9 @@ A client has client_options, connected and run(main, stopped="stopped"). Shared/
 import argparse
 import contextlib
 import functools
+import io
 import math
+import os
 import re
 import signal
 import sys
@@ -26,7 +28,7 @@ from typing import Any, TypeVar
 
 import zmq
 
-from netmq_example import check
+from netmq_example import check, interrupts
 from netmq_example.errors import GaveUp
 
 Context = zmq.Context[zmq.Socket[bytes]]
@@ -231,14 +233,21 @@ def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
 
 def run(main: Callable[[], None], stopped: str | None = None) -> None:
     """Run a program to its end. Ctrl-C ends a server with code 0, and a client with `stopped` and code 1."""
-    # In a pipe Windows would use another encoding, and a character that it lacks would end the program.
-    sys.stdout.reconfigure(encoding="utf-8", errors="replace")  # type: ignore[union-attr]
-    if stopped is None:
-        # SIGTERM, which kill and process managers send, ends a server as Ctrl-C does; on Windows that is SIGBREAK.
-        signal.signal(getattr(signal, "SIGBREAK", signal.SIGTERM), signal.default_int_handler)
+    # In a pipe Windows would use another encoding, and a character that it lacks would end the program. A program that
+    # was started without a console has no output at all.
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8", errors="replace")
+    # SIGTERM, which kill and process managers send, ends a program as Ctrl-C does; on Windows that is SIGBREAK.
+    interrupts.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
     try:
         main()
     except (TimeoutError, GaveUp) as error:
         sys.exit(f"gave up: {printable(str(error), most=1000)}")
     except KeyboardInterrupt:
         sys.exit(stopped)
+    except BrokenPipeError:
+        # Nobody reads any more, as behind `| head -1`. What is still to be written goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        sys.exit(f"failed: {error}")

@@ -176,7 +176,7 @@ def test_no_module_of_the_package_needs_itself():
 
 
 PROGRAMS = sorted((ROOT / "python").glob("[0-9]*/*.py"))
-PATH_LINE = "sys.path.insert(0, str(Path(__file__).resolve().parents[1]))"
+PATH_LINE = "sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])"
 
 
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.relative_to(ROOT).as_posix())

@@ -15,7 +15,7 @@ import zmq
 from tests.bad_peers import ProtocolBreaker, zmtp_frame
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import ask
-from tests.programs import PATIENT, ROOT
+from tests.programs import PATIENT, ROOT, finished, steady_endpoint
 
 KEY = "01_request_reply"
 SERVER = ROOT / "python" / KEY / "server.py"
@@ -341,3 +341,35 @@ def test_a_flood_of_bad_requests_is_no_flood_of_lines(serve, context):
     server.wait_for("^sent b'World'$")
     assert server.stop() == 0
     assert server.lines == [f"listening on {endpoint}", "sent b'World'"], "who asked knows it"
+
+
+IN_THE_MIDDLE = """
+import os, signal, zmq
+add = zmq.Context._add_socket
+def interrupted(context, socket):
+    os.kill(os.getpid(), signal.SIGINT)
+    return add(context, socket)
+zmq.Context._add_socket = interrupted
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no signal to one program alone")
+@pytest.mark.parametrize(("program", "code", "end"), [("server.py", 0, ""), ("client.py", 1, "stopped")])
+def test_ctrl_c_while_a_socket_is_made_ends_the_program(program, code, end, start, tmp_path):
+    """Raised there, it would leave a socket that nobody closes, and the end of its context would wait for ever."""
+    (tmp_path / "sitecustomize.py").write_text(IN_THE_MIDDLE, encoding="utf-8")
+    words = ["--endpoint", steady_endpoint()]
+    ended = start(PYTHON, SERVER.with_name(program), *words, PYTHONPATH=str(tmp_path))
+    assert ended.wait() == code, ended.output
+    assert ended.lines[-1:] in ([], [end]) or "listening" in ended.lines[-1]
+    assert "Traceback" not in ended.output
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="it is a shell's way to say it")
+@pytest.mark.parametrize(("words", "code"), [("| head -1", 0), (">&-", 0), ("2>&1 >/dev/full | grep -c Traceback", 1)])
+def test_output_that_nobody_takes_is_no_traceback(words, code, serve, tmp_path):
+    """Nobody reads on, there is no output at all, or no room for it."""
+    client = SERVER.with_name("client.py")
+    command = f"{PYTHON} {client} --endpoint {serve(KEY)[1]} --count 3000 --timeout 60 {words}"
+    done = finished(["bash", "-c", command])
+    assert "Traceback" not in done.stderr and done.returncode == code, done.stdout + done.stderr
