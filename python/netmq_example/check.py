@@ -64,7 +64,7 @@ def instance(name: str, value: T, *kinds: Any) -> T:
     if isinstance(value, kinds):
         return value
     words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
-    raise TypeError(f"{name} takes {words}, not {value!r:.40}")
+    raise TypeError(f"{name} takes a {words}, not {value!r:.40}")
 
 
 def function(name: str, value: T) -> T:

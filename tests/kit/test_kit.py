@@ -100,7 +100,7 @@ def test_a_second_build_happens_only_after_a_change(engine, prepared, start):
     assert "asking NuGet" not in second.output
     script = prepared / "unity" / "Assets" / "NetMQExample" / "01_request_reply" / "HelloRequester.cs"
     script.write_text(
-        script.read_text(encoding="utf-8").replace("Send(timeout, stop, text)", 'Send(timeout, stop, "Bye")'),
+        script.read_text(encoding="utf-8").replace("Send(text, timeout, stop);", 'Send("Bye", timeout, stop);'),
         encoding="utf-8",
     )
     third = start(*command)
@@ -577,7 +577,7 @@ def test_a_client_in_csharp_needs_no_package_of_its_lesson(kind, asked, monkeypa
 
     monkeypatch.setattr(python_setup, "interpreter", interpreter)
     monkeypatch.setattr(command, "client_command", lambda *_: [])
-    monkeypatch.setattr(command, "alone", lambda *_: 0)
+    monkeypatch.setattr(command, "run_in_terminal", lambda *_: 0)
     assert command.do(commands.parse(command, ["9", "--client", kind])) == 0
     assert needed == asked
 

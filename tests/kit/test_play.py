@@ -74,7 +74,7 @@ def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path
     text = (source / "HelloRequester.cs").read_text(encoding="utf-8")
     (tmp_path / "HelloClient.cs").write_bytes((source / "HelloClient.cs").read_bytes())
     (tmp_path / "HelloRequester.cs").write_text(
-        text.replace("Send(timeout, stop, text)", 'Send(timeout, stop, "Bye")'), encoding="utf-8"
+        text.replace("Send(text, timeout, stop);", 'Send("Bye", timeout, stop);'), encoding="utf-8"
     )
     words = [tmp_path / "HelloClient.cs", tmp_path / "HelloRequester.cs", "--count", "1"]
     code, lines = play(*words, "--endpoint", serve("01_request_reply")[1])

@@ -38,8 +38,7 @@ CHANGES = {
     "DriverClient.cs": [
         ("public long Frame { get; }", "public long Frame { get; } public double Zoom { get; }"),
         ("double milliseconds = 0)", "double milliseconds = 0, double zoom = 0)"),
-        ("(Frame, Throttle,", "(Zoom, Frame, Throttle,"),
-        ("= (frame, Math", "= (zoom, frame, Math"),
+        ("Frame = frame;", "Frame = frame; Zoom = zoom;"),
         ("clock.Elapsed.TotalMilliseconds);", 'clock.Elapsed.TotalMilliseconds, Take(reply, "zoom"));'),
     ],
     "DrivenBehaviour.cs": [

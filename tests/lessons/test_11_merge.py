@@ -12,6 +12,7 @@ from tests.tables import rows
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 
 np = pytest.importorskip("numpy", reason="merging needs numpy: pip install numpy")
+pytest.importorskip("gymnasium", reason="merging needs gymnasium: pip install gymnasium")
 from netmq_example import locator  # noqa: E402
 from netmq_example.envs import merge as module  # noqa: E402
 from netmq_example.locator import LocatorError  # noqa: E402

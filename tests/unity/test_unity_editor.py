@@ -145,7 +145,8 @@ def test_a_server_speaks_also_where_a_program_is_given_no_output(
     kit, bare, game = (tmp_path / f"über all ({name})" for name in ("kit", "bare", "game"))
     game.mkdir()
     (project / "Assets").rename(game / "Assets")
-    shutil.copytree(ROOT / "python" / "01_request_reply", kit / "python" / "01_request_reply")
+    for folder in ("01_request_reply", "netmq_example"):
+        shutil.copytree(ROOT / "python" / folder, kit / "python" / folder)
     shutil.copy(ROOT / "kit.py", kit)
     bare.mkdir()
     python = bare / "python3"
@@ -222,11 +223,11 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(
     (error,) = [line for line in unity.do("draw") if line.startswith("Error:")]
     assert error.startswith("Error: python3 has no pyzmq: run the pip line in a terminal; or kit.py run 1")
     unity.do("press Copy the pip line")
-    assert unity.do("clipboard") == ['python3 -m pip install "pyzmq>=24" "numpy>=1.24"']
+    assert unity.do("clipboard") == [f'python3 -m pip install "{kit}[camera,envs,web]"']
     # And what its webcam needs.
     unity.do("type Lesson=20_body_tracking")
     unity.do("press Copy the pip line")
-    assert re.search(r' "pyzmq\S+" "mediapipe\S+" "opencv-python\S+"$', unity.do("clipboard")[0])
+    assert unity.do("clipboard") == [f'python3 -m pip install "{kit}[camera,envs,web,body]"']
     python.unlink()
     unity.do("press Start the server")
     (error,) = [line for line in unity.do("draw") if line.startswith("Error:")]

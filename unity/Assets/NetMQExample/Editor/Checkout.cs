@@ -84,17 +84,14 @@ namespace NetMQExample.Editor
         /// <returns>One line.</returns>
         public string PipLine(string python, string key)
         {
+            // What all lessons need, and what is called like this one, as body for a webcam: extras of pyproject.toml.
             var project = File.ReadAllText(Path.Combine(Root, "pyproject.toml"));
-            // With what application 20's webcam needs.
-            var names = $"dependencies|{key}(?:_camera)?";
-            var lists = Regex.Matches(project, $"^(?:{names}) = \\[(.*)\\]", RegexOptions.Multiline).Cast<Match>();
+            var own = key.Split('_').Where(word => Regex.IsMatch(project, $"^{word} = \\[", RegexOptions.Multiline));
+            var extras = string.Join(",", new[] { "camera", "envs", "web" }.Union(own));
             // PowerShell takes what is in quotation marks for a text, and no command.
             var command = python.Contains(" ") ? $"\"{python}\"" : python;
-            return $"{command} -m pip install {string.Join(" ", lists.Select(list => Words(list.Groups[1].Value)))}";
+            return $"{command} -m pip install \"{Root}[{extras}]\"";
         }
-
-        // As the file has them, in quotation marks: a shell would take >= for something else.
-        private static string Words(string list) => list.Replace("\", \"", "\" \"");
 
         private static int Ask(string python)
         {
