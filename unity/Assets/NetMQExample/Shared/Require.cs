@@ -3,7 +3,8 @@ using System;
 
 namespace NetMQExample
 {
-    internal static class Require
+    /// <summary>Public, so that a copy of a kit's file in a project of yours finds it.</summary>
+    public static class Require
     {
         private static readonly TimeSpan Day = TimeSpan.FromDays(1);
 
