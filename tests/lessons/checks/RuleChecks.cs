@@ -1,13 +1,17 @@
-// What each public class that talks to a peer says of values that it cannot use: one line that names the value.
+// What each public class says of values that it cannot use: one line that names the value. And a client after its end.
 //
-// The classes are found by the names of their constructors' parameters, so that a new one is asked as well.
+// The constructors are found, and what they get is known by their parameters' names and types, so that a new one is
+// asked as well.
 using System;
 using System.Collections.Generic;
 using System.Linq;
+using System.Linq.Expressions;
 using System.Reflection;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
+using UnityEngine;
+using Component = UnityEngine.Component;
 
 namespace NetMQExample.Tests
 {
@@ -30,21 +34,99 @@ namespace NetMQExample.Tests
             ["job"] = new object[] { null, "", "../x" },
         };
 
+        // Where null means "none", as the parameter's words say; so it does wherever it is the default.
+        private static readonly string[] None =
+            { "PoseSubscriber snapshots", "SecureRequester keys", "AvatarBone end", "MessageGraph nodes" };
+
         public static void Run()
         {
+            // A component is made by Unity; an attribute, by the compiler; and an exception takes what it gets.
             var constructors = typeof(NetMQConnection).Assembly.GetExportedTypes()
-                .Where(type => !type.IsAbstract)
-                .SelectMany(type => type.GetConstructors())
-                .Where(one => one.GetParameters().Any(parameter => parameter.Name == "endpoint"));
+                .Where(type => !type.IsAbstract && !typeof(Component).IsAssignableFrom(type)
+                    && !typeof(Attribute).IsAssignableFrom(type) && !typeof(Exception).IsAssignableFrom(type))
+                .SelectMany(type => type.GetConstructors());
             foreach (var one in constructors)
-                foreach (var parameter in one.GetParameters().Where(each => Wrong.ContainsKey(each.Name)))
-                    foreach (var wrong in Wrong[parameter.Name])
-                        Refused($"{one.DeclaringType.Name} {parameter.Name}", parameter.Name, wrong, () => one.Invoke(
+                foreach (var parameter in one.GetParameters())
+                    foreach (var wrong in WrongFor(parameter))
+                        Refused(Name(parameter), parameter.Name, wrong, () => one.Invoke(
                             one.GetParameters().Select(each => each == parameter ? wrong : Right(each)).ToArray()));
             foreach (TimeSpan wrong in Times)
                 Refused("HubFinder.Find timeout", "timeout", wrong, () => HubFinder.Find(5567, "", wrong));
+            Refused("HubFinder.Find serverKey", "serverKey", null, () =>
+                HubFinder.Find(5567, null, TimeSpan.FromSeconds(1)));
             Refused("NetMQConnection.Slices timeout", "timeout", Timeout.InfiniteTimeSpan, () =>
                 NetMQConnection.Slices(Timeout.InfiniteTimeSpan, default).First());
+            Uses();
+            if (NetMQLifetime.Users > 0) throw new Exception($"{NetMQLifetime.Users} users of NetMQ are left");
+        }
+
+        // A null for what is sent; and anything after Dispose, which says so at once and opens no socket.
+        private static void Uses()
+        {
+            const string Endpoint = "tcp://127.0.0.1:5551";
+            var second = TimeSpan.FromSeconds(1);
+            void Quiet(string line) { }
+            void Client<T>(T client, string parameter, Action<T> nothing, params Action<T>[] afterwards)
+                where T : IDisposable
+            {
+                if (nothing != null)
+                    Refused($"{typeof(T).Name}'s {parameter}", parameter, null, () => nothing(client));
+                client.Dispose();
+                foreach (var use in afterwards)
+                    Refused($"{typeof(T).Name} after Dispose", "disposed", "a use", () => use(client));
+            }
+            var hi = new Message("hi");
+            Client(new HelloRequester(Endpoint), "text", it => it.Request(null, second),
+                it => it.Request("x", second), it => it.Send("x", second), it => it.Receive(second));
+            Client(new LazyPirateRequester(Endpoint, second, 1, Quiet), "text", it => it.Request(null),
+                it => it.Request("x"));
+            Client(new MessageRequester(Endpoint), "request", it => it.Request(null, second),
+                it => it.Request(hi, second));
+            Client(new PooledRequester(Endpoint), "request", it => it.Request(null, second),
+                it => it.Request(hi, second));
+            Client(new ManyRequester(Endpoint), "texts", it => it.RequestMany(null).First(),
+                it => it.RequestMany(new[] { "x" }).First());
+            Client(new ManyRequester(Endpoint), "texts", it => it.RequestMany(new string[] { null }).First());
+            Client(new TopicListener(Endpoint, ""), "", null, it => it.Receive(second), it => it.Newest(second));
+            Client(new PoseSubscriber(Endpoint, "", Quiet), "", null, it => it.Receive(second));
+            Client(new DriverClient(Endpoint, second, 1, Quiet), "frame", it => it.Ask(null), it => it.Ask(hi));
+            Client(new SecureRequester(Endpoint, null, second, 1, Quiet), "text", it => it.Request(null),
+                it => it.Request("x"));
+            Client(new JobClient(Endpoint, "x", second, 1, Quiet), "request", it => it.Watch(null).First(),
+                it => it.Watch(hi).First());
+            Client(new EnvironmentClient(Endpoint, second, Quiet), "", null,
+                it => it.Run(new Simulator(new CartPole()), 1, answer => answer()));
+            Client(new MessageDealer(Endpoint, second), "", null, it => it.Send(hi, default),
+                it => it.Receive(second, default));
+            Client(new BackgroundClient(Endpoint), "text", it => it.Request(null, null));
+            var hello = new HelloRequester(Endpoint);
+            hello.Send("x", second);
+            using var late = new Timer(nothing => hello.Dispose(), null, 100, Timeout.Infinite);
+            Refused("HelloRequester, disposed by another thread", "disposed", "a use", () =>
+                hello.Receive(TimeSpan.FromSeconds(30)));
+            // It may be that it has not left NetMQ yet.
+            hello.Dispose();
+            SpinWait.SpinUntil(() => NetMQLifetime.Users == 0, 10_000);
+        }
+
+        private static string Name(ParameterInfo parameter) =>
+            $"{parameter.Member.DeclaringType.Name} {parameter.Name}";
+
+        private static bool NullIsNone(ParameterInfo parameter) => None.Contains(Name(parameter))
+            || (parameter.HasDefaultValue && parameter.DefaultValue == null);
+
+        private static IEnumerable<object> WrongFor(ParameterInfo parameter)
+        {
+            var wrong = Wrong.TryGetValue(parameter.Name, out var values) && Fits(values, parameter)
+                ? values : new object[0];
+            var reference = !parameter.ParameterType.IsValueType && !NullIsNone(parameter);
+            return reference ? wrong.Append(null).Distinct() : wrong;
+        }
+
+        private static bool Fits(object[] values, ParameterInfo parameter)
+        {
+            var type = Nullable.GetUnderlyingType(parameter.ParameterType) ?? parameter.ParameterType;
+            return values.All(value => value == null ? !type.IsValueType : type.IsInstanceOfType(value));
         }
 
         private static object Right(ParameterInfo parameter)
@@ -52,12 +134,36 @@ namespace NetMQExample.Tests
             if (parameter.Name == "endpoint")
                 return typeof(WebRequester).IsAssignableFrom(parameter.Member.DeclaringType)
                     ? "http://127.0.0.1:5566" : "tcp://127.0.0.1:5551";
-            if (parameter.ParameterType == typeof(Action<string>)) return (Action<string>)(line => { });
-            if (parameter.ParameterType == typeof(Func<NetMQSocket>)) return (Func<NetMQSocket>)(() => new DealerSocket());
             if (parameter.HasDefaultValue) return parameter.DefaultValue;
-            if (parameter.ParameterType == typeof(TimeSpan)) return TimeSpan.FromSeconds(1);
-            if (parameter.ParameterType == typeof(int)) return 1;
-            return parameter.ParameterType == typeof(string) ? "x" : null;
+            if (parameter.Name == "cameras" || parameter.Name == "names") return "center";
+            if (parameter.Name == "trouble") return "none";
+            return NullIsNone(parameter) ? null : Made(parameter.ParameterType);
+        }
+
+        // Anything of a type; of an interface, something of a class that has it.
+        private static object Made(Type type)
+        {
+            if (type == typeof(string)) return "x";
+            if (type == typeof(int)) return 1;
+            if (type == typeof(TimeSpan)) return TimeSpan.FromSeconds(1);
+            if (type == typeof(object)) return new CoinCar("x");
+            if (type == typeof(Func<NetMQSocket>)) return (Func<NetMQSocket>)(() => new DealerSocket());
+            if (type == typeof(Locator)) return new CoinCar("x").State.Scope;
+            if (type.IsValueType) return Activator.CreateInstance(type);
+            if (type.IsArray) return Array.CreateInstance(type.GetElementType(), 0);
+            if (type == typeof(Transform)) return new GameObject("x").transform;
+            if (typeof(Component).IsAssignableFrom(type)) return new GameObject("x").AddComponent(type);
+            if (typeof(Delegate).IsAssignableFrom(type))
+            {
+                var call = type.GetMethod("Invoke");
+                return Expression.Lambda(type, Expression.Default(call.ReturnType),
+                    call.GetParameters().Select(each => Expression.Parameter(each.ParameterType))).Compile();
+            }
+            if (type.IsGenericType) return Array.CreateInstance(type.GetGenericArguments()[0], 0);
+            var makes = typeof(NetMQConnection).Assembly.GetExportedTypes()
+                .Where(one => !one.IsAbstract && type.IsAssignableFrom(one) && !typeof(Component).IsAssignableFrom(one))
+                .SelectMany(one => one.GetConstructors()).OrderBy(one => one.GetParameters().Length).First();
+            return makes.Invoke(makes.GetParameters().Select(Right).ToArray());
         }
 
         private static void Refused(string what, string name, object wrong, Action make)
@@ -71,7 +177,8 @@ namespace NetMQExample.Tests
             {
                 var why = e is TargetInvocationException ? e.InnerException : e;
                 var says = why.Message.Contains(name) || why.Message.Contains($"bad endpoint '{wrong}'");
-                var plain = why is ArgumentException && says && !why.Message.Contains('\n');
+                var right = name == "disposed" ? why is ObjectDisposedException : why is ArgumentException;
+                var plain = right && says && !why.Message.Contains('\n');
                 found = plain ? "refused" : $"{why.GetType().Name}: {why.Message}";
             }
             Console.WriteLine($"{what} {wrong ?? "null"}: {found}");

@@ -22,6 +22,8 @@ namespace NetMQExample
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
         private readonly string endpoint;
         private readonly RequestSocket socket;
+        private readonly object gate = new object();
+        private volatile bool disposed;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
@@ -49,6 +51,7 @@ namespace NetMQExample
         /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        /// <exception cref="ObjectDisposedException">After Dispose, also by another thread meanwhile.</exception>
         public string Request(string text, TimeSpan timeout, CancellationToken stop = default)
         {
             Send(text, timeout, stop);
@@ -64,11 +67,12 @@ namespace NetMQExample
         /// yet.</exception>
         public void Send(string text, TimeSpan timeout, CancellationToken stop = default)
         {
+            if (text == null) throw new ArgumentNullException(null, "text must not be null");
             // Not the text: NetMQ would make a question mark of every character that is not ASCII.
             var bytes = Encoding.UTF8.GetBytes(text);
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
-                if (!socket.TrySendFrame(slice, bytes)) continue;
+                lock (gate) if (!Socket.TrySendFrame(slice, bytes)) continue;
                 NetMQConnection.Show(endpoint, true, new[] { text });
                 return;
             }
@@ -85,7 +89,7 @@ namespace NetMQExample
             List<string> frames = null;
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
-                if (!socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
+                lock (gate) if (!Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
                 NetMQConnection.Show(endpoint, false, frames);
                 return frames[0];
             }
@@ -95,8 +99,12 @@ namespace NetMQExample
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
-            NetMQConnection.Close(socket);
+            disposed = true;
+            // A socket must not be closed while another thread waits on it: that one sees `disposed` after its slice.
+            lock (gate) NetMQConnection.Close(socket);
             lifetime.Dispose();
         }
+
+        private RequestSocket Socket => disposed ? throw NetMQConnection.Disposed(endpoint) : socket;
     }
 }

@@ -45,7 +45,7 @@ namespace NetMQExample
             this.endpoint = endpoint;
             this.timeout = Require.Seconds("timeout", timeout);
             this.tries = Require.Count("tries", tries);
-            this.report = report;
+            this.report = Require.Given("report", report);
             connection = new NetMQConnection(endpoint, () => new RequestSocket());
         }
 
@@ -58,6 +58,7 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Request(string text, CancellationToken stop = default)
         {
+            Require.Given("text", text);
             var id = $"{++number}-{name}";
             for (var attempt = 1; ; attempt++)
             {

@@ -102,6 +102,7 @@ namespace NetMQExample
         /// will run.</returns>
         public bool Request(string text, Action<string> reply, Action<string> error = null)
         {
+            Require.Given("text", text);
             if (Encoding.UTF8.GetByteCount(text) > MaxBytes) throw new ArgumentException($"more than {MaxBytes} bytes");
             lock (gate)
             {

@@ -45,9 +45,9 @@ namespace NetMQExample
         /// <exception cref="MessageException">The bytes are not as many as dtype and shape say.</exception>
         public MessageArray(string dtype, ReadOnlyMemory<byte> data, params int[] shape)
         {
-            Dtype = dtype;
+            Dtype = dtype ?? throw new ArgumentNullException(null, "dtype must not be null");
             Data = data;
-            Shape = shape;
+            Shape = shape ?? throw new ArgumentNullException(null, "shape must not be null");
             if (!Kinds.TryGetValue(dtype, out var kind))
                 throw new MessageException("bad-dtype",
                     $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Kinds.Keys)}");
@@ -83,7 +83,11 @@ namespace NetMQExample
         private const long Exact = 1L << 53;
 
         /// <summary>A message without values and arrays, to which both can be added.</summary>
-        public Message(string kind, long id = 0) => (Kind, Id) = (kind, id);
+        public Message(string kind, long id = 0)
+        {
+            Kind = kind ?? throw new ArgumentNullException(null, "kind must not be null");
+            Id = id;
+        }
 
         /// <summary>What is asked for; of a reply, "ok" or "error".</summary>
         public string Kind { get; }

@@ -46,6 +46,7 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public Message Request(Message request, TimeSpan timeout, CancellationToken stop = default)
         {
+            if (request == null) throw new ArgumentNullException(null, "request must not be null");
             Message reply;
             try
             {

@@ -61,7 +61,8 @@ namespace NetMQExample
         /// <param name="timeout">How long the first try waits for its reply; 2.5 s when left out. Each try waits
         /// twice as long as the one before, up to 8 times.</param>
         /// <param name="tries">How often a request is sent before it is given up.</param>
-        /// <param name="report">Called, on the thread of the requests, with a line for each retry.</param>
+        /// <param name="report">Called, on the thread of the requests, with a line for each retry, unless it is
+        /// null.</param>
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public ManyRequester(string endpoint, int window = 64, TimeSpan? timeout = null, int tries = 3,
             Action<string> report = null)
@@ -83,7 +84,7 @@ namespace NetMQExample
         public IEnumerable<Answer> RequestMany(IEnumerable<string> texts, CancellationToken stop = default)
         {
             pending.Clear();
-            using var upcoming = texts.GetEnumerator();
+            using var upcoming = Require.Given("texts", texts).GetEnumerator();
             var number = 0;
             var look = clock.Elapsed + NetMQConnection.Slice;
             List<string> frames = null;
@@ -92,9 +93,10 @@ namespace NetMQExample
                 while (pending.Count < window && upcoming.MoveNext())
                 {
                     number++;
-                    var size = Encoding.UTF8.GetByteCount(upcoming.Current);
+                    var text = Require.Given("each of the texts", upcoming.Current);
+                    var size = Encoding.UTF8.GetByteCount(text);
                     if (size <= LargestBytes)
-                        Send((++lastId).ToString(CultureInfo.InvariantCulture), number, upcoming.Current, 1);
+                        Send((++lastId).ToString(CultureInfo.InvariantCulture), number, text, 1);
                     else
                         yield return new Answer(
                             number, null, $"not sent: {size} bytes, and the limit is {LargestBytes}");

@@ -77,7 +77,7 @@ namespace NetMQExample
             this.endpoint = endpoint;
             this.snapshots = string.IsNullOrEmpty(snapshots) ? higher : snapshots;
             NetMQConnection.Host(this.snapshots);
-            this.report = report;
+            this.report = Require.Given("report", report);
             stream = new NetMQConnection(endpoint, () =>
             {
                 var socket = new SubscriberSocket();

@@ -34,8 +34,8 @@ namespace NetMQExample
         {
             if (SystemInfo.graphicsDeviceType == GraphicsDeviceType.Null)
                 throw new ArgumentException("a camera needs a graphics card: start Unity without -nographics");
-            this.camera = camera;
-            this.pixels = pixels;
+            this.camera = Require.Given("camera", camera);
+            this.pixels = Require.Given("pixels", pixels);
         }
 
         /// <summary>Whether each picture is turned over. What <see cref="IsTurned"/> says makes the lowest row the

@@ -16,7 +16,7 @@ namespace NetMQExample
         /// <summary>At a point of the road, looking along it.</summary>
         public Car(Road road, int start)
         {
-            this.road = road;
+            this.road = Require.Given("road", road);
             var at = start % road.Points.Length;
             (X, Y) = road.Points[at];
             var (toX, toY) = road.Points[(at + 1) % road.Points.Length];

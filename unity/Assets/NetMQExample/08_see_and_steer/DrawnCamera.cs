@@ -24,6 +24,7 @@ namespace NetMQExample
         /// <summary>Paints the ground.</summary>
         public DrawnCamera(Road road)
         {
+            Require.Given("road", road);
             var layers = new[] { (Road.HalfWidth, 2, 1), (Road.HalfWidth - 0.2, 1, 1), (0.1, 2, 50) };
             foreach (var (radius, colour, every) in layers)
                 for (var i = 0; i < road.Points.Length; i++)

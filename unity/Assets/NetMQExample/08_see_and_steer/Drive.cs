@@ -46,8 +46,8 @@ namespace NetMQExample
         /// <param name="log">Gets the lines about the drive.</param>
         public Drive(ICar car, Action<string> log)
         {
-            this.car = car;
-            this.log = log;
+            this.car = Require.Given("car", car);
+            this.log = Require.Given("log", log);
         }
 
         /// <summary>One action in so many is logged; 0: none.</summary>

@@ -59,7 +59,7 @@ namespace NetMQExample
         {
             this.timeout = Require.Seconds("timeout", timeout);
             this.tries = Require.Count("tries", tries);
-            this.log = log;
+            this.log = Require.Given("log", log);
             PooledBuffers.Use();
             requester = new PooledRequester(endpoint);
         }
@@ -74,6 +74,7 @@ namespace NetMQExample
         /// <exception cref="MessageException">The last had a reply that is no action.</exception>
         public DriveAction? Ask(Message frame, CancellationToken stop = default)
         {
+            Require.Given("frame", frame);
             var clock = Stopwatch.StartNew();
             try
             {

@@ -36,7 +36,8 @@ namespace NetMQExample
         {
             this.jpeg = jpeg;
             this.steps = steps;
-            cameras = new Shot(names, 1, 1, 4).Right.Select(make).ToArray();
+            Require.Given("names", names);
+            cameras = new Shot(names, 1, 1, 4).Right.Select(Require.Given("make", make)).ToArray();
             textures = Array.ConvertAll(cameras, camera => camera.targetTexture);
             for (var i = 0; i < 4; i++) free.Push(new Taking(names, cameras));
             var turned = free.Peek().Readbacks[0].IsTurned();

@@ -40,7 +40,7 @@ namespace NetMQExample
         {
             this.endpoint = endpoint;
             this.timeout = Require.Seconds("timeout", timeout);
-            this.report = report;
+            this.report = Require.Given("report", report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection, and this socket makes no second one: it might do so

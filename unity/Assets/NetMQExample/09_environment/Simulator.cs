@@ -67,7 +67,7 @@ namespace NetMQExample
         private readonly ISimulation simulation;
 
         /// <summary>For a simulation, which from then on nobody else steps.</summary>
-        public Simulator(ISimulation simulation) => this.simulation = simulation;
+        public Simulator(ISimulation simulation) => this.simulation = Require.Given("simulation", simulation);
 
         /// <inheritdoc/>
         public override string Name => simulation.Name;

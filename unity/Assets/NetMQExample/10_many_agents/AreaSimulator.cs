@@ -18,7 +18,7 @@ namespace NetMQExample
         private readonly ISimulation[] areas;
 
         /// <summary>For simulations of one kind, at least one, which from then on nobody else steps.</summary>
-        public AreaSimulator(IEnumerable<ISimulation> areas) => this.areas = areas.ToArray();
+        public AreaSimulator(IEnumerable<ISimulation> areas) => this.areas = Require.Given("areas", areas).ToArray();
 
         /// <summary>Called when all that step have done their actions, and before any begins anew: in Unity physics
         /// moves then.</summary>

@@ -25,7 +25,7 @@ namespace NetMQExample
         private double next;
 
         /// <summary>Around a game, which from then on nobody else steps.</summary>
-        public RealTime(IAgentSimulation game) => this.game = game;
+        public RealTime(IAgentSimulation game) => this.game = Require.Given("game", game);
 
         /// <inheritdoc/>
         public string Name => game.Name;

@@ -32,7 +32,12 @@ namespace NetMQExample
     public sealed class Source
     {
         /// <summary>With its locator already put where it belongs.</summary>
-        public Source(string name, Locator locator, Func<object> read) => (Name, Locator, Read) = (name, locator, read);
+        public Source(string name, Locator locator, Func<object> read)
+        {
+            Name = Require.Given("name", name);
+            Locator = Require.Given("locator", locator);
+            Read = Require.Given("read", read);
+        }
 
         /// <summary>For a person who must mend something.</summary>
         public string Name { get; }
@@ -58,10 +63,10 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">A locator is wrong; the message names member and column.</exception>
         public AgentState(string name, object observed, int period = 1)
         {
-            Name = name;
+            Name = Require.Given("name", name);
             Period = Math.Max(1, period);
             Scope = Locator.Parse(LocatorMapping.Quoted(name) + "@");
-            foreach (var member in Observed.Members(observed.GetType()))
+            foreach (var member in Observed.Members(Require.Given("observed", observed).GetType()))
                 Sources.Add(Make(member.FullName, member.Locator, member.Name, Scope, () => member.Read(observed)));
             var twice = Sources.GroupBy(source => source.Locator.ToString())
                 .FirstOrDefault(group => group.Count() > 1 && !group.First().Locator.Mappings.Any(one => one.Appends));

@@ -21,7 +21,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">There is no graphics card.</exception>
         public CameraView(Camera camera, int width, int height, bool greyscale)
         {
-            this.camera = camera;
+            this.camera = Require.Given("camera", camera);
             pixels = new byte[width * height * 4];
             // Before the texture: it says if there is no graphics card.
             readback = new CameraReadback(camera, pixels);

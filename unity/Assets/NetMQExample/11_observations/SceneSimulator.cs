@@ -25,14 +25,14 @@ namespace NetMQExample
         /// <param name="name">The env_name in Python.</param>
         /// <param name="dt">How many seconds one tick takes.</param>
         /// <param name="agents">All agents of the world.</param>
-        /// <param name="sensors">What is seen besides; they may come and go as well.</param>
-        /// <param name="tick">One tick of whatever moves besides the agents.</param>
+        /// <param name="sensors">What is seen besides; they may come and go as well. Null: nothing.</param>
+        /// <param name="tick">One tick of whatever moves besides the agents; null if nothing does.</param>
         public SceneSimulator(string name, double dt, IReadOnlyList<IAgent> agents,
             IReadOnlyList<Source> sensors = null, Action tick = null)
         {
-            Name = name;
+            Name = Require.Given("name", name);
             this.dt = dt;
-            this.agents = agents;
+            this.agents = Require.Given("agents", agents);
             this.sensors = sensors ?? new Source[0];
             this.tick = tick;
         }

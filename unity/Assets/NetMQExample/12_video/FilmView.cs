@@ -29,7 +29,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">The name cannot be that of a view, or it is too large.</exception>
         public FilmView(string name, int width, int height, int channels = 3)
         {
-            if (!Regex.IsMatch(name, @"^[A-Za-z0-9_ -]{1,40}\z"))
+            if (!Regex.IsMatch(Require.Given("name", name), @"^[A-Za-z0-9_ -]{1,40}\z"))
                 throw new ArgumentException($"a view cannot be '{name}': give it a name of letters, digits, - and _");
             if (!(width > 0 && height > 0 && (long)width * height * channels <= Message.LimitBytes))
                 throw new ArgumentException($"a view of {width} x {height} is too small, or too large for a message");

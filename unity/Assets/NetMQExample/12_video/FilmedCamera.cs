@@ -25,7 +25,7 @@ namespace NetMQExample
         /// card.</exception>
         public FilmedCamera(Camera camera, int width, int height)
         {
-            this.camera = camera;
+            this.camera = Require.Given("camera", camera);
             View = new FilmView(camera.name, width, height, 4);
             // For its check alone.
             _ = new CameraReadback(camera, new byte[0]);

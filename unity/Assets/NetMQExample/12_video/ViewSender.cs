@@ -37,7 +37,7 @@ namespace NetMQExample
         {
             this.endpoint = endpoint;
             this.timeout = Require.Seconds("timeout", timeout);
-            this.report = report;
+            this.report = Require.Given("report", report);
             limit = timeout < Try ? timeout : Try;
             dealer = new MessageDealer(endpoint, limit);
         }

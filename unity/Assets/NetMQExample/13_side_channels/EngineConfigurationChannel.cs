@@ -32,7 +32,7 @@ namespace NetMQExample.SideChannels
         public EngineConfigurationChannel(Action<ConfigurationType, double[]> apply)
         {
             ChannelId = new Guid("e951342c-4f7e-11ea-b238-784f4387d1f7");
-            this.apply = apply;
+            this.apply = Require.Given("apply", apply);
         }
 
         /// <summary>A setting in words: <c>engine: time scale 2.0</c>.</summary>

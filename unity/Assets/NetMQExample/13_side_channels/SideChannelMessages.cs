@@ -30,7 +30,8 @@ namespace NetMQExample.SideChannels
         private int offset;
 
         /// <summary>Reads these bytes, from there on.</summary>
-        public IncomingMessage(byte[] buffer, int offset = 0) => (this.buffer, this.offset) = (buffer, offset);
+        public IncomingMessage(byte[] buffer, int offset = 0) =>
+            (this.buffer, this.offset) = (Require.Given("buffer", buffer), offset);
 
         // ASCII, or what WriteString wrote with utf8: true. Half a character cannot be written; a question mark can.
         internal static Encoding Utf8 { get; } =

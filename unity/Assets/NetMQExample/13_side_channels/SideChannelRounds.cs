@@ -34,6 +34,7 @@ namespace NetMQExample.SideChannels
         {
             if (!Troubles.Contains(trouble))
                 throw new ArgumentException($"trouble is one of {string.Join(", ", Troubles)}, not '{trouble}'");
+            Require.Given("log", log);
             this.count = count;
             this.trouble = trouble;
             this.limit = limit;

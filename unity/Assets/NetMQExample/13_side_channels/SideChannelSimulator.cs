@@ -13,7 +13,7 @@ namespace NetMQExample.SideChannels
         private readonly SimulatorBase simulator;
 
         /// <summary>For a simulator, which from then on nobody else asks.</summary>
-        public SideChannelSimulator(SimulatorBase simulator) => this.simulator = simulator;
+        public SideChannelSimulator(SimulatorBase simulator) => this.simulator = Require.Given("simulator", simulator);
 
         /// <inheritdoc/>
         public override string Name => simulator.Name;

@@ -15,7 +15,7 @@ namespace NetMQExample.SideChannels
         public StringLogChannel(Action<string> log, bool throws = false)
         {
             ChannelId = new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7");
-            this.log = log;
+            this.log = Require.Given("log", log);
             this.throws = throws;
         }
 

@@ -16,7 +16,7 @@ namespace NetMQExample.SideChannels
         private int unsaid;
 
         /// <summary>Says it with <paramref name="say"/>.</summary>
-        public Trouble(Action<string> say) => this.say = say;
+        public Trouble(Action<string> say) => this.say = Require.Given("say", say);
 
         /// <summary>Says it, or counts it for the next line.</summary>
         public void Report(string line)

@@ -48,7 +48,7 @@ namespace NetMQExample
             Job = job;
             this.timeout = Require.Seconds("timeout", timeout);
             this.tries = Require.Count("tries", tries);
-            this.report = report;
+            this.report = Require.Given("report", report);
             connection = new NetMQConnection(endpoint, () => new DealerSocket(), Message.LimitBytes);
         }
 
@@ -87,6 +87,7 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {
+            Require.Given("request", request);
             var silent = 0;
             var seq = -1L;
             var since = Stopwatch.StartNew();

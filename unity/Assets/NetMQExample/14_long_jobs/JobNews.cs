@@ -19,7 +19,7 @@ namespace NetMQExample
         /// <exception cref="MessageException">Something is missing in it.</exception>
         public JobNews(Message message)
         {
-            Kind = message.Kind;
+            Kind = Require.Given("message", message).Kind;
             Job = Take<string>(message, "job");
             Status = "";
             if (Array.IndexOf(Kinds, Kind) < 0) throw Wrong("unknown-kind", "kind", Kind, Kinds);

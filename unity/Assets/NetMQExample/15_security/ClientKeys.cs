@@ -29,9 +29,9 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">A key is missing; the message names cause and cure.</exception>
         public ClientKeys(string folder, string serverKey = "")
         {
-            var open = Path.Combine(folder, "server.key");
+            var open = Path.Combine(Require.Given("folder", folder), "server.key");
             var secret = Path.Combine(folder, "client.key_secret");
-            if (serverKey != "" && !Regex.IsMatch(serverKey, $"^{Key}$"))
+            if (Require.Given("serverKey", serverKey) != "" && !Regex.IsMatch(serverKey, $"^{Key}$"))
                 throw new ArgumentException($"no key: '{serverKey}'; a key has 40 characters, as in server.key");
             try
             {

@@ -50,7 +50,7 @@ namespace NetMQExample
             this.keys = keys;
             this.timeout = Require.Seconds("timeout", timeout);
             this.tries = Require.Count("tries", tries);
-            this.report = report;
+            this.report = Require.Given("report", report);
             // Before there is anything to close again.
             NetMQConnection.Check(endpoint);
             connection = new NetMQConnection(endpoint, Make);
@@ -64,6 +64,7 @@ namespace NetMQExample
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public string Request(string text, CancellationToken stop = default)
         {
+            Require.Given("text", text);
             number++;
             for (var attempt = 1; ; attempt++)
             {

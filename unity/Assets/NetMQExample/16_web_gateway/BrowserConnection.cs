@@ -11,7 +11,7 @@ namespace NetMQExample
 
         /// <summary>Begins to connect.</summary>
         /// <param name="address">A <c>ws://</c> or <c>wss://</c> address; a page of https needs the latter.</param>
-        public BrowserConnection(string address) => number = KitWebOpen(address);
+        public BrowserConnection(string address) => number = KitWebOpen(WebText.Given("address", address));
 
         /// <inheritdoc/>
         public bool IsOpen => KitWebIsOpen(number) != 0;

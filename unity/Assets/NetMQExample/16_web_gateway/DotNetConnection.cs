@@ -42,7 +42,11 @@ namespace NetMQExample
 
         /// <summary>Begins to connect.</summary>
         /// <param name="address">A <c>ws://</c> or <c>wss://</c> address.</param>
-        public DotNetConnection(string address) => _ = OnPool(() => Run(address));
+        public DotNetConnection(string address)
+        {
+            WebText.Given("address", address);
+            _ = OnPool(() => Run(address));
+        }
 
         /// <inheritdoc/>
         public bool IsOpen => open && closed == null;

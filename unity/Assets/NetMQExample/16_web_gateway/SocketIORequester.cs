@@ -25,8 +25,8 @@ namespace NetMQExample
         public SocketIORequester(string endpoint, string name, string token, TimeSpan timeout)
             : base(endpoint, timeout)
         {
-            this.name = name;
-            this.token = token;
+            this.name = WebText.Given("name", name);
+            this.token = WebText.Given("token", token);
         }
 
         /// <inheritdoc/>

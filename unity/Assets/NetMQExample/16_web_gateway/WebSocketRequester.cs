@@ -14,7 +14,7 @@ namespace NetMQExample
         /// <param name="timeout">How long to wait for each reply.</param>
         public WebSocketRequester(string endpoint, string name, string token, TimeSpan timeout)
             : base(endpoint, timeout) =>
-            Path = $"/ws/{name}?token={Uri.EscapeDataString(token)}";
+            Path = $"/ws/{WebText.Given("name", name)}?token={Uri.EscapeDataString(WebText.Given("token", token))}";
 
         /// <inheritdoc/>
         protected override string Path { get; }

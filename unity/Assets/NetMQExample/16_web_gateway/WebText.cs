@@ -1,4 +1,5 @@
 // Text from the other side: read as JSON that may be anything, and shown in one line of a log.
+using System;
 using System.Globalization;
 using System.IO;
 using System.Text;
@@ -12,6 +13,10 @@ namespace NetMQExample
     {
         /// <summary>What is said of an answer that is none.</summary>
         public const string NoGateway = "what answers there is no gateway";
+
+        // As Require's, which a WebGL build does not have.
+        internal static string Given(string name, string value) =>
+            value ?? throw new ArgumentNullException(null, $"{name} must not be null");
 
         /// <summary>Reads JSON.</summary>
         /// <param name="text">Whatever came.</param>

@@ -15,7 +15,8 @@ namespace NetMQExample
         /// <summary>For a simulation, which from then on nobody else steps.</summary>
         /// <param name="simulation">The simulation.</param>
         /// <param name="build">What the hub must expect.</param>
-        public FleetSimulator(ISimulation simulation, string build) : base(simulation) => this.build = build;
+        public FleetSimulator(ISimulation simulation, string build) : base(simulation) =>
+            this.build = Require.Given("build", build);
 
         /// <summary>Trouble on command: called instead of one more step than <see cref="CrashAfter"/>, if that is not
         /// 0.</summary>

@@ -33,7 +33,7 @@ namespace NetMQExample
         {
             Require.Seconds("timeout", timeout);
             var waited = Stopwatch.StartNew();
-            var own = Fingerprint(serverKey);
+            var own = Fingerprint(Require.Given("serverKey", serverKey));
             var why = "; is the hub started with --announce, on this network?";
             using var ear = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
             // Several simulators of one machine listen on the same port.

@@ -16,8 +16,8 @@ namespace NetMQExample
         /// <param name="end">The next bone, to which it points; null for one that turns with the body's axes.</param>
         public AvatarBone(Transform root, Transform bone, Transform end)
         {
-            this.bone = bone;
-            var back = Quaternion.Inverse(root.rotation);
+            this.bone = Require.Given("bone", bone);
+            var back = Quaternion.Inverse(Require.Given("root", root).rotation);
             rest = back * bone.rotation;
             if (end != null) hangs = back * (end.position - bone.position);
         }

@@ -25,7 +25,7 @@ namespace NetMQExample
         /// <exception cref="ArgumentException">One of them cannot work; the message names cause and cure.</exception>
         public BodyListener(string endpoint, int person, string hand = "")
         {
-            if (hand != "" && hand != "left" && hand != "right")
+            if (Require.Given("hand", hand) != "" && hand != "left" && hand != "right")
                 throw new ArgumentException($"there is no hand '{LogText.Printable(hand)}': take left or right");
             this.endpoint = endpoint;
             Require.Count("person", person, least: 0);

@@ -25,6 +25,7 @@ namespace NetMQExample
         private readonly Func<NetMQSocket> make;
         private readonly long maxBytes;
         private NetMQSocket socket;
+        private volatile bool disposed;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
@@ -35,9 +36,12 @@ namespace NetMQExample
         public NetMQConnection(string endpoint, Func<NetMQSocket> make, long maxBytes = 65536)
         {
             this.endpoint = endpoint;
-            this.make = make;
             this.maxBytes = maxBytes;
-            try { Open(); }
+            try
+            {
+                this.make = make ?? throw new ArgumentNullException(null, "make must not be null");
+                Open();
+            }
             catch
             {
                 Dispose();
@@ -58,7 +62,8 @@ namespace NetMQExample
         public static Action<NetMQSocket> Prepare { get; set; }
 
         /// <summary>The socket; after <see cref="Close()"/> a new one.</summary>
-        public NetMQSocket Socket => socket ?? Open();
+        /// <exception cref="ObjectDisposedException">After Dispose: a new one would never be closed.</exception>
+        public NetMQSocket Socket => !disposed ? socket ?? Open() : throw Disposed(endpoint);
 
         /// <summary>Names what is wrong with an endpoint, where NetMQ itself reports in riddles.</summary>
         /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
@@ -96,6 +101,12 @@ namespace NetMQExample
         public static TimeoutException NoReply(string endpoint, TimeSpan timeout) =>
             new TimeoutException(FormattableString.Invariant(
                 $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
+
+        /// <summary>What to throw after Dispose.</summary>
+        /// <param name="endpoint">The server.</param>
+        /// <returns>Cause and cure, in one line.</returns>
+        public static ObjectDisposedException Disposed(string endpoint) =>
+            new ObjectDisposedException(null, $"what was connected to {endpoint} is disposed; make a new one");
 
         /// <summary>The time to wait, cut into slices; between two of them <paramref name="stop"/> is heard.</summary>
         /// <param name="timeout">How long to wait; zero gives one slice, of zero.</param>
@@ -191,6 +202,7 @@ namespace NetMQExample
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose()
         {
+            disposed = true;
             Close();
             lifetime.Dispose();
         }
