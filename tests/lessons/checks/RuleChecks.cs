@@ -99,14 +99,6 @@ namespace NetMQExample.Tests
             Client(new MessageDealer(Endpoint, second), "", null, it => it.Send(hi, default),
                 it => it.Receive(second, default));
             Client(new BackgroundClient(Endpoint), "text", it => it.Request(null, null));
-            var hello = new HelloRequester(Endpoint);
-            hello.Send("x", second);
-            using var late = new Timer(nothing => hello.Dispose(), null, 100, Timeout.Infinite);
-            Refused("HelloRequester, disposed by another thread", "disposed", "a use", () =>
-                hello.Receive(TimeSpan.FromSeconds(30)));
-            // It may be that it has not left NetMQ yet.
-            hello.Dispose();
-            SpinWait.SpinUntil(() => NetMQLifetime.Users == 0, 10_000);
         }
 
         private static string Name(ParameterInfo parameter) =>

@@ -22,8 +22,7 @@ namespace NetMQExample
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
         private readonly string endpoint;
         private readonly RequestSocket socket;
-        private readonly object gate = new object();
-        private volatile bool disposed;
+        private bool disposed;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
@@ -51,7 +50,7 @@ namespace NetMQExample
         /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No reply came. This requester can only be disposed now.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
-        /// <exception cref="ObjectDisposedException">After Dispose, also by another thread meanwhile.</exception>
+        /// <exception cref="ObjectDisposedException">After Dispose.</exception>
         public string Request(string text, TimeSpan timeout, CancellationToken stop = default)
         {
             Send(text, timeout, stop);
@@ -72,7 +71,7 @@ namespace NetMQExample
             var bytes = Encoding.UTF8.GetBytes(text);
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
-                lock (gate) if (!Socket.TrySendFrame(slice, bytes)) continue;
+                if (!Socket.TrySendFrame(slice, bytes)) continue;
                 NetMQConnection.Show(endpoint, true, new[] { text });
                 return;
             }
@@ -89,7 +88,7 @@ namespace NetMQExample
             List<string> frames = null;
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
-                lock (gate) if (!Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
+                if (!Socket.TryReceiveMultipartStrings(slice, Encoding.UTF8, ref frames)) continue;
                 NetMQConnection.Show(endpoint, false, frames);
                 return frames[0];
             }
@@ -100,8 +99,7 @@ namespace NetMQExample
         public void Dispose()
         {
             disposed = true;
-            // A socket must not be closed while another thread waits on it: that one sees `disposed` after its slice.
-            lock (gate) NetMQConnection.Close(socket);
+            NetMQConnection.Close(socket);
             lifetime.Dispose();
         }
 
