@@ -31,9 +31,16 @@ LICENCE = "NetMQExample_LICENSE.txt"
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", metavar="LESSON", help="its number or its name, or a module of netmq_example")
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where to; it is made if it is not there")
+    parser.add_argument("folder", type=a_folder, metavar="FOLDER", help="where to; it is made if it is not there")
     parser.add_argument("--csharp", action="store_true", help="its C# files that need no Unity instead")
     parser.add_argument("--force", action="store_true", help="overwrite files that differ")
+
+
+def a_folder(text: str) -> Path:
+    # To Path the empty text is the folder where one is, such as of a variable that nobody has set.
+    if not text:
+        raise argparse.ArgumentTypeError("it is empty: name a folder, . for this one")
+    return Path(text)
 
 
 def do(options: argparse.Namespace) -> int:
@@ -67,11 +74,15 @@ def programs(lesson: Lesson, folder: Path) -> tuple[dict[str, bytes], list[str]]
 
 def module(name: str) -> tuple[dict[str, bytes], list[str]]:
     """A module of the package, or all of a folder of it."""
-    file = imports.file_of(name, ROOT)
+    file = imports.file_of(name, ROOT) if re.fullmatch(r"\w+(\.\w+)*", name) else None
     if not file:
         raise UsageError(f"there is no module {name}; {imports.PYTHON / imports.PACKAGE} has them")
     found = sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else [file]
-    return sources(found), [f"needs: {names([*python_setup.needs(), *python_setup.imported(found)])}"]
+    files = sources(found)
+    if name == imports.PACKAGE:
+        # By it a type checker reads the types of a package.
+        files[f"{name}/py.typed"] = file.with_name("py.typed").read_bytes()
+    return files, [f"needs: {names([*python_setup.needs(), *python_setup.imported(found)])}"]
 
 
 def csharp(lesson: Lesson) -> tuple[dict[str, bytes], list[str]]:
@@ -100,6 +111,12 @@ def write(folder: Path, files: dict[str, bytes], force: bool) -> None:
     files = {**files, LICENCE: (ROOT / "LICENSE").read_bytes()}
     if folder.exists() and not folder.is_dir():
         raise KitError(f"{folder} is a file: name a folder")
+    for name in files:
+        if (folder / name).is_dir():
+            raise KitError(f"{folder / name} is a folder, and a file of this name would be copied: nothing was")
+        for parent in (folder / name).parents:
+            if parent != folder and parent.is_relative_to(folder) and parent.exists() and not parent.is_dir():
+                raise KitError(f"{parent} is a file, and a folder of this name would be made: nothing was copied")
     there = {name: digest((folder / name).read_bytes()) for name in files if (folder / name).exists()}
     differ = [name for name, old in there.items() if old != digest(files[name])]
     if differ and not force:

@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Socket, client_options, connected, printable, receive, run, whole
+from netmq_example.program import LARGEST_BYTES, Socket, client_options, connected, printable, receive, run, whole
 
 
 def request(socket: Socket, text: str, timeout: float) -> str:
@@ -39,6 +39,8 @@ def main() -> None:
     parser.add_argument("--text", default="Hello", help="what to say")
     parser.add_argument("--send-twice", action="store_true", help="send a second request before the reply")
     options = parser.parse_args()
+    if len(options.text.encode(errors="replace")) > LARGEST_BYTES:
+        parser.error(f"--text takes at most {LARGEST_BYTES} bytes: the server would disconnect who sends more")
     with connected(zmq.REQ, options) as socket:
         if options.send_twice:
             show_refusal(socket, options.text, options.timeout)

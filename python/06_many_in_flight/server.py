@@ -42,10 +42,10 @@ def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5556")
     parser.add_argument("--workers", type=int, choices=range(1, 33), default=4, metavar="N", help="how many threads")
     options = parser.parse_args()
-    workers: WorkerThreads[tuple[bytes, bytes]] = WorkerThreads(options.workers, answer)
+    workers = WorkerThreads[tuple[bytes, bytes]](options.workers, answer)
     # What is under way: whose request, and its id.
     at_work: set[tuple[bytes, bytes]] = set()
-    with listening(zmq.ROUTER, options) as socket:
+    with contextlib.closing(workers), listening(zmq.ROUTER, options) as socket:
         while True:
             zmq.select([socket, workers], [], [], 0.2)
             for key, reply in workers.finished():

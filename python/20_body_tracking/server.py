@@ -55,7 +55,7 @@ def source(options: argparse.Namespace) -> Iterator[tuple[People, Hands]]:
 
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5570")
-    walk = str(Path(__file__).with_name("walk.csv"))
+    walk = str(Path(__file__).resolve().with_name("walk.csv"))
     parser.add_argument("--recording", type=recording, default=walk, help="the persons; if left out, walk.csv")
     parser.add_argument("--camera", type=whole, nargs="?", const=0, help="a webcam instead; 0 is the first one")
     parser.add_argument("--model", type=Path, help=f"for --camera; if left out, {MODEL}")

@@ -43,8 +43,8 @@ class BackgroundClient:
         """Have one of the callbacks run in a later poll(). False if refused, because it is full or closed."""
         call = (
             check.instance("text", text, str),
-            check.instance("reply", reply, Callable),
-            check.instance("error", error, Callable),
+            check.function("reply", reply),
+            check.function("error", error),
         )
         if self.pirate.stopped.is_set() or self.under_way == self.capacity:
             return False

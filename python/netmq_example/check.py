@@ -74,6 +74,13 @@ def function(name: str, value: T) -> T:
     raise TypeError(f"{name} takes a function, not {value!r:.40}")
 
 
+def not_closed(name: str, value: T) -> T:
+    """A socket, a context or the like that is still open: libzmq's own words for it do not say so."""
+    if value.closed:  # type: ignore[attr-defined]
+        raise ValueError(f"{name} is closed: make a new one")
+    return value
+
+
 def data(name: str, value: Any) -> bytes:
     """Bytes, or a copy of what holds them: a bytearray, an array. bytes(5) would be five zeros."""
     try:

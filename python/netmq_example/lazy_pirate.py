@@ -39,11 +39,11 @@ class LazyPirate:
 
         `report` is called with a line before each retry.
         """
-        self.context = check.instance("context", context, zmq.Context)
+        self.context = check.not_closed("context", check.instance("context", context, zmq.Context))
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552")
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.report = check.instance("report", report, Callable)
+        self.report = check.function("report", report)
         # An id must never come twice, whoever else asks and however often this program starts: hence the uuid.
         self.name = uuid.uuid4().hex
         self.number = 0
@@ -52,6 +52,8 @@ class LazyPirate:
 
     def request(self, text: str) -> str:
         """The reply. TimeoutError: no try was answered, but it may be done. GaveUp: it is too long, or was stopped."""
+        if not self.stopped.is_set():
+            check.not_closed("context", self.context)
         encoded = check.instance("text", text, str).encode(errors="replace")
         self.number += 1
         if len(encoded) > LARGEST_BYTES:
@@ -71,8 +73,9 @@ class LazyPirate:
                 seen = printable(b" ".join(frames).decode(errors="replace"))
                 trouble = f"dropped a reply to another request ({seen})"
             if attempt == self.tries:
+                tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
                 raise TimeoutError(
-                    f"{self.tries} tries to ask {self.endpoint}, the last: {trouble}; "
+                    f"{tries} to ask {self.endpoint}, the last: {trouble}; "
                     f"is the right server running, or the line slow? '{text}' may have been done or not"
                 )
             attempt += 1

@@ -48,12 +48,12 @@ class ManyRequester:
 
         `report` is called with a line before each retry.
         """
-        self.context = check.instance("context", context, zmq.Context)
+        self.context = check.not_closed("context", check.instance("context", context, zmq.Context))
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5556")
         self.window = check.count("window", window)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.report = check.instance("report", report, Callable)
+        self.report = check.function("report", report)
         # What is under way, by its id.
         self.pending: dict[bytes, Pending] = {}
         self.last_id = 0
@@ -81,6 +81,7 @@ class ManyRequester:
         It takes the next text when there is room for it, so `texts` may be endless; but what makes them must not wait:
         no reply is read meanwhile.
         """
+        check.not_closed("this requester", self.socket)
         if isinstance(texts, str) or not isinstance(texts, Iterable):
             raise TypeError(f"texts takes a list of texts, not {texts!r:.40}")
         self.pending.clear()
@@ -137,7 +138,8 @@ class ManyRequester:
             within = f"{entry.timeout:g} s"
             if entry.attempt == self.tries:
                 del self.pending[request_id]
-                why = f"no reply in {self.tries} tries of up to {within}; is the server running, or slow?"
+                tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
+                why = f"no reply in {tries} of up to {within}; is the server running, or slow?"
                 yield entry.number, "", why
                 continue
             entry.attempt += 1

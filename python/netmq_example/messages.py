@@ -24,6 +24,8 @@ VERSION = 1
 # In bytes: the header, and all arrays together.
 HEADER_LIMIT = 64 * 1024
 LIMIT = 64 * 1024 * 1024
+# Of characters that say what is wrong; in the header one may become 12 bytes.
+LONGEST_TEXT = 4000
 # Whole numbers nearer to zero than this are exact in every JSON reader, also in one that knows only floats.
 EXACT = 2**53
 # The names are numpy's, and their items' sizes in bytes.
@@ -50,7 +52,9 @@ class MessageError(Exception):
 
     def reply(self, id: int = 0) -> "Message":
         """The reply that says so, to the request of this id."""
-        return Message("error", self.id or id, {"code": self.code, "text": self.text})
+        # Whatever is in it, the reply can be written.
+        text = str(self.text)[:LONGEST_TEXT].encode(errors="replace").decode()
+        return Message("error", self.id or id, {"code": self.code, "text": text})
 
 
 @dataclass(slots=True)
@@ -109,7 +113,10 @@ class Message:
         header = {"kind": self.kind, "version": VERSION, "id": self.id, "values": self.values, "arrays": arrays}
         text = ENCODER.encode(header)
         self.check()
-        return [text.encode(), *(array.data for array in self.arrays)]
+        refuse_half_characters(text, header)
+        frames = [text.encode(), *(array.data for array in self.arrays)]
+        refuse_too_large(frames)
+        return frames
 
     def check(self) -> None:
         """MessageError if a reader would refuse it."""
@@ -131,16 +138,13 @@ def read(frames: list[Any]) -> Message:
     """The message in the frames that were received, whose payloads are not copied; MessageError says what is wrong."""
     if not frames:
         raise MessageError("bad-frames", "a message has at least one frame, its header")
-    if len(frames[0]) > HEADER_LIMIT or sum(map(len, frames[1:])) > LIMIT:
-        raise MessageError("too-big", f"a header has at most {HEADER_LIMIT} bytes, all arrays together {LIMIT}")
+    refuse_too_large(frames)
     try:
         text = bytes(frames[0]).decode()
         header = DECODER.decode(text)
-        if "\\u" in text:
-            # Half a character, such as \ud800 alone, is none that could be printed, and another one in C#.
-            json.dumps(header, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as error:
         raise MessageError("bad-json", f"the header is not JSON in UTF-8: {error!s:.80}") from None
+    refuse_half_characters(text, header)
     try:
         return read_fields(header, frames[1:])
     except MessageError as error:
@@ -148,6 +152,24 @@ def read(frames: list[Any]) -> Message:
         if type(id) is int and 0 <= id < EXACT:
             error.id = id
         raise
+
+
+def refuse_too_large(frames: list[Any]) -> None:
+    try:
+        header, *arrays = (memoryview(frame).nbytes for frame in frames)
+    except TypeError as error:
+        raise MessageError("bad-frames", f"the frames of a message are bytes: {error!s:.80}") from None
+    if header > HEADER_LIMIT or sum(arrays) > LIMIT:
+        raise MessageError("too-big", f"a header has at most {HEADER_LIMIT} bytes, all arrays together {LIMIT}")
+
+
+def refuse_half_characters(text: str, header: Any) -> None:
+    """One such as \\ud800 alone is none that could be printed, and another one in C#."""
+    if "\\u" in text:
+        try:
+            json.dumps(header, ensure_ascii=False).encode()
+        except (ValueError, RecursionError) as error:
+            raise MessageError("bad-json", f"the header is not JSON in UTF-8: {error!s:.80}") from None
 
 
 def read_fields(header: Any, payloads: list[Any]) -> Message:

@@ -27,7 +27,7 @@ class TopicListener:
 
     def __init__(self, socket: Socket, endpoint: str, topic: str) -> None:
         """The socket is a new SUB socket, which the caller closes; an empty topic means every message."""
-        self.socket = check.instance("socket", socket, zmq.Socket)
+        self.socket = check.not_closed("socket", check.instance("socket", socket, zmq.Socket))
         if socket.type != zmq.SUB:
             raise ValueError("socket takes a SUB socket")
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553")
@@ -42,6 +42,7 @@ class TopicListener:
     def receive(self, timeout: float) -> str:
         """Wait so many seconds for the next message; TimeoutError if none comes."""
         timeout = check.seconds_or_none("timeout", timeout)
+        check.not_closed("this listener's socket", self.socket)
         start = time.monotonic()
         renew = RENEW_SECONDS
         while True:

@@ -5,11 +5,13 @@
         zmq.select([socket, workers], [], [], 0.2)      also wakes up when a reply is there
         for key, reply in workers.finished(): ...       replies as bytes, in the order in which they were done
         workers.begin(key, request)                     the key comes back with the reply
+    workers.close()
 
 The workers never touch the ZeroMQ socket, which is not thread-safe. Threads are right for work that waits, for a file
 or another server; Python computes on one of them at a time.
 """
 
+import contextlib
 from collections.abc import Callable, Iterator
 from queue import SimpleQueue
 from socket import socketpair
@@ -24,26 +26,29 @@ MOST_THREADS = 256
 
 
 class WorkerThreads(Generic[Key]):
-    """So many threads, each of which answers one request at a time. They live as long as the program."""
+    """So many threads, each of which answers one request at a time."""
 
     def __init__(self, number: int, answer: Callable[[str], str]) -> None:
         """`answer` makes the reply; an exception in it becomes the reply `error: …`, and its traceback is printed."""
-        number = check.count("number", number, most=MOST_THREADS)
-        self.answer = check.instance("answer", answer, Callable)
-        self.requests: SimpleQueue[tuple[Key, bytes]] = SimpleQueue()
+        self.number = check.count("number", number, most=MOST_THREADS)
+        self.answer = check.function("answer", answer)
+        self.closed = False
+        self.requests: SimpleQueue[tuple[Key, bytes] | None] = SimpleQueue()
         self.replies: SimpleQueue[tuple[Key, bytes]] = SimpleQueue()
         # One byte through this pair for each reply wakes the thread with the ZeroMQ socket, on every system.
         self.wake_reader, self.wake_writer = socketpair()
-        for _ in range(number):
+        for _ in range(self.number):
             # Ctrl-C ends these whatever they do. A ThreadPoolExecutor would first wait for what is at work.
             Thread(target=self._work, daemon=True).start()
 
     def begin(self, key: Key, request: bytes) -> None:
         """Have a worker answer this request; any number may wait for one."""
+        check.not_closed("this pool of workers", self)
         self.requests.put((key, check.instance("request", request, bytes)))
 
     def finished(self) -> Iterator[tuple[Key, bytes]]:
         """The replies that are there, each with the key of its request."""
+        check.not_closed("this pool of workers", self)
         while not self.replies.empty():
             self.wake_reader.recv(1)
             yield self.replies.get()
@@ -53,7 +58,17 @@ class WorkerThreads(Generic[Key]):
         return self.wake_reader.fileno()
 
     def _work(self) -> None:
-        while True:
-            key, request = self.requests.get()
+        while (entry := self.requests.get()) and not self.closed:
+            key, request = entry
             self.replies.put((key, reply_to(self.answer, request)))
-            self.wake_writer.send(b"!")
+            # Closed meanwhile, nobody wants it.
+            with contextlib.suppress(OSError):
+                self.wake_writer.send(b"!")
+
+    def close(self) -> None:
+        """End the threads, each after what it does now; what waits is dropped. It does not wait for them."""
+        self.closed = True
+        for _ in range(self.number):
+            self.requests.put(None)
+        self.wake_reader.close()
+        self.wake_writer.close()

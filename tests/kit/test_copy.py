@@ -8,7 +8,7 @@ import pytest
 
 from kitlib import commands, imports
 from kitlib.commands import copy
-from kitlib.lessons import WINDOWS, KitError, lessons
+from kitlib.lessons import WINDOWS, KitError, UsageError, lessons
 from tests.conftest import PYTHON
 from tests.programs import ROOT, finished, two_ports
 
@@ -141,6 +141,19 @@ def test_what_differs_stays_unless_it_is_forced(tmp_path, capsys):
     assert not list(folder.glob(".netmqexample*"))
 
 
+def test_what_is_in_the_way_is_named_and_nothing_is_written(tmp_path):
+    (tmp_path / "one" / "netmq_example" / "check.py").mkdir(parents=True)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "netmq_example").write_text("")
+    before = sorted(tmp_path.rglob("*"))
+    for folder, why in (("one", r"check\.py is a folder, and "), ("other", "netmq_example is a file, and ")):
+        with pytest.raises(KitError, match=why):
+            copied("1", tmp_path / folder)
+    assert sorted(tmp_path.rglob("*")) == before
+    with pytest.raises(UsageError, match="it is empty: name a folder"):
+        copied("1", "")
+
+
 def test_a_folder_that_cannot_be_is_named_in_one_line(tmp_path):
     (tmp_path / "file").write_text("")
     for folder, why in (("file", "is a file: name a folder$"), ("file/x", "^could not write into ")):
@@ -152,6 +165,7 @@ def test_a_folder_that_cannot_be_is_named_in_one_line(tmp_path):
     ("words", "why"),
     [
         (["99"], "^there is no lesson 99; there are: "),
+        (["netmq_example."], "^there is no module netmq_example.; "),
         (["netmq_example.nothing"], "^there is no module netmq_example.nothing; "),
         (["netmq_example", "--csharp"], "^--csharp is for a lesson, and netmq_example is Python$"),
     ],
@@ -167,11 +181,15 @@ def test_a_module_or_a_folder_of_the_package_is_copied(tmp_path, capsys):
     assert capsys.readouterr().out.endswith("kit    | needs: pyzmq\n")
     assert (tmp_path / "netmq_example" / "messages.py").exists()
     assert not (tmp_path / "netmq_example" / "envs").exists()
+    assert not (tmp_path / "netmq_example" / "py.typed").exists()
     copied("netmq_example.envs", tmp_path)
     assert capsys.readouterr().out.endswith("kit    | needs: pyzmq, numpy, gymnasium, pettingzoo\n")
     assert {path.name for path in (tmp_path / "netmq_example" / "envs").iterdir()} == {
         path.name for path in (ROOT / "python" / "netmq_example" / "envs").glob("*.py")
     }
+
+    copied("netmq_example", tmp_path)
+    assert (tmp_path / "netmq_example" / "py.typed").exists()
 
 
 def test_the_csharp_side_is_read_from_its_sources(tmp_path, capsys):

@@ -129,6 +129,11 @@ def test_a_bad_request_gets_an_error_and_the_next_client_an_answer(frames, serve
     assert server.stop() == 0
 
 
+def test_a_text_that_the_server_would_not_take_is_named():
+    done = finished([PYTHON, ROOT / "python" / KEY / "client.py", "--text", "ü" * 40_000])
+    assert done.returncode == 2 and "--text takes at most 65536 bytes" in done.stderr
+
+
 def test_raw_bytes_on_the_port_and_peers_that_leave_half_way(serve, context):
     server, endpoint = serve(KEY)
     port = int(endpoint.rpartition(":")[2])

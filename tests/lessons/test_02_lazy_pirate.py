@@ -457,6 +457,17 @@ def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
         pirate.request("add 1")
 
 
+def test_a_context_that_is_ended_is_named():
+    ended = zmq.Context()
+    pirate = LazyPirate(ended, steady_endpoint(), tries=1, timeout=0.1)
+    with pytest.raises(TimeoutError, match=r"^1 try to ask "):
+        pirate.request("add 1")
+    ended.term()
+    for use in (lambda: pirate.request("add 1"), lambda: LazyPirate(ended, steady_endpoint())):
+        with pytest.raises(ValueError, match=r"^context is closed: make a new one$"):
+            use()
+
+
 def test_a_journal_refuses_what_it_could_not_keep(journal):
     for path in (None, 0, 5):
         with pytest.raises(TypeError, match=r"^path takes a str"):

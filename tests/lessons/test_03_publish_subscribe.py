@@ -194,6 +194,17 @@ def test_what_a_listener_cannot_wait_for_is_named():
                     receive(timeout)
 
 
+def test_a_socket_that_is_closed_is_named():
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
+        listener = TopicListener(socket, steady_endpoint(), "pose/")
+        socket.close()
+        for use in (lambda: listener.receive(1), lambda: listener.newest(1)):
+            with pytest.raises(ValueError, match=r"^this listener's socket is closed: make a new one$"):
+                use()
+        with pytest.raises(ValueError, match=r"^socket is closed: make a new one$"):
+            TopicListener(socket, steady_endpoint(), "pose/")
+
+
 # The server by itself
 
 

@@ -220,6 +220,13 @@ WRONG = {
     "nothing among the values": lambda: Message("ok", 1, {"it": None}).frames(),
     "a value without a text as its name": lambda: Message("ok", 1, {1: "it"}).frames(),
     "a value of 2**53": lambda: Message("ok", 1, {"it": -(2**53)}).frames(),
+    "a header of more than 64 KB": lambda: Message("a" * 70_000).frames(),
+    "half a character": lambda: Message("ok", 1, {"a": "\ud800"}).frames(),
+    "half a character as a name": lambda: Message("ok", 1, {"\ud800": 1}).frames(),
+    "a frame of None": lambda: messages.read([None]),
+    "a frame of 0": lambda: messages.read([0]),
+    "a frame of text": lambda: messages.read(["x"]),
+    "bytes as frames": lambda: messages.read(b"{}"),
     "no frame": lambda: messages.read([]),
     "no frames": lambda: messages.read(None),
 }
@@ -230,6 +237,25 @@ def test_what_a_reader_would_refuse_is_not_even_written(make):
     with pytest.raises(MessageError) as refusal:
         make()
     assert "\n" not in str(refusal.value) and len(str(refusal.value)) < 300
+
+
+def test_an_answer_that_cannot_be_written_is_answered_with_an_error():
+    """Also where what is wrong with it could not be written."""
+
+    def refusing(text):
+        def answer(request):
+            raise MessageError("no", text)
+
+        return answer
+
+    for answer, code in (
+        (refusing("\ud800" * 70_000), "no"),
+        (refusing("☃" * 70_000), "no"),
+        (lambda request: Message("ok", 1, {"a": "x" * 70_000}), "too-big"),
+        (lambda request: Message("ok", 1, {"a": "\ud800"}), "bad-json"),
+    ):
+        *_, frames = messages.reply_to(answer, Message("ask", 1).frames())
+        assert messages.read(frames).values["code"] == code
 
 
 # The clients, and servers that are not the kit's.
@@ -260,10 +286,11 @@ def test_all_clients_send_the_same_bytes_under_a_german_locale_as_well(kind, pee
 
 
 ESC = "\x1b]0;owned\x07\r\nclient | done"
+HALF_A_CHARACTER = Message("ok", 1, {"it": "?"}).frames()[0].replace(b"?", rb"\udfff")
 ODD = {
     "a text": ([b"World"], 1, "gave up: bad-json: "),
     "a header that is none": ([b"{}", b"x"], 1, "gave up: missing-field: "),
-    "half a character": (Message("ok", 1, {"\ud800": "\udfff"}).frames(), 1, "gave up: bad-json: "),
+    "half a character": ([HALF_A_CHARACTER], 1, "gave up: bad-json: "),
     "another server's": (Message("ok", 1, {"steer": 0.5, "left": True}).frames(), 0, "at steer 0.5, left True"),
     "terminal codes": (Message("ok", 1, {"a": ESC}).frames(), 0, "a ?]0;owned???client | done"),
     "a long text": (Message("ok", 1, {"a": "x" * 5000}).frames(), 0, "a " + "x" * 198 + "…"),

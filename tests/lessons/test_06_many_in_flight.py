@@ -7,6 +7,7 @@ import contextlib
 import signal
 import socket
 import sys
+import threading
 import time
 
 import pytest
@@ -16,7 +17,7 @@ from netmq_example.many_requester import ManyRequester
 from netmq_example.worker_threads import WorkerThreads
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.many_in_flight.peers import KEY, a_client_that_never_reads, ask, connect, memory, receive
-from tests.programs import ROOT, steady_endpoint
+from tests.programs import LIMIT, ROOT, steady_endpoint
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 
@@ -296,11 +297,50 @@ def test_worker_threads_name_what_they_cannot_use():
         with pytest.raises(ValueError, match=r"^number takes a whole number from 1 to 256, not "):
             WorkerThreads(number, str)
     for answer in (None, 0):
-        with pytest.raises(TypeError, match=r"^answer takes a Callable, not "):
+        with pytest.raises(TypeError, match=r"^answer takes a function, not "):
             WorkerThreads(1, answer)
     for request in (None, "text"):
         with pytest.raises(TypeError, match=r"^request takes a bytes, not "):
             WorkerThreads(1, str).begin("key", request)
+
+
+def test_what_is_closed_says_so(context):
+    requester = ManyRequester(context, steady_endpoint())
+    requester.close()
+    with pytest.raises(ValueError, match=r"^this requester is closed: make a new one$"):
+        next(requester.request_many(["echo one"]))
+    ended = zmq.Context()
+    ended.term()
+    with pytest.raises(ValueError, match=r"^context is closed: make a new one$"):
+        ManyRequester(ended, steady_endpoint())
+
+
+def test_worker_threads_that_are_closed_end():
+    """One that is at work goes on to its end, and what waits is not begun."""
+    begun, may_end, done = threading.Event(), threading.Event(), []
+
+    def answer(text):
+        begun.set()
+        may_end.wait(LIMIT)
+        done.append(text)
+        return text
+
+    before = set(threading.enumerate())
+    workers = WorkerThreads(2, answer)
+    threads = set(threading.enumerate()) - before
+    for text in (b"one", b"two", b"three"):
+        workers.begin("key", text)
+    assert begun.wait(LIMIT)
+    workers.close()
+    workers.close()
+    may_end.set()
+    for thread in threads:
+        thread.join(LIMIT)
+    assert len(threads) == 2 and not any(thread.is_alive() for thread in threads)
+    assert "three" not in done
+    for use in (lambda: workers.begin("key", b"four"), lambda: next(workers.finished())):
+        with pytest.raises(ValueError, match=r"^this pool of workers is closed: make a new one$"):
+            use()
 
 
 # The server

@@ -47,6 +47,8 @@ WRONG = {
     "no picture is asked about": lambda c: client(c).receive(),
     "picture 5 is asked about": asked_twice,
     **{f"throttle takes .* not {v!r}": lambda c, v=v: Action(1, v, 0, 0) for v in (None, NAN, "1")},
+    "frame takes .* not -1": lambda c: Action(-1, 0, 0, 0),
+    **{f"milliseconds takes .* not {v!r}": lambda c, v=v: Action(1, 0, 0, 0, v) for v in (None, NAN, "x")},
     "steer takes .* not nan": lambda c: Action(1, 0, 0, NAN),
     "frame takes a Message": lambda c: pictures.pictures(None),
     "picture takes .* float64": lambda c: pictures.encode(np.zeros((8, 8, 3))),

@@ -98,7 +98,7 @@ def test_an_action_of_another_dtype_is_named_in_one_line(make):
         ({"endpoint": "tcp://127.0.0.1:99999"}, "bad endpoint .*write it like tcp://127.0.0.1:5559"),
         ({"endpoint": "127.0.0.1:5559"}, "bad endpoint .*write it like tcp://127.0.0.1:5559"),
         ({"launch": ["/no/such/game"]}, "no game at /no/such/game"),
-        ({"launch": [""]}, "no game at "),
+        ({"launch": [""]}, r"launch takes a path, or a list of a program and its words, not \[''\]"),
         ({"wait": None}, "wait takes seconds, .*not None"),
         ({"wait": -1}, "wait takes seconds, .*not -1"),
         ({"timeout": float("nan")}, "timeout takes seconds, .*not nan"),
@@ -107,7 +107,7 @@ def test_an_action_of_another_dtype_is_named_in_one_line(make):
     ],
 )
 def test_words_that_make_cannot_use_are_named(where, text, make):
-    with pytest.raises((ValueError, OSError), match=text):
+    with pytest.raises((ValueError, TypeError, OSError), match=text):
         make(**where)
 
 
@@ -293,7 +293,7 @@ NO_SECONDS = (0, -1, None, NAN, "", "1")
 NO_COUNT = (-1, None, NAN, "", "3", 0.5)
 # What is called, a parameter of it, values that this cannot have, and the other parameters.
 WRONG = [
-    (Simulators, "launch", (0, -1, NAN, b"game", ["game", None]), {}),
+    (Simulators, "launch", (0, -1, NAN, b"game", ["game", None], "", b"", [], [""]), {}),
     (Simulators, "wait", NO_SECONDS, {}),
     (Simulators, "timeout", NO_SECONDS, {}),
     (Simulators, "endpoint", (0, -1, None, NAN, "here"), {}),
@@ -425,6 +425,21 @@ def test_simulators_are_launched_by_words_or_by_a_path(tmp_path):
     by_hand = Simulators(endpoint=steady_endpoint(), launch=None)
     assert by_hand.launch == []
     by_hand.close()
+
+
+def test_a_script_that_cannot_be_launched_is_named_with_its_cure(tmp_path):
+    script = tmp_path / "ball.py"
+    script.write_text("print(1)\n", encoding="utf-8")
+    words = r"^launch cannot start \S+ball\.py: .+; a script needs its program: launch=\[sys\.executable, 'ball\.py'\]$"
+    with pytest.raises(OSError, match=words):
+        ZmqEnv("Ball", launch=str(script))
+
+
+def test_a_word_that_an_environment_does_not_know_is_named():
+    with pytest.raises(
+        TypeError, match=r"^an environment takes no lunch; where its simulator is, say endpoint, launch,"
+    ):
+        ZmqEnv("Ball", lunch=["ball"])
 
 
 def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, console, start, make, tmp_path):

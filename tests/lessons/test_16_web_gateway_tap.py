@@ -304,6 +304,9 @@ def test_what_is_no_wish_of_the_page_changes_nothing(text):
     [
         ("slow", lambda: Trouble(slow=float("nan"))),
         ("slow", lambda: Trouble(slow=None)),
+        *(("planned", lambda it=it: Trouble(it)) for it in (None, 0, [1])),
+        *(("asked", lambda it=it: Trouble(asked=it)) for it in (None, "lose", [])),
+        *(("way", lambda it=it: Trouble(way=it)) for it in (None, "left", [])),
         ("a planned message", lambda: Trouble({0: "drop"})),
         ("a planned fate", lambda: Trouble({1: ""})),
         ("fate", lambda: Trouble().ask(None, "up")),

@@ -355,6 +355,11 @@ def test_a_hub_is_found_by_its_beacon_and_by_its_key(kind, serve, start, console
     assert without.lines[-1] == f"{heard} one that has keys, 127.0.0.1; give its keys"
 
 
+class NoSocket:
+    def send_multipart(self, frames, flags=0):
+        raise AssertionError("nothing is sent")
+
+
 def test_a_hub_that_was_away_says_first_what_is_missing():
     """On a busy machine it comes to a trainer late, and would have told it nothing but that it is alive."""
     sent = []
@@ -385,11 +390,12 @@ def test_a_trainer_says_in_one_line_what_it_cannot_read(context, start):
 @pytest.mark.parametrize(
     ("name", "attempt"),
     [
-        ("report", lambda: Hub(None, None)),
-        ("build", lambda: Hub(None, build=1)),
-        ("late", lambda: Hub(None, late=0)),
-        ("timeout", lambda: Hub(None, timeout=float("nan"))),
-        ("idle", lambda: Hub(None, idle=None)),
+        *(("socket", lambda it=it: Hub(it)) for it in (0, None, "x", [])),
+        ("report", lambda: Hub(NoSocket(), None)),
+        ("build", lambda: Hub(NoSocket(), build=1)),
+        ("late", lambda: Hub(NoSocket(), late=0)),
+        ("timeout", lambda: Hub(NoSocket(), timeout=float("nan"))),
+        ("idle", lambda: Hub(NoSocket(), idle=None)),
         ("where", lambda: Beacon("255.255.255.256:5567", "tcp://127.0.0.1:5567")),
         ("where", lambda: Beacon("", "tcp://127.0.0.1:5567")),
         ("endpoint", lambda: Beacon(None, "tcp://127.0.0.1:0")),

@@ -17,7 +17,7 @@ from kitlib.docs import body_picture
 from netmq_example.body import camera, people
 from netmq_example.body import listener as body_listener
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, steady_endpoint
+from tests.programs import ROOT, finished, steady_endpoint
 
 KEY = "20_body_tracking"
 LESSON = ROOT / "python" / KEY
@@ -73,6 +73,25 @@ def test_the_recording_is_what_the_walker_makes(start, tmp_path):
     assert walker.wait() == 0, walker.output
     assert walker.lines == ["wrote walk.csv: 90 poses of 2 persons"]
     assert (tmp_path / "walk.csv").read_bytes() == (LESSON / "walk.csv").read_bytes()
+
+
+def test_the_walker_writes_over_no_file_but_its_own(tmp_path):
+    def walker(*words):
+        return finished([PYTHON, LESSON / "walker.py", *words], cwd=tmp_path)
+
+    there = tmp_path / "there.csv"
+    there.write_text("mine", encoding="utf-8")
+    for words, why in (
+        (["--file", "there.csv"], "there.csv is there already: name a new file"),
+        (["--file", "no/folder.csv"], "cannot write .+: No such file or directory"),
+        (["x"], "unrecognized arguments: x"),
+    ):
+        done = walker(*words)
+        assert done.returncode == 2 and re.search(f"error: {why}$", done.stderr.strip()), done.stderr
+    assert there.read_text(encoding="utf-8") == "mine"
+    done = walker("--file", "new.csv")
+    assert done.stdout == "wrote new.csv: 90 poses of 2 persons\n"
+    assert (tmp_path / "new.csv").read_bytes() == (LESSON / "walk.csv").read_bytes()
 
 
 def test_the_picture_is_small_and_drawn_anew_by_its_command(tmp_path):

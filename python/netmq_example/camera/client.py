@@ -21,7 +21,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.errors import GaveUp
-from netmq_example.messages import LIMIT, Message, MessageError, read_reply
+from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read_reply
 from netmq_example.program import SLICE_MS, limit, printable
 
 
@@ -36,6 +36,8 @@ class Action:
     milliseconds: float = 0.0
 
     def __post_init__(self) -> None:
+        self.frame = check.count("frame", self.frame, least=0, most=EXACT - 1)
+        self.milliseconds = check.number("milliseconds", self.milliseconds, least=0)
         self.throttle = min(1.0, max(0.0, check.number("throttle", self.throttle)))
         self.brake = min(1.0, max(0.0, check.number("brake", self.brake)))
         self.steer = min(1.0, max(-1.0, check.number("steer", self.steer)))

@@ -170,7 +170,11 @@ class Simulators:
         timeout: float = 10,
         socket: zmq.Socket[bytes] | None = None,
         default: str = ENDPOINT,
+        **unknown: object,
     ) -> None:
+        if unknown:
+            known = "endpoint, launch, wait, timeout and socket"
+            raise TypeError(f"an environment takes no {', '.join(unknown)}; where its simulator is, say {known}")
         self.wait = check.seconds("wait", wait)
         timeout = check.seconds("timeout", timeout)
         self.launch = program(launch)

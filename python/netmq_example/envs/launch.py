@@ -25,9 +25,10 @@ def program(launch: str | os.PathLike[str] | Sequence[str] | None) -> list[str]:
     if launch is None:
         return []
     words = [launch] if isinstance(launch, str | os.PathLike) else launch
-    if not isinstance(words, Sequence) or not all(isinstance(word, str | os.PathLike) for word in words):
+    listed = isinstance(words, Sequence) and all(isinstance(word, str | os.PathLike) for word in words)
+    if not listed or not words or not words[0]:
         raise TypeError(f"launch takes a path, or a list of a program and its words, not {launch!r:.80}")
-    return [game(words[0]), *(os.fspath(word) for word in words[1:])] if words else []
+    return [game(words[0]), *(os.fspath(word) for word in words[1:])]
 
 
 def game(path: str | os.PathLike[str]) -> str:
@@ -48,7 +49,11 @@ def game(path: str | os.PathLike[str]) -> str:
 
 def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
     """In a session of its own, so that all of it can be ended; Ctrl-C is then for Python alone, which ends it."""
-    return subprocess.Popen(words, start_new_session=True)
+    try:
+        return subprocess.Popen(words, start_new_session=True)
+    except OSError as error:
+        cure = f"a script needs its program: launch=[sys.executable, {os.path.basename(words[0])!r}]"
+        raise OSError(f"launch cannot start {words[0]}: {error.strerror}; {cure}") from None
 
 
 def end_program(process: subprocess.Popen[bytes]) -> None:

@@ -53,8 +53,10 @@ class Hub:
         timeout    how long an episode waits for a simulator,
         idle       when a simulator without work is sent home.
         """
+        if not hasattr(socket, "send_multipart"):
+            raise TypeError(f"socket takes a bound ROUTER socket, not {socket!r:.40}")
         self.socket = socket
-        self.report: Callable[[str], object] = check.instance("report", report, Callable)
+        self.report = check.function("report", report)
         self.build: str = check.instance("build", build, str)
         self.late = check.seconds("late", late)
         self.timeout = check.seconds("timeout", timeout)

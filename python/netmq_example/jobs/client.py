@@ -126,7 +126,8 @@ class JobClient:
                 continue
             silent_tries += 1
             if silent_tries == self.tries:
-                why = f"no word of it from {self.endpoint} in {self.tries} tries of {self.timeout:g} s"
+                tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
+                why = f"no word of it from {self.endpoint} in {tries} of {self.timeout:g} s"
                 raise TimeoutError(f"{why}; is the server running? Its id is {self.job}")
             self.report(f"no word within {self.timeout:g} s; try {silent_tries + 1} of {self.tries}")
             # A new socket helps, whatever was wrong with this one.

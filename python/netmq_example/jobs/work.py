@@ -13,21 +13,27 @@ bytes goes on from there.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from netmq_example import check
-from netmq_example.messages import Array
+from netmq_example.messages import EXACT, Array
 
 
 class WorkError(Exception):
     """Why it cannot be done, in words for the client. Any other exception is a mistake in the work."""
 
 
-class Step(NamedTuple):
+@dataclass(frozen=True)
+class Step:
     done: int
     total: int
     text: str = ""
     checkpoint: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("done", "total"):
+            check.count(name, check.instance(name, getattr(self, name), int), least=0, most=EXACT - 1)
+        check.instance("text", self.text, str)
+        check.instance("checkpoint", self.checkpoint, Array, type(None))
 
 
 @dataclass(frozen=True)
@@ -41,3 +47,4 @@ class Kind:
     def __post_init__(self) -> None:
         check.function("work", self.work)
         check.count("most", self.most)
+        check.instance("has_checkpoint", self.has_checkpoint, bool)

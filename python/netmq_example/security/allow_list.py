@@ -45,7 +45,7 @@ class AllowList:
         # In full: there may be more than one folder `keys`, and a key enrolled in the wrong one is noticed so.
         self.folder = checked_path(folder).absolute()
         self.public, self.secret = load(self.folder / "server.key_secret")
-        self.report: Callable[[str], object] = check.instance("report", report, Callable)
+        self.report = check.function("report", report)
         self.listed: dict[str, Path] = {}
         self.look_again = 0.0
         # Each key that was let in, with its file and the time stamp that the file had then.

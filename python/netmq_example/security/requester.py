@@ -68,7 +68,7 @@ class SecureRequester:
         self.keys: ClientKeys | None = check.instance("keys", keys, ClientKeys, type(None))
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
-        self.report: Callable[[str], object] = check.instance("report", report, Callable)
+        self.report = check.function("report", report)
         self.socket: Socket | None = None
         self.number = 0
 
@@ -86,7 +86,8 @@ class SecureRequester:
             if attempt < self.tries:
                 self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
         cure = self._advice() if trouble == THROWN_OUT else "is the server running?"
-        raise TimeoutError(f"{self.tries} tries to ask {self.endpoint}, the last: {trouble}; {cure}")
+        tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
+        raise TimeoutError(f"{tries} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
     def close(self) -> None:
         if self.socket:

@@ -37,6 +37,9 @@ class Obs:
 
     locator: str = ""
 
+    def __post_init__(self) -> None:
+        check.instance("locator", self.locator, str)
+
 
 class Agent:
     """Your own derives from it, and has on_reset, on_action, on_tick and on_info as it needs them.
@@ -108,8 +111,10 @@ class SceneSimulator(SimulatorBase):
 
     def __init__(self, name: str, dt: float, agents: Iterable[Agent]) -> None:
         super().__init__(check.text("name", name))
-        agents = list(agents)
         self.dt = check.seconds("dt", dt)
+        if isinstance(agents, str | bytes | dict) or not isinstance(agents, Iterable):
+            raise TypeError(f"agents takes a list of Agents, not {agents!r:.40}")
+        agents = list(agents)
         for agent in agents:
             if not isinstance(agent, Agent):
                 raise TypeError(f"agents takes Agents, not {agent!r:.40}")

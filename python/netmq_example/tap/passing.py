@@ -42,7 +42,11 @@ class Trouble:
 
     def __post_init__(self) -> None:
         check.seconds_or_none("slow", self.slow)
-        for number, fate in self.planned.items():
+        if self.asked not in ("", *FATES):
+            raise ValueError(f"asked is one of {', '.join(FATES)}, or empty, not {self.asked!r:.40}")
+        if self.way not in ("", "up", "down"):
+            raise ValueError(f"way is up, down or empty, not {self.way!r:.40}")
+        for number, fate in check.instance("planned", self.planned, dict).items():
             check.count("a planned message", number)
             if fate not in FATES:
                 raise ValueError(f"a planned fate is one of {', '.join(FATES)}, not {fate!r:.40}")

@@ -16,6 +16,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from netmq_example import check
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.video.film_writer import new_path, open_film
 
@@ -33,7 +34,7 @@ class ViewFilm:
     """
 
     def __init__(self, view: str, path: str | os.PathLike[str] | None, fps: float) -> None:
-        self.view = view
+        self.view = check.instance("view", view, str)
         if path == "":
             path = free_path(view)
         self.path = None if path is None else new_path("path", path)

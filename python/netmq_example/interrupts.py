@@ -1,0 +1,46 @@
+"""Ctrl-C, and what else asks a program to end, raised as KeyboardInterrupt, but not where that would do harm.
+
+Python calls a handler between any two steps of the main thread. What it raises while pyzmq makes a socket leaves one
+that nobody closes, for which the end of its context then waits for ever. What it raises in a callback of the
+interpreter's own is dropped, and the program goes on. So there the signal comes again a moment later.
+"""
+
+import _thread
+import signal
+import threading
+from pathlib import Path
+from types import FrameType
+
+import zmq
+
+AGAIN_SECONDS = 0.01
+PYZMQ = str(Path(zmq.__file__).parent)
+
+
+def listen(*signals: int) -> None:
+    """From now on these end the program. The main thread must call it."""
+    for number in signals:
+        signal.signal(number, interrupt)
+
+
+def interrupt(number: int, frame: FrameType | None) -> None:
+    """The handler; `frame` is what it interrupts."""
+    if frame and (is_dropped(frame) or makes_socket(frame)):
+        threading.Timer(AGAIN_SECONDS, _thread.interrupt_main, [number]).start()
+    else:
+        raise KeyboardInterrupt
+
+
+def is_dropped(frame: FrameType) -> bool:
+    """Whether nobody would hear of an exception: in a destructor, or where the import system tidies up."""
+    return frame.f_code.co_name == "__del__" or frame.f_code.co_qualname.startswith("_get_module_lock")
+
+
+def makes_socket(frame: FrameType | None) -> bool:
+    """Whether pyzmq is making a context or a socket."""
+    while frame:
+        code = frame.f_code
+        if code.co_filename.startswith(PYZMQ) and code.co_name in ("socket", "__init__", "__new__"):
+            return True
+        frame = frame.f_back
+    return False
