@@ -31,10 +31,14 @@ def came_of(act):
         return repr(error)
     return "fine"
 
-root, others, outcomes = pathlib.Path(sys.argv[1]), sys.path[1:], {}
+root, outcomes = pathlib.Path(sys.argv[1]), {}
+# With PYTHONSAFEPATH Python does not look for modules beside a program.
+safe = sys.flags.safe_path
+others = sys.path[:] if safe else sys.path[1:]
 for program in sorted(root.glob("[0-9]*/*.py")):
     if "__main__" in (text := program.read_text(encoding="utf-8")):
-        sys.path[:], sys.argv[:] = [str(program.parent), *others], [str(program), "--help"]
+        sys.path[:] = others if safe else [str(program.parent), *others]
+        sys.argv[:] = [str(program), "--help"]
         # One without options would do its work: it is imported.
         name = "__main__" if "parse_args" in text else "program_of_a_lesson"
         outcomes[str(program)] = came_of(lambda: runpy.run_path(str(program), run_name=name))
@@ -67,7 +71,8 @@ def test_nobody_elses_module_is_taken_for_one_of_the_kit(form, tmp_path):
             stub.write_text(f"raise RuntimeError('{name} of {folder.name} was imported')", encoding="utf-8")
     path = f"import sys\nsys.path.insert(0, {str(before)!r})\nsys.path.append({str(behind)!r})\n"
     (before / "sitecustomize.py").write_text(path, encoding="utf-8")
-    found = outcomes(tmp_path, PYTHONPATH=str(before))
+    safe = {"PYTHONSAFEPATH": "1"} if "init" in form else {}
+    found = outcomes(tmp_path, PYTHONPATH=str(before), **safe)
     assert found[str(ROOT / "python" / "01_request_reply" / "server.py")] == "fine"
     # Where a package is missing, some say so, with the stubs and without.
     assert found == outcomes(tmp_path)
