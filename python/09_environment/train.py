@@ -38,9 +38,7 @@ def figure(path: str) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description="Learns to balance a pole.")
     place = "tcp://127.0.0.1:5559"
-    parser.add_argument(
-        "--endpoint", type=server_endpoint(place), default="", help=f"where simulators come to; {place}"
-    )
+    parser.add_argument("--endpoint", type=server_endpoint(place), help=f"where simulators come to; {place}")
     parser.add_argument("--seed", type=whole, default=0, help="the same seed gives the same numbers")
     parser.add_argument("--generations", type=whole, default=50, help="how many at the most")
     parser.add_argument("--plot", type=figure, metavar="FILE", help="draw the learning curve as SVG")
@@ -49,7 +47,7 @@ def main() -> None:
     at = sys.argv.index("--launch") if "--launch" in sys.argv[1:-1] else len(sys.argv)
     options = parser.parse_args(sys.argv[1:at])
     launch = sys.argv[at + 1 :] or options.launch
-    where = {"endpoint": options.endpoint, "launch": launch}
+    where = {"endpoint": options.endpoint or "", "launch": launch}
     try:
         with gymnasium.make("NetMQExample/CartPole-v0", max_episode_steps=STEPS, **where) as env:
             means = train(lambda episodes: [play(env, *each) for each in episodes], options.seed, options.generations)

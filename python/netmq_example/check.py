@@ -64,7 +64,8 @@ def instance(name: str, value: T, *kinds: Any) -> T:
     if isinstance(value, kinds):
         return value
     words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
-    raise TypeError(f"{name} takes a {words}, not {value!r:.40}")
+    article = "an" if words[0].lower() in "aeio" else "a"
+    raise TypeError(f"{name} takes {article} {words}, not {value!r:.40}")
 
 
 def function(name: str, value: T) -> T:

@@ -241,7 +241,7 @@ def test_the_pages_training_command_starts(start, tmp_path):
         (["--generations", "x"], 2, "--generations: it takes a whole number from 0 to 2147483647, not 'x'"),
         (["--plot", "no/such/folder/curve.svg"], 2, "--plot: cannot write 'no/such/folder/curve.svg'"),
         (["--launch"], 2, "--launch: expected at least one argument"),
-        (["--endpoint", "tcp://127.0.0.1:99999"], 1, "gave up: bad endpoint 'tcp://127.0.0.1:99999'"),
+        (["--endpoint", "tcp://127.0.0.1:99999"], 2, "--endpoint: bad endpoint 'tcp://127.0.0.1:99999'"),
         (["--generations", "0", "--launch", *CLIENT], 1, "gave up: no generation reached 195"),
     ],
 )

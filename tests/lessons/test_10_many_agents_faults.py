@@ -161,7 +161,7 @@ def test_another_number_of_areas_is_one_clear_line(kind, serve, start, client_co
     server, endpoint = serve(KEY, "--world", "CartPole", "--areas", "16")
     words = ["--world", "CartPole", "--areas", "8", "--timeout", "5"]
     client = start(*client_command(kind, KEY, endpoint, *words))
-    cure = "put 16 areas below it; lesson 10's client: --world CartPole --areas 16"
+    cure = "put 16 areas below it, in lesson 10 by --world CartPole --areas 16"
     text = f"wrong-areas: num_envs is 16, the simulator has 8: {cure}"
     assert client.wait() == 1
     # At once, and not again at each try.

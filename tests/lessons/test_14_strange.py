@@ -107,7 +107,7 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
         said[text] = result["text"]
     assert "too-big" in said["long"]
     assert "bad-json" in said["half"]
-    assert "done takes int, not 1.5" in said["part"]
+    assert "done takes an int, not 1.5" in said["part"]
     assert "done takes a whole number from 0 to 9007199254740991" in said["huge"]
     assert units(peer(endpoint).goal(count=3).result("succeeded")) == 3, "the only worker works on"
 

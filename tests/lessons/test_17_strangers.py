@@ -234,8 +234,8 @@ def test_keys_without_a_folder_let_nobody_in(start):
 
 def test_a_trainer_says_what_is_wrong_with_an_endpoint(start):
     trainer = start(PYTHON, ROOT / "python" / KEY / "train.py", "--endpoint", "nonsense")
-    assert trainer.wait() == 1
-    assert trainer.lines == ["gave up: bad endpoint 'nonsense': write it like tcp://127.0.0.1:5567, port 1 to 65535"]
+    assert trainer.wait() == 2
+    assert trainer.lines[-1].endswith("bad endpoint 'nonsense': write it like tcp://127.0.0.1:5567")
 
 
 # How it is shown, and found

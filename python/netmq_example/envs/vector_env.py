@@ -71,7 +71,7 @@ class RemoteAreas:
     def accept(self, hello: Message) -> None:
         areas = hello.values.get("areas", 1)
         if areas != self.count:
-            cure = f"put {self.count} areas below it; lesson 10's client: --world CartPole --areas {self.count}"
+            cure = f"put {self.count} areas below it, in lesson 10 by --world CartPole --areas {self.count}"
             raise MessageError("wrong-areas", f"num_envs is {self.count}, the simulator has {areas!a:.20}: {cure}")
         # A trainer has asked for the spaces already: another simulator must have the same ones.
         spaces = offered(hello, self.name, self.spaces)
