@@ -12,6 +12,7 @@ import argparse
 import importlib.util
 import sys
 from pathlib import Path
+from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.errors import GaveUp
@@ -47,7 +48,7 @@ def main() -> None:
     at = sys.argv.index("--launch") if "--launch" in sys.argv[1:-1] else len(sys.argv)
     options = parser.parse_args(sys.argv[1:at])
     launch = sys.argv[at + 1 :] or options.launch
-    where = {"endpoint": options.endpoint or "", "launch": launch}
+    where: dict[str, Any] = {"endpoint": options.endpoint or "", "launch": launch}
     try:
         with gymnasium.make("NetMQExample/CartPole-v0", max_episode_steps=STEPS, **where) as env:
             means = train(lambda episodes: [play(env, *each) for each in episodes], options.seed, options.generations)
