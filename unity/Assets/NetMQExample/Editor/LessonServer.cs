@@ -110,8 +110,8 @@ namespace NetMQExample.Editor
         private void End()
         {
             if (!Running) return;
-            // The shell's own kill, which says SIGTERM.
-            if (Path.DirectorySeparatorChar == '/') Process.Start("/bin/sh", $"-c \"kill {process.Id}\"")?.Dispose();
+            // The shell's own kill, which says SIGTERM. One that has just ended by itself is no news.
+            if (Path.DirectorySeparatorChar == '/') Process.Start("/bin/sh", $"-c \"kill {process.Id} 2>/dev/null\"")?.Dispose();
             else process.Kill();
             if (Ended()) return;
             process.Kill();
