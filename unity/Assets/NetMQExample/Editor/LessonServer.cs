@@ -111,7 +111,8 @@ namespace NetMQExample.Editor
         {
             if (!Running) return;
             // The shell's own kill, which says SIGTERM. One that has just ended by itself is no news.
-            if (Path.DirectorySeparatorChar == '/') Process.Start("/bin/sh", $"-c \"kill {process.Id} 2>/dev/null\"")?.Dispose();
+            var command = $"-c \"kill {process.Id} 2>/dev/null\"";
+            if (Path.DirectorySeparatorChar == '/') Process.Start("/bin/sh", command)?.Dispose();
             else process.Kill();
             if (Ended()) return;
             process.Kill();
