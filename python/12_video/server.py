@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import importing, listening, option, run, seconds, server_options
+from netmq_example.program import importing, listening, option, run, seconds, server_options, show
 
 with importing("numpy and pillow; kit.py run 12 installs them"):
     from netmq_example.messages import LIMIT, Message, MessageError
@@ -48,11 +48,6 @@ def new_film(text: str) -> Path:
     return option(new_path, text, Path)
 
 
-def report(line: str) -> None:
-    # In one piece with its end: another thread prints as well.
-    print(f"{line}\n", end="", flush=True)
-
-
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5562")
     parser.add_argument("--film", type=new_film, help="the file of one view, such as drive.gif")
@@ -61,7 +56,7 @@ def main() -> None:
     parser.add_argument("--fps", type=seconds, default=25, help="pictures a second")
     parser.add_argument("--slow", type=seconds, default=0, help="seconds to take over each picture")
     options = parser.parse_args()
-    with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket, SlowFilms(socket=socket, report=report) as films:
+    with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket, SlowFilms(socket=socket, report=show) as films:
         films.slow = options.slow
         # One game after the other.
         while True:
@@ -70,7 +65,7 @@ def main() -> None:
                 film(films, options.view, options.film, options.fps, options.seconds)
             except (OSError, ValueError, MessageError) as error:
                 # What goes wrong with one game, or with one of its films, does not end this program.
-                report(f"trouble: {str(error)!a:.200}")
+                show(f"trouble: {str(error)!a:.200}")
             # All that were begun, also when another one could not be.
             films.end_all()
 
