@@ -27,10 +27,10 @@ def main() -> None:
     parser.add_argument("--world", choices=sorted(WORLDS), default="CartPole", help="what to simulate")
     parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
     options = parser.parse_args()
-    print(f"asking {options.endpoint}", flush=True)
+    show(f"asking {options.endpoint}")
     simulator = Simulator(WORLDS[options.world]())
     EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
-    print(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
+    show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 
 if __name__ == "__main__":

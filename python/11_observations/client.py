@@ -22,11 +22,11 @@ def main() -> None:
     parser = client_options("Simulates a car that collects coins.", "tcp://127.0.0.1:5561", timeout=30)
     parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
     options = parser.parse_args()
-    print(f"asking {options.endpoint}", flush=True)
+    show(f"asking {options.endpoint}")
     simulator = SceneSimulator("Coins", 0.1, [CoinCar("agent")])
     # It connects a DEALER socket, says hello, and answers the environment's requests.
     EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
-    print(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
+    show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 
 if __name__ == "__main__":

@@ -168,8 +168,9 @@ IMPORTS = {
 MAKE = """
 import sys
 env = gymnasium.make(id, launch=sys.argv[1:])
-print(type(env.unwrapped).__name__, env.spec.max_episode_steps, env.spec.vector_entry_point)
+made = type(env.unwrapped).__name__, env.spec.max_episode_steps, env.spec.vector_entry_point
 env.close()
+print(*made)
 sys.modules["netmq_example.envs"].register()
 print([name for name in gymnasium.registry if "NetMQExample" in name])
 """
