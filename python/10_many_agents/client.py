@@ -29,11 +29,11 @@ def main() -> None:
     parser.add_argument("--areas", type=players.areas, default=16, help="how many areas of CartPole")
     parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
     options = parser.parse_args()
-    print(f"asking {options.endpoint}", flush=True)
+    show(f"asking {options.endpoint}")
     areas = [CartPole() for _ in range(options.areas)]
     simulator = AgentSimulator(Pursuit()) if options.world == "Pursuit" else AreaSimulator(areas)
     EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
-    print(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
+    show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 
 if __name__ == "__main__":

@@ -38,11 +38,11 @@ def main() -> None:
             place = find(options.find, options.keys.server if options.keys else b"", options.timeout)
         except ValueError as error:
             parser.error(f"--find: {error}")
-    print(f"asking {place}", flush=True)
+    show(f"asking {place}")
     simulator = FleetSimulator(CartPole(), options.build, options.crash_after, options.delay)
     client = EnvironmentClient(place, options.timeout, show, options.keys.apply if options.keys else None)
     client.run(simulator, options.count)
-    print(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
+    show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 
 
 if __name__ == "__main__":
