@@ -50,24 +50,24 @@ WINDOWS = (1, 4, 16, 64, 256)
 PICTURE = 230400
 
 
-def bench(quick: bool, free: bool, engine: str | None) -> int:
+def bench(quick: bool, free: bool) -> int:
     """Run everything, print the tables, keep the results and draw them."""
     if not dotnet.sdk():
         raise KitError(f"the lab's clients are C#, and there is {dotnet.DOWNLOAD}")
     lessons = ("05_messages", "08_see_and_steer", "09_environment", "16_web_gateway")
     python = python_setup.interpreter("tests", optional=(*lessons, "bench"))
     started = time.monotonic()
-    lab = Lab(python, engines(engine), *((2, 0.04) if quick else (9, 0.2)), free=free)
+    lab = Lab(python, programs(), *((2, 0.04) if quick else (9, 0.2)), free=free)
     busy = machine.busy()
     try:
-        for name in list(lab.engines):
+        for name in list(lab.builds):
             try:
                 lab.program(name).ask("close")
             except KitError as error:
                 if name == "dotnet":
                     raise
                 lab.failed(name, "its program", error)
-                del lab.engines[name]
+                del lab.builds[name]
         works = [*echoes(lab), *other_work(lab, quick)]
         results = {
             "machine": machine.about(lab),
@@ -96,22 +96,16 @@ def bench(quick: bool, free: bool, engine: str | None) -> int:
     return 0
 
 
-def engines(asked: str | None) -> dict[str, dotnet.Engine]:
-    """The client programs that can be built: the engine of this machine, the other one, and Mono."""
-    engine = dotnet.choose_engine(asked)
-    # What .NET's thread pool costs is seen in a program that uses it.
-    found = {"dotnet": engine, "pool": engine}
-    if engine.name == "netmq":
-        found["offline"] = dotnet.Engine("libzmq", "to compare")
-    if shutil.which("mono") and engine.framework.startswith("netstandard"):
-        found["mono"] = engine
-    return found
+def programs() -> dict[str, dotnet.NetMQ]:
+    """The client programs that run here: on .NET, with its thread pool, and on Mono."""
+    names = ["dotnet", "pool", *(["mono"] if shutil.which("mono") else [])]
+    return dict.fromkeys(names, dotnet.find_netmq())
 
 
 def echoes(lab: Lab) -> list[dict[str, Any]]:
     """Round trips of each size, first the small ones that everybody can do."""
     everywhere = [TCP, BARE, POOLED, NAIVE, WEBSOCKET, HTTP, GRPC, JSON]
-    there = [*elsewhere("offline", "libzmq engine"), *elsewhere("mono", "on Mono")]
+    there = elsewhere("mono", "on Mono")
     found = []
     for title, size in SIZES.items():
         if size == 32:
@@ -124,8 +118,7 @@ def echoes(lab: Lab) -> list[dict[str, Any]]:
 
 def other_work(lab: Lab, quick: bool) -> list[dict[str, Any]]:
     """One way, one to many, many to one, and a server that thinks."""
-    offline = [each for each in elsewhere("offline", "libzmq engine") if each.name == BARE.name]
-    one_way = [TCP, BARE, WEBSOCKET, JSON, *offline]
+    one_way = [TCP, BARE, WEBSOCKET, JSON]
     stream = f"stream {{name}} {{endpoint}} {PICTURE} {lab.moment}"
     found = [lab.work("one way, frames of 230,400 B", one_way, stream)]
     picture = f"echo {{name}} {{endpoint}} {PICTURE} {lab.moment}"
@@ -165,7 +158,7 @@ def starts(lab: Lab, quick: bool) -> list[dict[str, Any]]:
                 continue
             if number > 0:
                 times.setdefault(f"connection: {each.label}", []).append(answer["seconds"] * 1000)
-    console = dotnet.build(lab.python, lab.engines["dotnet"])
+    console = dotnet.build(lab.builds["dotnet"])
     endpoint = lab.server(HELLO.server).endpoint
     for label, command in {
         "program: C# client": ["dotnet", str(console), "1"],

@@ -77,7 +77,7 @@ def many(window: int) -> Contender:
 
 
 def elsewhere(program: str, where: str) -> list[Contender]:
-    """The same clients in another program: on the other engine, or on Mono."""
+    """The same clients in another program: on Mono."""
     return [
         Contender(f"{each.label}, {where}", program, each.name, each.server, only_small=each.only_small)
         for each in (*([TCP] if program == "mono" else []), HELLO, many(64), FAST, BARE, POOLED)
@@ -134,10 +134,10 @@ def below(waits: list[float], share: float) -> float:
 
 
 class Lab:
-    """Everything that runs: the servers once each, and a client program for each runtime and engine."""
+    """Everything that runs: the servers once each, and a client program for each runtime."""
 
-    def __init__(self, python: Path, engines: dict[str, dotnet.Engine], rounds: int, moment: float, free: bool) -> None:
-        self.python, self.engines = python, engines
+    def __init__(self, python: Path, builds: dict[str, dotnet.NetMQ], rounds: int, moment: float, free: bool) -> None:
+        self.python, self.builds = python, builds
         # How often each contender has its turn, and for how many seconds.
         self.rounds, self.moment = rounds, moment
         self.client_cores, self.server_cores = (set(), set()) if free or not PINS else halves()
@@ -155,11 +155,11 @@ class Lab:
             if name == "grpc":
                 command = [str(self.python), str(LAB / "grpc_client.py")]
             elif name == "trainer":
-                console = dotnet.build(self.python, self.engines["dotnet"])
+                console = dotnet.build(self.builds["dotnet"])
                 # What it launches would have to share its cores.
                 command, cores = [str(self.python), str(LAB / "trainer.py"), str(console)], set()
             else:
-                dll = dotnet.build(self.python, self.engines[name], ROOT / "lab" / "csharp")
+                dll = dotnet.build(self.builds[name], ROOT / "lab" / "csharp")
                 command = ["mono" if name == "mono" else "dotnet", str(dll), *(["pool"] if name == "pool" else [])]
             self.clients[name] = Client(command, cores)
         return self.clients[name]
@@ -196,9 +196,8 @@ class Lab:
             self.installed[need] = not each.package or python_setup.has(self.python, [need])
         if not self.installed[need]:
             self.skipped[each.label] = f'it needs a package: pip install "{need}"'
-        elif each.program not in ("grpc", "trainer") and each.program not in self.engines:
-            libzmq = each.program == "offline" and self.engines["dotnet"].name == "libzmq"
-            why = "the engine of this run is libzmq: the other rows have it" if libzmq else "this machine has none"
+        elif each.program not in ("grpc", "trainer") and each.program not in self.builds:
+            why = "this machine has none"
             self.skipped[each.label] = why
         return each.label in self.skipped
 

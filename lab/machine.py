@@ -54,13 +54,12 @@ def about(lab: Lab) -> dict[str, str]:
         model = next(iter(re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())), model)
     cores = f"clients on {sorted(lab.client_cores)}, servers on {sorted(lab.server_cores)}"
     python, packages = versions(lab.python)
-    runtimes = [f".NET SDK {dotnet.sdk()}", f"Python {python}", *([mono()] if "mono" in lab.engines else [])]
+    runtimes = [f".NET SDK {dotnet.sdk()}", f"Python {python}", *([mono()] if "mono" in lab.builds else [])]
     return {
         "date": datetime.date.today().isoformat(),
         "processor": f"{model}, {os.cpu_count()} cores",
         "system": f"{platform.system()} {platform.release()}",
         "cores": cores if lab.client_cores else "wherever the system puts them",
-        "engine": lab.engines["dotnet"].name,
         "runtimes": ", ".join(runtimes),
         "packages": ", ".join(packages),
     }

@@ -6,7 +6,7 @@ from typing import Any
 
 FIRST, FRAMES, STEPS = "milliseconds to the first reply", "main thread, each frame", "steps of CartPole"
 GATEWAY, TAP = "lesson 01 by the gateway", "lesson 01 by the tap"
-RUNTIMES = {"dotnet": ".NET", "offline": ".NET, libzmq engine", "mono": "Mono"}
+RUNTIMES = {"dotnet": ".NET", "mono": "Mono"}
 HEAD = (
     *("", "a second", "least", "to TCP", "most", "p50 us", "p99 us", "p99.9 us"),
     *("client us", "server us", "client sleeps", "server sleeps"),
@@ -54,30 +54,31 @@ def goals(results: dict[str, Any]) -> list[str]:
         return value
 
     small, large = "echo of 32 B", "echo of 230,400 B"
-    rows: list[tuple[str, ...]] = [("", "aimed at", "this run", "NetMQ alone", "libzmq alone")]
+    rows: list[tuple[str, ...]] = [("", "aimed at", "this run", "NetMQ alone")]
     for label, title, aim in (("lesson 01", small, "0.90"), ("lesson 05, pooled", large, "0.80")):
-        alone = [f"{middle(title, each):.2f}" for each in ("NetMQ alone", "NetMQ alone, libzmq engine")]
-        rows.append((f"{label}, {title}, to raw TCP", aim, f"{middle(title, label):.2f}", *alone))
+        rows.append(
+            (f"{label}, {title}, to raw TCP", aim, f"{middle(title, label):.2f}", f"{middle(title, 'NetMQ alone'):.2f}")
+        )
     seen = "a picture of 230,400 B, an action back"
     ratio = middle(seen, "lesson 08", "rate") / middle(seen, "NetMQ alone", "rate")
-    rows.append((f"lesson 08, {seen}, to NetMQ alone", "0.95", f"{ratio:.2f}", "", ""))
+    rows.append((f"lesson 08, {seen}, to NetMQ alone", "0.95", f"{ratio:.2f}", ""))
     for label, aim in (("lesson 09, C#", "8,000"), ("lesson 10, 16 areas, C#", "60,000")):
-        rows.append((f"{label}, {STEPS}, a second", aim, f"{middle(STEPS, label, 'rate'):,.0f}", "", ""))
+        rows.append((f"{label}, {STEPS}, a second", aim, f"{middle(STEPS, label, 'rate'):,.0f}", ""))
     for what, aim in (("32 B", "0.85"), ("230,400 B", "300 a second")):
         title = f"with keys, echo of {what}"
         curve, plain = (middle(title, each, "rate") for each in ("NetMQ with CURVE", "NetMQ alone"))
         shown = f"{curve:,.0f} a second" if "second" in aim else f"{curve / plain:.2f}"
-        rows.append((f"NetMQ with CURVE, echo of {what}, to NetMQ alone", aim, shown, "", ""))
+        rows.append((f"NetMQ with CURVE, echo of {what}, to NetMQ alone", aim, shown, ""))
     rows += between(results)
     for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
         first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")
         if "flight" in other:
-            rows.append((f"{other}, to lesson 01", "10", f"{second / first:.1f}", "", ""))
+            rows.append((f"{other}, to lesson 01", "10", f"{second / first:.1f}", ""))
         else:
-            rows.append((f"lesson 01, to {other}", "1.00", f"{first / second:.2f}", "", ""))
+            rows.append((f"lesson 01, to {other}", "1.00", f"{first / second:.2f}", ""))
     for row in results["frames"]:
-        rows.append((f"main thread, {row['label']}: ms, half below", "0.1", f"{row['half']:.3f}", "", ""))
-        rows.append((f"main thread, {row['label']}: bytes", "0", f"{row['bytes']:.0f}", "", ""))
+        rows.append((f"main thread, {row['label']}: ms, half below", "0.1", f"{row['half']:.3f}", ""))
+        rows.append((f"main thread, {row['label']}: bytes", "0", f"{row['bytes']:.0f}", ""))
     return aligned(rows)
 
 
@@ -89,10 +90,10 @@ def between(results: dict[str, Any]) -> list[tuple[str, ...]]:
         for row in others:
             ratio = row["rate"][1] / direct["rate"][1]
             aim = "0.30" if title == GATEWAY else "0.70" if "page" in row["label"] else "1.00"
-            found.append((f"lesson 01 {row['label']}, to lesson 01", aim, f"{ratio:.2f}", "", ""))
+            found.append((f"lesson 01 {row['label']}, to lesson 01", aim, f"{ratio:.2f}", ""))
             if title == GATEWAY and direct["latency"] and row["latency"]:
                 added = (row["latency"]["p50"] - direct["latency"]["p50"]) / 1000
-                found.append((f"lesson 01 {row['label']}: ms added, half below", "1.00", f"{added:.2f}", "", ""))
+                found.append((f"lesson 01 {row['label']}: ms added, half below", "1.00", f"{added:.2f}", ""))
     return found
 
 

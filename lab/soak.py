@@ -20,7 +20,7 @@ from pathlib import Path
 from kitlib.commands.run import client_command, server_command
 from kitlib.lessons import KitError, find
 from kitlib.programs import Program
-from kitlib.setup import dotnet, python_setup
+from kitlib.setup import python_setup
 
 # For ever, as far as an hour goes, on a machine that may do something else. Lesson 10's client plays until its server
 # has enough.
@@ -66,7 +66,7 @@ class Soaked:
         return not sum(self.printed[-len(self.printed) // 4 :])
 
 
-def started(number: str, words: tuple[str, ...], python: Path, engine: str | None) -> Iterator[Soaked]:
+def started(number: str, words: tuple[str, ...], python: Path) -> Iterator[Soaked]:
     """A lesson's programs, one after the other: what is behind its server, the server, and its client."""
     lesson, given = find(number), list[str]()
     for option, other in lesson.behind:
@@ -77,13 +77,12 @@ def started(number: str, words: tuple[str, ...], python: Path, engine: str | Non
     server = Soaked(f"{number} server", [*command, "--endpoint", lesson.anywhere, *given])
     yield server
     to = [word for name, address in server.program.endpoints().items() for word in (f"--{name}", address)]
-    yield Soaked(f"{number} client", [*client_command("csharp", lesson, python, engine), *to, *words])
+    yield Soaked(f"{number} client", [*client_command("csharp", lesson, python), *to, *words])
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=60, help="how long")
-    parser.add_argument("--engine", choices=dotnet.ENGINES, help=dotnet.ENGINE_HELP)
     options = parser.parse_args()
     # SIGTERM ends it as Ctrl-C does, and its programs with it.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -91,7 +90,7 @@ def main() -> int:
     running: list[Soaked] = []
     try:
         for number, words in CLIENTS.items():
-            for each in started(number, words, python, options.engine):
+            for each in started(number, words, python):
                 running.append(each)
         for _ in range(SAMPLES):
             time.sleep(options.minutes)

@@ -2,7 +2,6 @@
 
 import argparse
 
-from kitlib.setup import dotnet
 from lab import bench
 
 ABOUT = "Measures the kit beside raw TCP, WebSocket, HTTP, gRPC and others, in rounds that take turns."
@@ -17,8 +16,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     elsewhere = "results go into .build/bench"
     parser.add_argument("--quick", action="store_true", help=f"fewer and shorter rounds; {elsewhere}")
     parser.add_argument("--free", action="store_true", help=f"the system places the programs; {elsewhere}")
-    parser.add_argument("--engine", choices=dotnet.ENGINES, help=dotnet.ENGINE_HELP)
 
 
 def do(options: argparse.Namespace) -> int:
-    return bench.bench(options.quick, options.free, options.engine)
+    return bench.bench(options.quick, options.free)

@@ -5,7 +5,6 @@ import argparse
 from kitlib.commands.run import add_client, add_folder, client_command, own_options
 from kitlib.lessons import find
 from kitlib.programs import run_in_terminal
-from kitlib.setup import python_setup
 
 ABOUT = "Runs a lesson's client in this terminal. Other words are its own options: `client 2 --help`."
 EXAMPLES = ["client 1 --count 3", "client 4 --client unity   its Unity scripts, played without Unity"]
@@ -24,7 +23,5 @@ def program_help(lesson: str) -> str:
 
 def do(options: argparse.Namespace) -> int:
     lesson = find(options.lesson)
-    # The C# client needs nothing of Python but its libzmq.
-    python = python_setup.interpreter(*([lesson.key] if options.client == "python" else []))
-    command = client_command(options.client, lesson, python, options.engine)
+    command = client_command(options.client, lesson)
     return run_in_terminal([*command, *options.words], lesson.folder(options.folder))

@@ -83,20 +83,16 @@ def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
 
 
 def csharp_rows() -> Iterator[Row]:
-    """The .NET SDK, and what stands behind NetMQ's names."""
+    """The .NET SDK, and where NetMQ comes from."""
     sdk = dotnet.sdk()
     if not sdk:
         yield False, ".NET SDK", f"{dotnet.DOWNLOAD}; until then the Python clients run"
         return
     yield True, ".NET SDK", sdk
     try:
-        engine = dotnet.choose_engine(ask_again=True)
+        yield True, "NetMQ", dotnet.find_netmq(ask_again=True).why
     except KitError as error:
-        yield False, "engine", str(error)
-        return
-    cure = "" if engine.name == "netmq" else "; the libzmq engine serves all lessons, and NetMQ needs NuGet"
-    yield engine.name == "netmq", "NetMQ", f"{engine.why}{cure}"
-    yield True, "engine", engine.name
+        yield False, "NetMQ", f"{error}; until then the Python clients run"
 
 
 def port_row(number: int) -> Row:

@@ -110,7 +110,7 @@ def nuget(folder: Path) -> None:
     # A source that is not there is an error.
     store.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as fetched:
-        properties = dotnet.Engine("netmq", "").properties
+        properties = dotnet.NetMQ("").properties
         command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]
         # What this machine has already need not come over the net again.
         command += [f"-p:RestoreAdditionalProjectSources={store}", f"-p:ArtifactsPath={Path(fetched) / 'made'}"]

@@ -3,16 +3,16 @@
 import argparse
 from pathlib import Path
 
-from kitlib.lessons import KitError, UsageError
+from kitlib.lessons import UsageError
 from kitlib.programs import run_in_terminal
-from kitlib.setup import dotnet, python_setup
+from kitlib.setup import dotnet
 from kitlib.terminal import say
 
 ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
 
   --seconds 5         stops then; without it at Application.Quit(), or once every public `bool Done` property is true
   --count 3           sets the serialized field `count`, as the inspector does
-  --set count=3       the same, also for a field that has the name of an option, such as engine; --endpoint counts more
+  --set count=3       the same, also for a field that has the name of an option, such as timeout; --endpoint counts more
   --MyClient.count 3  sets it in this class alone; without a class in each one that has it"""
 EXAMPLES = [
     "play MyClient.cs",
@@ -24,7 +24,6 @@ PASSES_ON = True
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE.cs", help="your scripts, wherever they are")
-    parser.add_argument("--engine", choices=dotnet.ENGINES, help=dotnet.ENGINE_HELP)
 
 
 def do(options: argparse.Namespace) -> int:
@@ -33,14 +32,11 @@ def do(options: argparse.Namespace) -> int:
         if path.suffix != ".cs" or not path.is_file():
             cure = '; a value with blanks is a word of its own: --scale "0, 1, 0"' * path.name.startswith("--")
             raise UsageError(f"there is no C# file {path}{cure}")
-    if not dotnet.sdk():
-        raise KitError(dotnet.DOWNLOAD)
     if changed := ", ".join(path.name for path in files if dotnet.changed_copy(path)):
         whose = "by the scripts named here; name each other file of the kit that needs it, too"
         say(f"{changed}: named like the kit's, and used in its place {whose}")
-    python = python_setup.interpreter()
-    engine = dotnet.choose_engine(options.engine)
-    player = dotnet.build(python, engine)
-    scripts = dotnet.build(python, engine, dotnet.SUPPORT / "own-scripts", files)
+    netmq = dotnet.find_netmq()
+    player = dotnet.build(netmq)
+    scripts = dotnet.build(netmq, dotnet.SUPPORT / "own-scripts", files)
     # What a script keeps in a file, it keeps where its owner is, and not in the kit.
     return run_in_terminal(["dotnet", player, scripts, "--unity", *options.words], Path.cwd())

@@ -46,7 +46,6 @@ def add_client(parser: argparse.ArgumentParser) -> None:
     """Which client, and on what."""
     kinds = ("csharp", "python", "unity")
     parser.add_argument("--client", choices=kinds, default="csharp", help="csharp, if not said")
-    parser.add_argument("--engine", choices=dotnet.ENGINES, help=dotnet.ENGINE_HELP)
 
 
 def do(options: argparse.Namespace) -> int:
@@ -56,7 +55,7 @@ def do(options: argparse.Namespace) -> int:
     if options.watch and lesson.scheme != "tcp":
         raise UsageError(f"--watch shows ZeroMQ, and {lesson.key} is asked over {lesson.scheme}; watch another lesson")
     python = python_setup.interpreter(lesson.key, *([EXTRA] if options.watch else []))
-    client = [*client_command(options.client, lesson, python, options.engine), *for_client]
+    client = [*client_command(options.client, lesson, python), *for_client]
     endpoint = options.endpoint or (lesson.anywhere if options.watch else "")
     given = ["--endpoint", endpoint] if endpoint else []
     others = [[str(python), str(lesson.python / name), *words] for name, *words in lesson.also]
@@ -84,20 +83,17 @@ def behind(lesson: Lesson, python: Path, words: list[str]) -> dict[str, list[str
     return {name: [*server_command(other, python), "--endpoint", other.anywhere] for name, other in here}
 
 
-def client_command(kind: str, lesson: Lesson, python: Path, engine: str | None) -> list[str]:
-    """The words that start a client; without a .NET SDK it is the Python one."""
+def client_command(kind: str, lesson: Lesson, python: Path | None = None) -> list[str]:
+    """The words that start a client; without a .NET SDK, or NetMQ, it is the Python one, which alone needs a Python."""
     if kind == "python":
-        return [str(python), str(lesson.python / "client.py")]
+        return [str(python or python_setup.interpreter(lesson.key)), str(lesson.python / "client.py")]
     try:
-        if not dotnet.sdk():
-            raise dotnet.NoEngine(dotnet.DOWNLOAD)
-        choice = dotnet.choose_engine(engine)
-    except dotnet.NoEngine as error:
+        netmq = dotnet.find_netmq()
+    except dotnet.NoNetMQ as error:
         say(f"{error}; running the Python client instead")
-        return client_command("python", lesson, python_setup.interpreter(lesson.key), None)
-    say(f"engine: {choice.name} ({choice.why})")
+        return client_command("python", lesson, python)
     unity = ["--unity"] if kind == "unity" else []
-    return ["dotnet", str(dotnet.build(python, choice)), lesson.key, *unity]
+    return ["dotnet", str(dotnet.build(netmq)), lesson.key, *unity]
 
 
 def run(

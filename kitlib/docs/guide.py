@@ -141,18 +141,17 @@ def folder() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="kit-")
 
 
-def run_command(source: str, engine: str | None = None) -> list[str | Path]:
+def run_command(source: str) -> list[str | Path]:
     """The words that start `kit.py run SOURCE`, on ports that are free and in a folder that will go."""
-    chosen = ["--engine", engine] if engine else []
     words = shlex.split(source)
     apart = ["--endpoint", find(words[0]).anywhere, "--folder", folder().name]
-    return [sys.executable, ROOT / "kit.py", "run", *words, *chosen, *apart]
+    return [sys.executable, ROOT / "kit.py", "run", *words, *apart]
 
 
 @functools.cache
-def printed(source: str, engine: str | None = None) -> tuple[str, ...]:
+def printed(source: str) -> tuple[str, ...]:
     """What `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
-    result = quietly(run_command(source, engine), LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
+    result = quietly(run_command(source), LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
     if result.code not in (0, 1):
         raise KitError(f"`kit.py run {source}` ended with {result.code}: {result.output}")
     return tuple(with_own_ports(result.output, source).splitlines())

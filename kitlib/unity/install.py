@@ -291,7 +291,7 @@ def library(package: str, version: str, inside: str) -> bytes:
     here = nuget_folder() / package.lower() / version / inside
     if not here.exists() and dotnet.sdk():
         say(f"asking NuGet for {package} …")
-        result = dotnet.restore(dotnet.Engine("netmq", ""))
+        result = dotnet.restore(dotnet.NetMQ(""))
         if not result.ok:
             why = dotnet.refusal(result)
             raise KitError(
