@@ -29,7 +29,6 @@ if sys.platform == "win32":
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--engine", choices=dotnet.ENGINES, help="NetMQ from NuGet, or the libzmq engine")
     parser.addoption("--long", action="store_true", help="also run the tests that take minutes")
 
 
@@ -56,27 +55,24 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 def pytest_report_header(config: pytest.Config) -> str:
     try:
-        engine = dotnet.choose_engine(config.getoption("--engine")) if dotnet.sdk() else None
+        return f"NetMQ: {dotnet.find_netmq().why}"
     except KitError as error:
         return f"C#: {error}"
-    return f"C# engine: {engine.name} ({engine.why})" if engine else f"C#: {dotnet.DOWNLOAD}"
 
 
 @pytest.fixture(scope="session")
-def engine(request: pytest.FixtureRequest) -> dotnet.Engine:
-    """The engine of this run; skips where there is no .NET SDK."""
-    if not dotnet.sdk():
-        pytest.skip(dotnet.DOWNLOAD)
+def netmq() -> dotnet.NetMQ:
+    """Where NetMQ comes from; skips where there is no .NET SDK, or no NetMQ."""
     try:
-        return dotnet.choose_engine(request.config.getoption("--engine"))
-    except dotnet.NoEngine as error:
+        return dotnet.find_netmq()
+    except dotnet.NoNetMQ as error:
         pytest.skip(str(error))
 
 
 @pytest.fixture(scope="session")
-def console(engine: dotnet.Engine) -> list[str]:
+def console(netmq: dotnet.NetMQ) -> list[str]:
     """The command of the terminal clients, built once per run from the files as they are now."""
-    return ["dotnet", str(dotnet.build(PYTHON, engine))]
+    return ["dotnet", str(dotnet.build(netmq))]
 
 
 @pytest.fixture

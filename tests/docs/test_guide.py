@@ -98,28 +98,28 @@ def test_an_excerpt_is_what_its_file_has(block):
     assert block.body == guide.excerpt(block.source), "python3 -m kitlib.docs.guide rewrites it"
 
 
-def printed(words, engine, run=guide.printed):
+def printed(words, run=guide.printed):
     """However they are quoted: what was run once is not run again."""
-    return run(shlex.join(shlex.split(words)), engine.name)
+    return run(shlex.join(shlex.split(words)))
 
 
 @pytest.mark.timeout(1200)
 @of("run", "like")
-def test_a_transcript_is_what_a_run_prints(block, engine, console):
+def test_a_transcript_is_what_a_run_prints(block, netmq, console):
     """`console` builds first: a run's limit is for what it prints, and not for the build that others wait for too."""
-    difference = guide.contradiction(block, printed(block.source, engine))
+    difference = guide.contradiction(block, printed(block.source))
     if difference:
         # On a busy machine a client tries once more than the page says; a page that is wrong is so again.
-        difference = guide.contradiction(block, printed(block.source, engine, guide.printed.__wrapped__))
+        difference = guide.contradiction(block, printed(block.source, guide.printed.__wrapped__))
     assert not difference, f"{difference}\npython3 -m kitlib.docs.guide rewrites it"
 
 
 @of("commands")
-def test_every_command_runs(block, serve, start, client_command, engine, tmp_path):
+def test_every_command_runs(block, serve, start, client_command, netmq, tmp_path):
     for line in filter(None, block.body.splitlines()):
         words = shlex.split(line.split("  #")[0])
         if words[:2] == ["python3", "kit.py"]:
-            run_kit(words[2:], serve, start, engine, tmp_path)
+            run_kit(words[2:], serve, start, tmp_path)
         elif match := re.fullmatch(r"python/(\d\d_\w+)/server\.py", words[1] if len(words) > 1 else ""):
             assert words[0] == "python"
             server, _ = serve(match[1], *words[2:])
@@ -131,7 +131,7 @@ def test_every_command_runs(block, serve, start, client_command, engine, tmp_pat
             run_client("csharp", find(words[5]).key, words[6:], serve, start, client_command)
 
 
-def run_kit(words, serve, start, engine, folder):
+def run_kit(words, serve, start, folder):
     if words[0] == "server":
         free = ["--endpoint", find(words[1]).anywhere]
         server = start(PYTHON, ROOT / "kit.py", *words, *free, "--folder", folder)
@@ -141,10 +141,10 @@ def run_kit(words, serve, start, engine, folder):
         return
     if words[0] == "client":
         # In one folder with its server: lesson 15's has its keys there.
-        words = [*words, "--engine", engine.name, "--endpoint", serve(find(words[1]).key)[1], "--folder", str(folder)]
+        words = [*words, "--endpoint", serve(find(words[1]).key)[1], "--folder", str(folder)]
     elif words[0] == "run":
         # The same words as in a transcript are not run again; the exit code is looked at there.
-        said = printed(shlex.join(words[1:]), engine)
+        said = printed(shlex.join(words[1:]))
         assert not [line for line in said if "Traceback" in line], "\n".join(said)
         return
     elif words[0] == "test":
@@ -208,14 +208,14 @@ def test_a_diagram_is_one_that_mermaid_draws(block):
     assert checks.diagram_faults(block.body) == []
 
 
-def compiled(project, engine):
+def compiled(project, netmq):
     """Every C# file that a project compiles, as MSBuild lists them."""
-    command = ["dotnet", "msbuild", project, *engine.properties, "-getItem:Compile"]
+    command = ["dotnet", "msbuild", project, *netmq.properties, "-getItem:Compile"]
     done = subprocess.run(command, capture_output=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=500)
     return {Path(item["FullPath"]) for item in json.loads(done.stdout)["Items"]["Compile"]}
 
 
-def test_every_csharp_excerpt_is_of_a_file_that_is_compiled(engine):
+def test_every_csharp_excerpt_is_of_a_file_that_is_compiled(netmq):
     sources = {
         ROOT / block.source.split()[0] for block in BLOCKS if block.language == "csharp" and block.kind == "excerpt"
     }
@@ -224,7 +224,7 @@ def test_every_csharp_excerpt_is_of_a_file_that_is_compiled(engine):
     projects = [project for tree in ("csharp-*", "lab", "tests") for project in ROOT.glob(f"{tree}/**/*.csproj")]
     for project in sorted(projects, key=lambda path: path.stem not in ("NetMQExample", "csharp-console")):
         if sources:
-            sources -= compiled(project, engine)
+            sources -= compiled(project, netmq)
     assert not sources
 
 
@@ -633,20 +633,20 @@ def test_every_picture_is_what_its_command_draws():
     assert on_it == {lesson.key[:2] for lesson in lessons()}
 
 
-def test_the_picture_of_a_terminal_is_what_a_run_prints(engine):
+def test_the_picture_of_a_terminal_is_what_a_run_prints(netmq):
     svg = terminal_picture.PICTURE.read_text(encoding="utf-8")
     command, *lines = terminal_picture.lines_of(svg)
     assert command == f"$ python3 kit.py run {terminal_picture.RUN}"
-    assert pictured(lines, engine) == "", "python3 -m kitlib.docs.terminal_picture draws it"
+    assert pictured(lines) == "", "python3 -m kitlib.docs.terminal_picture draws it"
     # In colour, as `show` prints it.
     assert svg == terminal_picture.draw(command[2:], [re.sub(r"^\w+ +\|", in_colour, line) for line in lines])
     for number in range(len(lines)):
-        assert pictured([*lines[:number], lines[number] + " more", *lines[number + 1 :]], engine)
+        assert pictured([*lines[:number], lines[number] + " more", *lines[number + 1 :]])
 
 
-def pictured(lines, engine):
+def pictured(lines):
     shown = guide.Block(terminal_picture.PICTURE, 1, "like", "", "", "".join(f"{line}\n" for line in lines))
-    return guide.contradiction(shown, printed(terminal_picture.RUN, engine))
+    return guide.contradiction(shown, printed(terminal_picture.RUN))
 
 
 def in_colour(prefix):

@@ -76,8 +76,8 @@ def test_list_names_every_lesson_of_the_folders(start):
 
 
 @pytest.mark.parametrize("client", ["python", "csharp"])
-def test_run_shows_both_sides_and_ends_with_the_clients_code(client, engine, start):
-    words = ["--client", client, "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
+def test_run_shows_both_sides_and_ends_with_the_clients_code(client, netmq, start):
+    words = ["--client", client, "--endpoint", "tcp://127.0.0.1:0"]
     program = start(PYTHON, KIT, "run", "1", *words, UNHURRIED)
     assert program.wait(500) == 0, program.output
     assert "client | done: 10 replies" in program.lines
@@ -87,8 +87,8 @@ def test_run_shows_both_sides_and_ends_with_the_clients_code(client, engine, sta
     assert any(line.startswith("client | gave up") for line in failing.lines)
 
 
-def test_a_second_build_happens_only_after_a_change(engine, prepared, start):
-    words = ["--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
+def test_a_second_build_happens_only_after_a_change(netmq, prepared, start):
+    words = ["--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
     command = [PYTHON, prepared / "kit.py", "run", "1", *words]
     first, second = start(*command), None
     assert first.wait(500) == 0, first.output
@@ -210,8 +210,8 @@ def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy
 
 
 @finds_processes
-def test_ctrl_c_in_the_build_leaves_nothing_running(engine, prepared, tmp_path):
-    words = ["run", "1", "--engine", engine.name, "--endpoint", "tcp://127.0.0.1:0"]
+def test_ctrl_c_in_the_build_leaves_nothing_running(netmq, prepared, tmp_path):
+    words = ["run", "1", "--endpoint", "tcp://127.0.0.1:0"]
     with Stopped([PYTHON, prepared / "kit.py", *words], tmp_path) as run:
         run.wait_for(
             lambda: "building" in run.printed and any("/csc" in line or "nodemode" in line for line in run.running())
@@ -631,8 +631,7 @@ def test_server_and_client_are_the_halves_of_run(kind, request, start):
     mark = Mark()
     server = start(PYTHON, KIT, "server", "1", "--endpoint", "tcp://127.0.0.1:0", **mark.environment)
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    engine = [] if kind == "python" else ["--engine", request.getfixturevalue("engine").name]
-    client = start(PYTHON, KIT, "client", "1", "--client", kind, *engine, "--endpoint", endpoint, "--count", "3")
+    client = start(PYTHON, KIT, "client", "1", "--client", kind, "--endpoint", endpoint, "--count", "3")
     assert client.wait(500) == 0, client.output
     assert client.lines[-1] == "done: 3 replies"
     refused = start(PYTHON, KIT, "client", "1", "--client", "python", "--cuont", "3")
@@ -802,9 +801,9 @@ def test_a_damaged_memory_is_as_good_as_none(damage, prepared, start):
 
 @pytest.mark.long
 @pytest.mark.timeout(1200)
-def test_what_a_full_disk_leaves_of_a_build_is_built_again(engine, prepared, start):
+def test_what_a_full_disk_leaves_of_a_build_is_built_again(netmq, prepared, start):
     """Empty files: .NET's own builds take them for finished."""
-    command = own_run(prepared, PYTHON, "--engine", engine.name)
+    command = own_run(prepared, PYTHON, )
     first = start(*command)
     assert first.wait(500) == 0, first.output
     build = prepared / ".build"
@@ -812,8 +811,7 @@ def test_what_a_full_disk_leaves_of_a_build_is_built_again(engine, prepared, sta
     assert {
         "csharp-console.dll",
         "UnityEngine.dll",
-        f"engine-{engine.name}.json",
-        "engine.props",
+        "netmq.json",
         "project.assets.json",
     } <= {path.name for path in made}
     for path in made:
@@ -869,10 +867,10 @@ def test_a_damaged_venv_is_made_anew(copy, bare_python, start):
     assert (copy / ".venv" / "pyvenv.cfg").exists()
 
 
-def test_a_folder_that_cannot_be_written_to_is_named_in_one_line(engine, copy, start):
+def test_a_folder_that_cannot_be_written_to_is_named_in_one_line(netmq, copy, start):
     """The tests may be root's, who may write anywhere; a file in the folder's place stops even him."""
     (copy / ".build").write_text("", encoding="utf-8")
-    program = start(*own_run(copy, PYTHON, "--engine", engine.name))
+    program = start(*own_run(copy, PYTHON, ))
     assert program.wait(120) == 1, program.output
     assert program.lines[-1] == f"kit    | {lessons.UNWRITABLE}"
     python = start(*own_run(copy, PYTHON, "--client", "python"))
@@ -893,40 +891,27 @@ def test_a_package_is_there_if_it_can_be_imported_and_is_not_too_old(tmp_path, m
 
 def without_nuget(monkeypatch, tmp_path, output="error NU1301: Unable to load the service index"):
     monkeypatch.setattr(dotnet, "BUILD", tmp_path)
-    monkeypatch.setattr(dotnet, "PROPS", tmp_path / "engine.props")
     monkeypatch.setattr(dotnet, "PACKAGES", tmp_path / "packages")
     monkeypatch.setattr(dotnet, "sdk", lambda: "10.0.100")
     monkeypatch.setattr(dotnet, "restore", lambda *_: Result(1, output) if output else Result(0, ""))
 
 
-def test_windows_has_no_libzmq_for_the_libzmq_engine(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(lessons, "WINDOWS", True)
+def test_where_nuget_gives_no_netmq_the_python_client_runs(monkeypatch, tmp_path, capsys):
     without_nuget(monkeypatch, tmp_path)
     for _ in range(2):
-        command = runner.client_command("csharp", lessons.find("1"), PYTHON, None)
+        command = runner.client_command("csharp", lessons.find("1"), PYTHON)
         assert command == [str(PYTHON), str(lessons.find("1").python / "client.py")]
-        said = capsys.readouterr().out.splitlines()
-        assert said[-1] == (
-            "kit    | NuGet cannot be reached, so there is no C# client here today; running the Python client instead"
+        assert capsys.readouterr().out.splitlines()[-1] == (
+            "kit    | NuGet cannot be reached; a folder packages from `python3 kit.py pack` serves without internet;"
+            " running the Python client instead"
         )
         # Asked again the next time.
-        assert not list(tmp_path.glob("engine-*.json"))
+        assert not (tmp_path / "netmq.json").exists()
     without_nuget(monkeypatch, tmp_path, output="")
-    assert dotnet.choose_engine().name == "netmq"
-
-
-def test_each_choice_of_an_engine_is_kept_in_mind(monkeypatch, tmp_path):
-    without_nuget(monkeypatch, tmp_path, output="")
-    restored = []
-
-    def restore(engine, *_):
-        restored.append(engine.name)
-        return Result(0, "")
-
-    monkeypatch.setattr(dotnet, "restore", restore)
-    for asked in (None, "libzmq", "netmq") * 2:
-        assert dotnet.choose_engine(asked).name == (asked or "netmq")
-    assert restored == ["netmq", "libzmq", "netmq"]
+    assert dotnet.find_netmq().folder == ""
+    # And then it is known.
+    without_nuget(monkeypatch, tmp_path)
+    assert dotnet.find_netmq().folder == ""
 
 
 def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
@@ -1015,10 +1000,8 @@ def test_what_a_reader_has_left_is_not_touched_by_the_tests(prepared, start, mon
 
 @pytest.mark.long
 @pytest.mark.timeout(1200)
-def test_a_room_without_internet_runs_from_what_was_packed(copy, engine, bare_python, tmp_path, start):
+def test_a_room_without_internet_runs_from_what_was_packed(copy, netmq, bare_python, tmp_path, start):
     links = has_wheels()
-    if engine.name != "netmq":
-        pytest.skip("NuGet has no NetMQ that could be packed")
     if os.environ.get("PIP_NO_INDEX") and not any(links.glob("numpy-*.whl")):
         pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with numpy")
     packed = start(PYTHON, copy / "kit.py", "pack", copy / "packages")
@@ -1032,7 +1015,6 @@ def test_a_room_without_internet_runs_from_what_was_packed(copy, engine, bare_py
     room = {**nowhere, "PIP_NO_INDEX": "", "PIP_FIND_LINKS": "", "NUGET_PACKAGES": str(tmp_path / "store")}
     program = start(*own_run(copy, bare_python), **room)
     assert program.wait(500) == 0, program.output
-    assert "kit    | engine: netmq (from the folder packages)" in program.lines
     assert program.lines[-1] == "client | done: 10 replies"
     assert "asking NuGet" not in program.output
     # An exercise can be tested there, too.

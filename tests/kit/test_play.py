@@ -36,14 +36,14 @@ ITS_CLASS = """class Greeting : System.IDisposable
 }
 """
 
-# What the first one says that asks for this engine, and that builds for it.
+# What the first one says that asks for NetMQ, and that builds.
 SET_UP = ("kit    | asking NuGet", "kit    | building")
 
 
 @pytest.fixture
-def play(console, engine, start):
+def play(console, netmq, start):
     def play(*words, folder=ROOT):
-        program = start(PYTHON, ROOT / "kit.py", "play", "--engine", engine.name, *words, folder=folder)
+        program = start(PYTHON, ROOT / "kit.py", "play", *words, folder=folder)
         return program.wait(300), [line for line in program.lines if not line.startswith(SET_UP)]
 
     return play

@@ -67,14 +67,14 @@ PROJECTS = [path for tree in ("csharp-*", "lab", "tests") for path in ROOT.glob(
 
 @pytest.mark.long
 @pytest.mark.timeout(1200)
-def test_dotnet_format(console, engine, tmp_path):
+def test_dotnet_format(console, netmq, tmp_path):
     """Every C# project of the solution, in one that every SDK reads: those before 9 do not read .slnx."""
     env = {**os.environ, **dotnet.ENVIRONMENT}
     projects = re.findall(r'Project Path="([^"]+)"', (ROOT / "NetMQExample.slnx").read_text(encoding="utf-8"))
     assert sorted(projects) == sorted(path.relative_to(ROOT).as_posix() for path in PROJECTS)
     check("dotnet", "new", "sln", "--output", tmp_path, env=env)
     check("dotnet", "sln", tmp_path, "add", *projects, env=env)
-    check("dotnet", "restore", tmp_path, *engine.properties, env=env)
+    check("dotnet", "restore", tmp_path, *netmq.properties, env=env)
     check("dotnet", "format", tmp_path, "--verify-no-changes", "--no-restore", env=env)
 
 

@@ -19,9 +19,9 @@ def context():
 
 
 @pytest.fixture(scope="session")
-def messages_program(engine):
+def messages_program(netmq):
     """The command of tests/lessons/checks/MessageChecks.cs."""
-    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")), "messages"]
+    return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "messages"]
 
 
 def ask(context, endpoint, *frames, kind=zmq.REQ):

@@ -55,11 +55,11 @@ def frames(client):
 
 
 @pytest.fixture
-def check(request, start, engine):
+def check(request, start, netmq):
     """check("refusal", endpoint) runs one of the checks in tests/lessons/checks/BackgroundClientChecks.cs."""
 
     def check(name, endpoint):
-        dll = dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
+        dll = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
         return start("dotnet", dll, "background", name, endpoint)
 
     return check

@@ -52,7 +52,7 @@ CHANGES = {
 }
 
 
-def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console, engine):
+def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console, netmq):
     for folder in ("netmq_example", "08_see_and_steer"):
         shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
     mine = tmp_path / "08_see_and_steer"
@@ -72,7 +72,7 @@ def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console,
 
     def play(*names):
         files = [mine / name for name in ("MyCar.cs", *names)]
-        options = ["--engine", engine.name, "--endpoint", endpoint, "--count", "3"]
+        options = ["--endpoint", endpoint, "--count", "3"]
         program = start(PYTHON, ROOT / "kit.py", "play", *files, *options)
         return program.wait(300), program.lines
 

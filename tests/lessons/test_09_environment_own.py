@@ -442,7 +442,7 @@ def test_a_word_that_an_environment_does_not_know_is_named():
         ZmqEnv("Ball", lunch=["ball"])
 
 
-def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, console, start, make, tmp_path):
+def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(netmq, console, start, make, tmp_path):
     """In Unity: what it is asked for off the main thread, what it throws, and By Hand ticked in each frame."""
     page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
     script = page[page.index("using System;\nusing System.Collections.Generic;\nusing NetMQExample;") :].split("```")[0]
@@ -470,8 +470,6 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(engine, con
         "kit.py",
         "play",
         tmp_path / "Ball.cs",
-        "--engine",
-        engine.name,
         "--endpoint",
         endpoint,
         "--timeout",
@@ -509,18 +507,18 @@ def frames_of_steps(env, count):
     return len(frames)
 
 
-def test_the_pages_own_file_plays_the_pages_own_environment(engine, console, start, tmp_path):
+def test_the_pages_own_file_plays_the_pages_own_environment(netmq, console, start, tmp_path):
     page = list(guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md"))
     for language, name in (("csharp", "Ball.cs"), ("python", "ball.py")):
         (body,) = [one.body for one in page if one.language == language and '"Ball"' in one.body]
-        words = f'{str(tmp_path / "Ball.cs")!r}, "--engine", "{engine.name}"'
+        words = f'{str(tmp_path / "Ball.cs")!r}'
         (tmp_path / name).write_text(body.replace('"Ball.cs"', words), encoding="utf-8")
     ball = start(PYTHON, tmp_path / "ball.py")
     # The first start builds it.
     assert ball.wait(500) == 0, ball.output
     assert re.search(r"^the ball is at -?0\.\d\d$", ball.output, re.MULTILINE), ball.output
     # It has no Heuristic: by hand nothing is pressed, which for its action is to the left until it is out.
-    by_hand = ["--engine", engine.name, "--byHand", "true", "--seconds", "60"]
+    by_hand = ["--byHand", "true", "--seconds", "60"]
     alone = start(PYTHON, "kit.py", "play", tmp_path / "Ball.cs", *by_hand)
     alone.wait_for(r"^by hand: \d+ steps, return -\d+\.\d$")
     # It ends with what it has started.

@@ -144,11 +144,11 @@ def test_a_world_of_ones_own_goes_on_while_python_thinks_if_it_is_to(tag):
     assert seen["cat"][1] < before - 8 * 0.2 + 0.01
 
 
-def test_the_pages_world_is_the_same_in_both_languages(tag, engine, console, start, tmp_path):
+def test_the_pages_world_is_the_same_in_both_languages(tag, netmq, console, start, tmp_path):
     """Two games, one of them to its end."""
     (tmp_path / "Tag.cs").write_text(of_the_page("csharp", "class Tag"), encoding="utf-8")
     endpoint = steady_endpoint()
-    words = ["--engine", engine.name, "--endpoint", endpoint, "--timeout", "200"]
+    words = ["--endpoint", endpoint, "--timeout", "200"]
     player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Tag.cs", *words)
     envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
     try:
@@ -180,14 +180,14 @@ def test_areas_of_a_world_of_ones_own_are_registered_as_the_page_does_it(registe
     envs.close()
 
 
-def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(registered, engine, console, start, tmp_path):
+def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(registered, netmq, console, start, tmp_path):
     """16, not 17, and only they connect; when Python is done the player ends, which has no --endpoint for that."""
     words = []
     for name, key in (("Ball", "09_environment"), ("BallAreas", KEY)):
         words.append(tmp_path / f"{name}.cs")
         words[-1].write_text(of_the_page("csharp", f"class {name} :", key), encoding="utf-8")
     endpoint = steady_endpoint()
-    player = start(PYTHON, ROOT / "kit.py", "play", *words, "--engine", engine.name, "--set", f"endpoint={endpoint}")
+    player = start(PYTHON, ROOT / "kit.py", "play", *words, "--set", f"endpoint={endpoint}")
     envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, endpoint=endpoint, wait=500, max_episode_steps=3)
     try:
         envs.reset(seed=1)

@@ -218,12 +218,12 @@ def test_an_agent_that_goes_by_the_clock_is_told(scene, start):
 
 
 @pytest.mark.long
-def test_the_pages_words_play_it_without_unity(engine, console, start, tmp_path):
+def test_the_pages_words_play_it_without_unity(netmq, console, start, tmp_path):
     (words,) = re.findall(r"^python3 (kit.py play Runner.cs .*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
     (tmp_path / "Runner.cs").write_text(PARTS["csharp"], encoding="utf-8")
     endpoint = f"tcp://127.0.0.1:{free_port()}"
     words = words.replace("Runner.cs", str(tmp_path / "Runner.cs"), 1).split()
-    player = start(PYTHON, *words, "--engine", engine.name, "--endpoint", endpoint, "--timeout", "1")
+    player = start(PYTHON, *words, "--endpoint", endpoint, "--timeout", "1")
     assert player.wait(300) == 1
     assert player.lines[-1].startswith(f"gave up: no environment at {endpoint} within 1 s")
     assert "waits for a GymManager" not in player.output

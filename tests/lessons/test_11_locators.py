@@ -42,9 +42,9 @@ def python_says(text, name="", scope=None):
 
 
 @pytest.fixture(scope="session")
-def csharp_says(engine):
+def csharp_says(netmq):
     """What Locator.cs says of each case, in one process, in a culture."""
-    program = dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
+    program = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
 
     def digits(text):
         return "-" if text is None else "=" + text.encode("utf-16-be", "surrogatepass").hex()
@@ -95,9 +95,9 @@ def test_csharp_agrees_with_the_golden_table(culture, here, csharp_says):
         assert answer == python_says(*case), entry["name"]
 
 
-def test_mono_agrees_with_the_golden_table(engine, csharp_says):
+def test_mono_agrees_with_the_golden_table(netmq, csharp_says):
     """It is the runtime that is closest to Unity's."""
-    needs_mono(engine)
+    needs_mono()
     for entry, answer in zip(GOLDEN, csharp_says(CASES, "", "mono")[1], strict=True):
         check(entry, answer)
 

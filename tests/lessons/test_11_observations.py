@@ -196,9 +196,9 @@ def test_a_game_that_is_not_there_is_named(make, tmp_path):
 
 
 @pytest.fixture
-def world(engine):
+def world(netmq):
     """The words that launch a scene with the agents a, b and c, each of which does what its action says."""
-    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")), "observations", "world"]
+    return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "observations", "world"]
 
 
 TOLD = spaces.Text(40, min_length=0, charset="abcdefghijklmnopqrstuvwxyz0123456789. ")

@@ -26,9 +26,9 @@ from netmq_example.messages import Array, MessageError  # noqa: E402
 
 
 @pytest.fixture(scope="session")
-def program(engine):
+def program(netmq):
     """The words that start tests/lessons/checks/ObservationChecks.cs."""
-    return ["dotnet", str(dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")), "observations"]
+    return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "observations"]
 
 
 def hexadecimal(text, arrays=()):
@@ -103,9 +103,9 @@ def equal(one, other):
     ("runtime", "count"),
     [("dotnet", 1000), ("mono", 1000), pytest.param("dotnet", 10_000, marks=pytest.mark.long)],
 )
-def test_random_values_go_through_csharp_and_come_back_equal(runtime, count, program, engine):
+def test_random_values_go_through_csharp_and_come_back_equal(runtime, count, program, netmq):
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     random, cases, lines = np.random.default_rng(11), [], []
     while len(cases) < count:
         space = a_space(random)

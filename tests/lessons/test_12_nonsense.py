@@ -384,8 +384,8 @@ def test_views_without_names_of_their_own_are_refused(names):
         ([], "no camera to film: drag some into Cameras"),
     ],
 )
-def test_in_unity_it_is_one_line(names, why, engine, start):
-    play = start("dotnet", dotnet.build(PYTHON, engine, ROOT / "tests" / "unity" / "play"), "views", *names)
+def test_in_unity_it_is_one_line(names, why, netmq, start):
+    play = start("dotnet", dotnet.build(netmq, ROOT / "tests" / "unity" / "play"), "views", *names)
     assert play.wait() == 0, play.output
     (said,) = [line for line in play.lines if "gave up: " in line]
     assert why in said and "errors: 1" in play.lines

@@ -34,8 +34,8 @@ PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
 
 
 @pytest.fixture(scope="session")
-def program(engine):
-    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
+def program(netmq):
+    return dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
 
 
 # The programs
@@ -156,12 +156,12 @@ def test_python_speaks_whenever_it_likes(start, client_command):
             client.wait_for(f"From Python : line {number}")
 
 
-def test_the_programs_of_the_page_talk(start, console, engine, tmp_path):
+def test_the_programs_of_the_page_talk(start, console, netmq, tmp_path):
     """Whoever comes again gets all of it again."""
     program, script = (block.body for block in guide.blocks(PAGE) if "a file of yours" in block.source)
     (tmp_path / "wind.py").write_text(program, encoding="utf-8")
     (tmp_path / "Weather.cs").write_text(script, encoding="utf-8")
-    scripts = dotnet.build(PYTHON, engine, dotnet.SUPPORT / "own-scripts", [tmp_path / "Weather.cs"])
+    scripts = dotnet.build(netmq, dotnet.SUPPORT / "own-scripts", [tmp_path / "Weather.cs"])
     endpoint = steady_endpoint()
     start(PYTHON, "wind.py", endpoint, folder=tmp_path, PYTHONPATH=str(ROOT / "python")).wait_for("^listening on")
     for _ in range(2):
@@ -211,9 +211,9 @@ def test_python_knows_so_many_simulators_and_no_more(serve):
 
 
 @each_runtime
-def test_unity_does_what_the_settings_say(runtime, engine, program):
+def test_unity_does_what_the_settings_say(runtime, netmq, program):
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     channel = EngineConfigurationChannel()
     channel.set_configuration(EngineConfig(640, 480, 2, 0.25, 72, 30))
     exchange = SideChannelManager([channel]).generate_side_channel_messages().hex()
@@ -234,9 +234,9 @@ def test_unity_does_what_the_settings_say(runtime, engine, program):
 
 
 @each_runtime
-def test_how_many_messages_a_second(runtime, engine, program):
+def test_how_many_messages_a_second(runtime, netmq, program):
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     done = subprocess.run(
         [RUNTIMES[runtime], program, "sidechannels", "speed", "20000"], capture_output=True, text=True, timeout=250
     )

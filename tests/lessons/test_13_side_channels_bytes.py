@@ -139,15 +139,15 @@ def python_says(line):
 
 
 @pytest.fixture(scope="session")
-def program(engine):
-    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
+def program(netmq):
+    return dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
 
 
 @pytest.fixture
-def csharp_says(engine, program):
+def csharp_says(netmq, program):
     def says(runtime, lines):
         if runtime == "mono":
-            needs_mono(engine)
+            needs_mono()
         command = [RUNTIMES[runtime], str(program), "sidechannels"]
         done = subprocess.run(command, input="\n".join(lines), capture_output=True, text=True, timeout=250)
         assert done.returncode == 0, done.stderr

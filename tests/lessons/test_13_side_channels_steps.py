@@ -16,8 +16,8 @@ KEY = "13_side_channels"
 
 
 @pytest.fixture(scope="session")
-def program(engine):
-    return dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks")
+def program(netmq):
+    return dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
 
 
 MOON = f"""
@@ -121,10 +121,10 @@ def moon(tmp_path):
 
 @pytest.mark.parametrize("kind", ["python", ".net", "mono"])
 def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes_with_its_state(
-    kind, moon, engine, program
+    kind, moon, netmq, program
 ):
     if kind == "mono":
-        needs_mono(engine)
+        needs_mono()
     env, parameters, stats, said = moon(
         *([] if kind == "python" else [RUNTIMES[kind], program, "sidechannels", "steps"])
     )

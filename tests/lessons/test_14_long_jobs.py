@@ -391,10 +391,10 @@ def test_a_second_server_does_not_get_the_same_journal(jobs_server, start, tmp_p
 
 
 @pytest.mark.parametrize("work", ["count", "picture"])
-def test_what_a_frame_costs(work, serve, start, engine, capsys):
+def test_what_a_frame_costs(work, serve, start, netmq, capsys):
     """The main thread's share, while a job is watched and its picture drawn."""
     _, endpoint = serve(KEY)
-    harness = dotnet.build(PYTHON, engine, ROOT / "tests" / "unity" / "play")
+    harness = dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
     words = [f"endpoint={endpoint}", f"kind={work}", "count=10000" if work == "count" else "count=200"]
     player = start("dotnet", harness, "cost", "14", "300", "after= of ", *words)
     assert player.wait() == 0, player.output

@@ -7,8 +7,8 @@ from tests.conftest import PYTHON
 from tests.programs import ROOT
 
 
-def test_csharp_classes_name_what_they_cannot_use(engine, start):
-    program = start("dotnet", dotnet.build(PYTHON, engine, ROOT / "tests" / "lessons" / "checks"), "rules")
+def test_csharp_classes_name_what_they_cannot_use(netmq, start):
+    program = start("dotnet", dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks"), "rules")
     assert program.wait() == 0, program.output
     assert [line for line in program.lines if not line.endswith(": refused")] == []
     assert len(program.lines) > 200

@@ -74,8 +74,8 @@ class Editor:
 
 
 @pytest.fixture(scope="session")
-def editor_dll(engine: dotnet.Engine) -> Path:
-    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "editor")
+def editor_dll(netmq: dotnet.NetMQ) -> Path:
+    return dotnet.build(netmq, ROOT / "tests" / "unity" / "editor")
 
 
 @pytest.fixture

@@ -19,13 +19,13 @@ ID, CLIENT = "NetMQExample/CartPole-v0", ROOT / "python" / "10_many_agents" / "c
 
 
 @pytest.fixture
-def scene(engine: dotnet.Engine, start: Callable[..., Program]) -> Callable[..., Program]:
+def scene(netmq: dotnet.NetMQ, start: Callable[..., Program]) -> Callable[..., Program]:
     """scene(".net", "4", "play", …) starts tests/unity/play/ManyAreas.cs."""
 
     def start_scene(runtime: str, *words: str) -> Program:
         if runtime == "mono":
-            needs_mono(engine)
-        harness = dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+            needs_mono()
+        harness = dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
         return start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "areas", *words)
 
     return start_scene

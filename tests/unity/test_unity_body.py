@@ -27,17 +27,17 @@ CUTOFF, BETA, FASTEST = 1.5, 5.0, 6.0
 
 
 @pytest.fixture(scope="session")
-def harness(engine: dotnet.Engine) -> Path:
-    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+def harness(netmq: dotnet.NetMQ) -> Path:
+    return dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
 
 
 @pytest.fixture
-def play(engine: dotnet.Engine, harness: Path, start: Callable[..., Program]) -> Callable[..., Program]:
+def play(netmq: dotnet.NetMQ, harness: Path, start: Callable[..., Program]) -> Callable[..., Program]:
     """play(".net", "count=60", …) starts tests/unity/play/Bodies.cs."""
 
     def start_play(runtime: str, *words: str, **environment: str) -> Program:
         if runtime == "mono":
-            needs_mono(engine)
+            needs_mono()
         return start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "body", *words, **environment)
 
     return start_play

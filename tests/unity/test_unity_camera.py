@@ -28,13 +28,13 @@ on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
 
 
 @pytest.fixture(scope="session")
-def harness(engine: dotnet.Engine) -> Path:
-    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+def harness(netmq: dotnet.NetMQ) -> Path:
+    return dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
 
 
 @pytest.fixture
 def drive(
-    engine: dotnet.Engine, harness: Path, start: Callable[..., Program]
+    netmq: dotnet.NetMQ, harness: Path, start: Callable[..., Program]
 ) -> Iterator[Callable[..., tuple[Driver, Program]]]:
     """Plays tests/unity/play/Drives.cs against a driver: drive(answer, "count=10", runtime=".net")."""
     with zmq.Context() as context:
@@ -42,7 +42,7 @@ def drive(
 
         def play(answer: Callable[[Any], Any], *words: str, runtime: str = ".net") -> tuple[Driver, Program]:
             if runtime == "mono":
-                needs_mono(engine)
+                needs_mono()
             drivers.append(Driver(context, answer))
             program = {"mono": "mono", ".net": "dotnet"}[runtime]
             # Patient: an answer that comes too late, on a busy machine, counts here and not there.
@@ -90,14 +90,14 @@ def test_the_car_goes_where_pythons_goes(runtime: str, drive: Callable[..., Any]
 
 @on_each_runtime
 def test_a_lap_by_what_the_camera_sees(
-    runtime: str, engine: dotnet.Engine, harness: Path, serve: Callable[..., Any], start: Callable[..., Program]
+    runtime: str, netmq: dotnet.NetMQ, harness: Path, serve: Callable[..., Any], start: Callable[..., Program]
 ) -> None:
     """The road is some 300 m long, and nobody but the camera tells the lesson's own server where it is.
 
     In lock-step: else a busy machine steers by what was seen a second ago, and leaves the road.
     """
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     endpoint = serve("08_see_and_steer")[1]
     program = {"mono": "mono", ".net": "dotnet"}[runtime]
     words = ["every=0", "count=2200", "positions", "lockstep=true", "timeout=60"]

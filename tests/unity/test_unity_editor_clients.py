@@ -140,12 +140,12 @@ def test_a_program_that_is_not_the_editor_holds_no_call(editor: Open, project: P
 
 
 @pytest.mark.long
-def test_a_build_holds_no_call(engine: dotnet.Engine, editor: Open, project: Path, tmp_path: Path) -> None:
+def test_a_build_holds_no_call(netmq: dotnet.NetMQ, editor: Open, project: Path, tmp_path: Path) -> None:
     """The lessons' assembly as it is in a game, and as it is in the editor."""
     unity = editor(project)
     found = []
     for inside in ("false", "true"):
-        words = [*engine.properties, f"-p:InEditor={inside}", f"-p:ArtifactsPath={tmp_path / inside}", "-v:quiet"]
+        words = [*netmq.properties, f"-p:InEditor={inside}", f"-p:ArtifactsPath={tmp_path / inside}", "-v:quiet"]
         environment = {**os.environ, **dotnet.ENVIRONMENT}
         lessons = ROOT / "csharp-support" / "lessons"
         subprocess.run(["dotnet", "build", lessons, *words], check=True, timeout=500, env=environment)

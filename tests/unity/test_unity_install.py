@@ -168,11 +168,10 @@ def test_one_lesson_takes_only_what_it_uses(key: str, project: Path, nuget: Path
 @pytest.mark.long
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("key", [lesson.key for lesson in lessons() if lesson.unity.is_dir()])
-def test_the_scripts_of_one_lesson_compile_alone(key: str, project: Path, nuget: Path, engine: dotnet.Engine) -> None:
+def test_the_scripts_of_one_lesson_compile_alone(key: str, project: Path, nuget: Path, netmq: dotnet.NetMQ) -> None:
     unity_install.install(project, key[:2], False)
     own = [f"-p:PackageScripts={project / TARGET}/", f"-p:ArtifactsPath={project.parent / 'artifacts'}"]
-    library = f"-p:Libzmq={dotnet.libzmq(Path(sys.executable))}"
-    words = ["dotnet", "build", ROOT / "csharp-support" / "lessons", *engine.properties, *own, library, "-v:quiet"]
+    words = ["dotnet", "build", ROOT / "csharp-support" / "lessons", *netmq.properties, *own, "-v:quiet"]
     result = quietly(words, 300, dotnet.ENVIRONMENT)
     assert result.ok, result.output
 
@@ -588,7 +587,7 @@ def test_without_nuget_nothing_is_copied(
 ) -> None:
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: sdk)
-    monkeypatch.setattr(dotnet, "restore", lambda engine: Result(1, "error NU1301: no such host"))
+    monkeypatch.setattr(dotnet, "restore", lambda netmq: Result(1, "error NU1301: no such host"))
     # A port where nobody listens.
     monkeypatch.setattr(unity_install, "NUGET", "http://127.0.0.1:9")
     before = listing(project)
@@ -616,9 +615,7 @@ def test_downloads_without_an_sdk(project: Path, nuget: Path, tmp_path: Path, mo
     assert (project / TARGET / "Plugins" / "AsyncIO.dll").read_bytes() == b"MZ downloaded"
 
 
-def test_the_real_dlls(project: Path, engine: dotnet.Engine) -> None:
-    if engine.name != "netmq":
-        pytest.skip(f"the engine of this run is {engine.name}, and NetMQ's DLLs come from NuGet")
+def test_the_real_dlls(project: Path, netmq: dotnet.NetMQ) -> None:
     unity_install.install(project, "1", False)
     for _, _, inside in unity_install.LIBRARIES:
         assert (project / TARGET / "Plugins" / Path(inside).name).read_bytes()[:2] == b"MZ"

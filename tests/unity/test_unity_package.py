@@ -126,7 +126,7 @@ def test_a_guid_that_two_assets_have_is_refused() -> None:
 def test_without_nuget_there_is_one_line_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: "9.0")
-    monkeypatch.setattr(dotnet, "restore", lambda engine: Result(1, "error NU1301: no such host"))
+    monkeypatch.setattr(dotnet, "restore", lambda netmq: Result(1, "error NU1301: no such host"))
     with pytest.raises(KitError, match="nothing was copied; --scripts-only") as error:
         package.write_package(tmp_path / "Kit.unitypackage", None, False, False, None)
     assert "\n" not in str(error.value)

@@ -79,12 +79,11 @@ class Row:
 class Summary:
     """The table at the end of the run."""
 
-    def __init__(self, engine: str) -> None:
-        self.engine = engine
+    def __init__(self) -> None:
         self.rows: list[Row] = []
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
-        terminalreporter.section(f"Play and Stop, engine {self.engine}")
+        terminalreporter.section("Play and Stop")
         terminalreporter.write_line(
             f"{'runtime mode   scripts, server':50} Plays  worst Stop  unload  threads  sockets left"
         )
@@ -99,15 +98,15 @@ def plays(request: pytest.FixtureRequest) -> int:
 
 
 @pytest.fixture(scope="session")
-def summary(request: pytest.FixtureRequest, engine: dotnet.Engine) -> Summary:
-    table = Summary(engine.name)
+def summary(request: pytest.FixtureRequest) -> Summary:
+    table = Summary()
     request.config.pluginmanager.register(table)
     return table
 
 
 @pytest.fixture(scope="session")
-def harness(engine: dotnet.Engine) -> Path:
-    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+def harness(netmq: dotnet.NetMQ) -> Path:
+    return dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
 
 
 class Editor:
@@ -218,14 +217,14 @@ class Editor:
 
 
 @pytest.fixture
-def editor(engine: dotnet.Engine, harness: Path, summary: Summary, tmp_path: Path) -> Iterator[Callable[..., Editor]]:
+def editor(netmq: dotnet.NetMQ, harness: Path, summary: Summary, tmp_path: Path) -> Iterator[Callable[..., Editor]]:
     """editor("mono", "keep", "1", endpoint, 2, "two clients"): Unity with two of lesson 1's clients in the scene."""
     opened: list[Editor] = []
 
     def open_editor(runtime: str, mode: str, script: str, endpoint: str, clients: int, condition: str) -> Editor:
         if runtime == "mono":
-            needs_mono(engine)
-            if script == "15_security" and engine.name == "netmq":
+            needs_mono()
+            if script == "15_security":
                 pytest.skip("Debian's Mono 6.8 cannot run NetMQ's CURVE: its corlib has no indexer of ReadOnlySpan")
         if script == "15_security" and not (tmp_path / "keys").exists():
             keys.example(tmp_path / "keys")
@@ -245,15 +244,13 @@ def editor(engine: dotnet.Engine, harness: Path, summary: Summary, tmp_path: Pat
         assert statistics.median(worked) <= STOP_LIMIT, f"Stops took {worked} ms"
 
 
-def needs_mono(engine: dotnet.Engine) -> None:
+def needs_mono() -> None:
     mono = shutil.which("mono")
     if not mono:
         pytest.skip("no mono here (on Debian: apt install mono-devel)")
     libraries = Path(mono).resolve().parent.parent / "lib" / "mono"
     if not any(libraries.glob("4.5/Facades/netstandard.dll")):
         pytest.skip("this mono cannot run .NET Standard libraries (on Debian: apt install mono-devel)")
-    if engine.offline:
-        pytest.skip("NuGet gave no .NET Standard reference, so the scripts are built for .NET, which mono cannot run")
 
 
 @pytest.fixture
@@ -481,11 +478,11 @@ def test_a_paused_editor_is_felt_by_the_network_thread(
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_a_flood_of_replies_fills_no_frame(
-    runtime: str, engine: dotnet.Engine, harness: Path, serve: Callable[..., Any], start: Callable[..., Any]
+    runtime: str, netmq: dotnet.NetMQ, harness: Path, serve: Callable[..., Any], start: Callable[..., Any]
 ) -> None:
     """Each line costs 0.3 ms, as it may in a build; in the editor it is more."""
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     endpoint = serve("01_request_reply", "--quiet")[1]
     play = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "flood", "1", endpoint, "3000")
     assert play.wait(300) == 0, play.output[-2000:]
@@ -657,10 +654,10 @@ def test_netmq_that_never_ends(runtime: str, editor: Callable[..., Any], absent:
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_a_program_whose_netmq_never_ends_ends(
-    runtime: str, harness: Path, engine: dotnet.Engine, start: Callable[..., Program]
+    runtime: str, harness: Path, netmq: dotnet.NetMQ, start: Callable[..., Program]
 ) -> None:
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     program = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "forgotten")
     assert program.wait() == 0, program.output
     assert program.lines == ["done"]
@@ -668,11 +665,11 @@ def test_a_program_whose_netmq_never_ends_ends(
 
 @pytest.mark.parametrize(("runtime", "count"), [("mono", 2), (".net", 0)])
 def test_only_a_runtime_that_unloads_domains_is_listened_to(
-    runtime: str, count: int, harness: Path, engine: dotnet.Engine, start: Callable[..., Program]
+    runtime: str, count: int, harness: Path, netmq: dotnet.NetMQ, start: Callable[..., Program]
 ) -> None:
     """CoreCLR, to which Unity moves, never unloads one, and what listens to that is never unloaded itself."""
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     program = start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "listeners")
     assert program.wait() == 0, program.output
     assert program.lines == [f"{count} listen to the end of their domain"]

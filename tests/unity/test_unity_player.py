@@ -23,8 +23,8 @@ pytestmark = pytest.mark.xdist_group("player")
 
 
 @pytest.fixture(scope="session")
-def harness(engine: dotnet.Engine) -> Path:
-    return dotnet.build(Path(sys.executable), engine, ROOT / "tests" / "unity" / "play")
+def harness(netmq: dotnet.NetMQ) -> Path:
+    return dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
 
 
 def test_the_stand_in_has_unitys_signatures(harness: Path, start: Callable[..., Any]) -> None:
@@ -118,9 +118,9 @@ def test_scripts_may_do_here_what_they_do_in_unity(harness: Path, start: Callabl
     assert int(longest) >= 1000
 
 
-def build(engine: dotnet.Engine, project: str, into: Path, *properties: str) -> Path:
+def build(netmq: dotnet.NetMQ, project: str, into: Path, *properties: str) -> Path:
     """Build somewhere else than kit.py does; returns the folder."""
-    command = ["dotnet", "build", ROOT / project, *engine.properties, "-v", "quiet", "--nologo"]
+    command = ["dotnet", "build", ROOT / project, *netmq.properties, "-v", "quiet", "--nologo"]
     words = [str(word) for word in [*command, f"-p:ArtifactsPath={into}", *properties]]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
     done = subprocess.run(words, capture_output=True, text=True, timeout=500, env=environment)
@@ -142,21 +142,21 @@ public class MyOwn : MonoBehaviour
 
 
 def test_a_readers_own_script_is_built_and_played(
-    engine: dotnet.Engine, tmp_path: Path, start: Callable[..., Any]
+    netmq: dotnet.NetMQ, tmp_path: Path, start: Callable[..., Any]
 ) -> None:
     """Without XML documentation, with warnings, in no namespace: as one writes it."""
     scripts = tmp_path / "scripts"
     shutil.copytree(ROOT / "unity" / "Assets" / "NetMQExample", scripts)
     (scripts / "07_mine").mkdir()
     (scripts / "07_mine" / "MyOwn.cs").write_text(MINE)
-    out = build(engine, "csharp-console", tmp_path / "out", f"-p:PackageScripts={scripts}/")
+    out = build(netmq, "csharp-console", tmp_path / "out", f"-p:PackageScripts={scripts}/")
     played = start("dotnet", next(out.glob("bin/csharp-console/*/csharp-console.dll")), "7", "--unity", "--times", "2")
     assert played.wait() == 0, played.output
     assert played.lines == ["mine", "mine"]
 
 
-def test_the_kits_own_scripts_have_no_warning(engine: dotnet.Engine, tmp_path: Path) -> None:
-    build(engine, "csharp-support/lessons", tmp_path / "out", "-p:Strict=true")
+def test_the_kits_own_scripts_have_no_warning(netmq: dotnet.NetMQ, tmp_path: Path) -> None:
+    build(netmq, "csharp-support/lessons", tmp_path / "out", "-p:Strict=true")
 
 
 def test_plays_the_console_twins_lines(

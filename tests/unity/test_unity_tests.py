@@ -24,9 +24,9 @@ WORKFLOW = ROOT / ".github" / "workflows" / "unity.yml"
 
 
 @pytest.fixture(scope="session")
-def runner(engine: dotnet.Engine) -> Path:
+def runner(netmq: dotnet.NetMQ) -> Path:
     try:
-        return dotnet.build(Path(sys.executable), engine, RUNNER)
+        return dotnet.build(netmq, RUNNER)
     except KitError as error:
         if (nuget_folder() / "nunit").exists():
             raise
@@ -35,10 +35,10 @@ def runner(engine: dotnet.Engine) -> Path:
 
 @pytest.mark.parametrize("runtime", RUNTIMES)
 def test_they_pass(
-    runtime: str, runner: Path, engine: dotnet.Engine, start: Callable[..., Program], tmp_path: Path
+    runtime: str, runner: Path, netmq: dotnet.NetMQ, start: Callable[..., Program], tmp_path: Path
 ) -> None:
     if runtime == "mono":
-        needs_mono(engine)
+        needs_mono()
     program = start({"mono": "mono", ".net": "dotnet"}[runtime], runner, folder=tmp_path)
     code = program.wait(120)
     assert [line for line in program.lines if line.startswith("FAILED")] == []

@@ -40,14 +40,12 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def programs(engine: dotnet.Engine, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def programs(netmq: dotnet.NetMQ, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """csharp-console.exe and play.exe with Windows' .NET beside them."""
-    if engine.name != "netmq":
-        pytest.skip("needs NetMQ: there is no libzmq for Windows here")
     folder = tmp_path_factory.mktemp("windows")
     # An .exe is made for .NET itself, and not for .NET Standard.
     framework = f"-p:LibraryFramework=net{(dotnet.sdk() or '').split('.')[0]}.0"
-    own = ["-p:NetMQEngine=netmq", "-p:NuGetAudit=false", f"-p:ArtifactsPath={folder / 'artifacts'}"]
+    own = ["-p:NuGetAudit=false", f"-p:ArtifactsPath={folder / 'artifacts'}"]
     play = ["-p:UseAppHost=true", "-p:GenerateDependencyFile=true"]
     projects: list[tuple[str, list[str]]] = [("csharp-console", []), ("tests/unity/play", play)]
     for project, more in projects:

@@ -234,9 +234,9 @@ def test_the_webgl_half_of_the_client_in_a_browser(serve, open_page):
     assert page.errors == []
 
 
-def test_a_webgl_build_compiles_without_netmq(engine):
+def test_a_webgl_build_compiles_without_netmq(netmq):
     """The browser's half, which no other build sees, and nothing of the assembly that WebGL leaves out."""
-    built = dotnet.build(PYTHON, engine, ROOT / "tests" / "web" / "webgl")
+    built = dotnet.build(netmq, ROOT / "tests" / "web" / "webgl")
     assert b"KitWebOpen" in built.read_bytes() and b"BrowserConnection" in built.read_bytes()
     assert "NetMQ.dll" not in {path.name for path in built.parent.iterdir()}
 
