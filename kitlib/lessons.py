@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
+# The Unity package.
+PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
 # What a classroom without internet brings along: wheels and NuGet packages, from `kit.py pack`.
 PACKAGES = ROOT / "packages"
 WINDOWS = os.name == "nt"
@@ -82,7 +84,7 @@ class Lesson:
 
     @property
     def unity(self) -> Path:
-        return ROOT / "unity" / "Assets" / "NetMQExample" / self.key
+        return PACKAGE / self.key
 
     @property
     def console(self) -> Path:

@@ -6,9 +6,11 @@ import json
 import re
 import shutil
 import statistics
+import sys
 import time
 from typing import Any
 
+from kitlib.commands import guarded
 from kitlib.lessons import ROOT, KitError
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
@@ -206,3 +208,7 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
             }
         )
     return found
+
+
+if __name__ == "__main__":
+    sys.exit(guarded(lambda: bench("--quick" in sys.argv, "--free" in sys.argv)))

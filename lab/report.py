@@ -1,8 +1,12 @@
-"""The lab's results as tables: on the screen, and in the guide."""
+"""The lab's results as tables: on the screen, and in the guide, where `python3 -m lab.report` rewrites them."""
 
 from __future__ import annotations
 
+import json
 from typing import Any
+
+from kitlib.docs import guide
+from kitlib.lessons import ROOT
 
 FIRST, FRAMES, STEPS = "milliseconds to the first reply", "main thread, each frame", "steps of CartPole"
 GATEWAY, TAP = "lesson 01 by the gateway", "lesson 01 by the tap"
@@ -121,3 +125,18 @@ def aligned(rows: list[tuple[str, ...]]) -> list[str]:
         )
         for row in rows
     ]
+
+
+def in_a_page(source: str) -> str:
+    """The table of a block `<!-- bench: title -->`, or `title | column, column` for these columns alone."""
+    title, _, columns = source.partition(" | ")
+    results = json.loads((ROOT / "lab" / "performance.json").read_text(encoding="utf-8"))
+    if title == "machine":
+        return "".join(f"{name}: {value}\n" for name, value in results["machine"].items())
+    lines = table(results, title, columns.split(", ") if columns else None)
+    return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+if __name__ == "__main__":
+    for page in guide.pages():
+        guide.rewrite(page, {"bench": lambda block: in_a_page(block.source)})

@@ -105,7 +105,7 @@ namespace UnityPlayer
         public static void MakeHuman(Animator character, HumanBodyBones bone, Transform part) => character.Bones[bone] = part;
 
         /// <summary>The textures that nobody has destroyed, and the materials with their colours.</summary>
-        public static IEnumerable<string> Left => Scene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
+        public static IEnumerable<string> Left => LoadedScene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
             ? FormattableString.Invariant($":{paint.color.r:F2},{paint.color.g:F2},{paint.color.b:F2}") : ""));
 
         /// <summary>What OnGUI has drawn last.</summary>
@@ -165,7 +165,7 @@ namespace UnityPlayer
             ForEach(script => script.BeginFrame());
             ForEach(script => script.Tick("LateUpdate"));
             ForEach(script => script.Tick("OnGUI"));
-            Scene.RemoveDestroyed();
+            LoadedScene.RemoveDestroyed();
         }
 
         private static TimeSpan FrameLength => Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate) : FrameTime;
@@ -205,8 +205,8 @@ namespace UnityPlayer
             var busy = Stopwatch.StartNew();
             ForEach(script => script.Send("OnApplicationQuit"));
             Application.SayQuitting();
-            while (Scene.Objects.Count > 0) Scene.Remove(Scene.Objects[0]);
-            Scene.RemoveDestroyed();
+            while (LoadedScene.Objects.Count > 0) LoadedScene.Remove(LoadedScene.Objects[0]);
+            LoadedScene.RemoveDestroyed();
             Application.Playing = false;
             SynchronizationContext.SetSynchronizationContext(contextBefore);
             return busy.Elapsed;
@@ -214,14 +214,14 @@ namespace UnityPlayer
 
         private static bool? DoneOf(MonoBehaviour script) => (bool?)script.GetType().GetProperty("Done", typeof(bool))?.GetValue(script);
 
-        private static IEnumerable<MonoBehaviour> Behaviours() => Scene.Objects.SelectMany(thing => thing.Components).OfType<MonoBehaviour>();
+        private static IEnumerable<MonoBehaviour> Behaviours() => LoadedScene.Objects.SelectMany(thing => thing.Components).OfType<MonoBehaviour>();
 
         // By index, because a script may add or remove others, and because a frame should allocate nothing.
         private static void ForEach(Action<MonoBehaviour> call)
         {
-            for (var i = 0; i < Scene.Objects.Count; i++)
+            for (var i = 0; i < LoadedScene.Objects.Count; i++)
             {
-                var parts = Scene.Objects[i].Components;
+                var parts = LoadedScene.Objects[i].Components;
                 for (var k = 0; k < parts.Count; k++)
                     if (parts[k] is MonoBehaviour script) call(script);
             }

@@ -15,7 +15,7 @@ import platform
 import re
 import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import NoReturn
 
@@ -26,13 +26,18 @@ from kitlib.terminal import coloured, nobody_reads
 
 def main(about: str, names: Sequence[str], words: list[str]) -> int:
     """Do what the command line says; returns the exit code."""
+    return guarded(lambda: start(about, names, words))
+
+
+def guarded(work: Callable[[], int]) -> int:
+    """The exit code of this work, or of what ended it: one line for what a user can mend."""
     # A legacy console code page must not turn a printed line into a traceback; and in a pipe every system gets UTF-8.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding=None if stream.isatty() else "utf-8", errors="backslashreplace")
     interruptible()
     try:
-        return start(about, names, words)
+        return work()
     except KitError as error:
         print(coloured("kit    |", "error", sys.stderr), error, file=sys.stderr)
         return error.code

@@ -1,8 +1,9 @@
 """Runs the performance lab, the folder lab/."""
 
 import argparse
+import sys
 
-from lab import bench
+from kitlib.programs import run_in_terminal
 
 ABOUT = "Measures the kit beside raw TCP, WebSocket, HTTP, gRPC and others, in rounds that take turns."
 EXAMPLES = [
@@ -19,4 +20,5 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def do(options: argparse.Namespace) -> int:
-    return bench.bench(options.quick, options.free)
+    words = [f"--{name}" for name in ("quick", "free") if getattr(options, name)]
+    return run_in_terminal([sys.executable, "-m", "lab.bench", *words])

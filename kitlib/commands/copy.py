@@ -8,11 +8,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from kitlib import imports, lessons
-from kitlib.lessons import ROOT, KitError, Lesson, UsageError, find
+from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, UsageError, find
 from kitlib.setup import python_setup
 from kitlib.terminal import say
 from kitlib.unity.install import code, command, digest, place, without_unity
-from kitlib.unity.meta import PACKAGE
 
 ABOUT = (
     "Copies a lesson's Python programs and just those modules of netmq_example that they import into a folder of yours,"

@@ -37,6 +37,6 @@ def do(options: argparse.Namespace) -> int:
         say(f"{changed}: named like the kit's, and used in its place {whose}")
     netmq = dotnet.find_netmq()
     player = dotnet.build(netmq)
-    scripts = dotnet.build(netmq, dotnet.SUPPORT / "own-scripts", files)
+    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, files)
     # What a script keeps in a file, it keeps where its owner is, and not in the kit.
     return run_in_terminal(["dotnet", player, scripts, "--unity", *options.words], Path.cwd())

@@ -9,7 +9,7 @@ A fenced block says where it comes from in a comment on the line above it:
     <!-- excerpt: python/01_request_reply/server.py answer -->   a function, class or method, by its name
     <!-- run: 1 --client csharp --options='--count 1' -->        what `kit.py run` prints; `...` stands for any lines
     <!-- like: 3 -->                                             the same, but numbers and ids differ from run to run
-    <!-- bench: echo of 32 B | a second, p50 us -->              a table of the kept run, or some columns
+    <!-- bench: echo of 32 B | a second, p50 us -->              a table of the lab, which lab/report.py rewrites
     <!-- commands -->                                            one command a line, each of which a test starts
     <!-- diagram -->                                             a sequence diagram, whose grammar a test checks
     <!-- by hand: why -->                                        none of these, and counted
@@ -24,20 +24,18 @@ import argparse
 import ast
 import difflib
 import functools
-import json
 import re
 import shlex
 import sys
 import tempfile
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
 from kitlib.lessons import ROOT, KitError, find
 from kitlib.programs import quietly
-from lab import report
 
 BLOCK = re.compile(
     r"(?:<!-- (?P<mark>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL
@@ -91,17 +89,6 @@ def excerpt(source: str) -> str:
     if found is None:
         raise KitError(f"there is no {name} in {path}")
     return textwrap.dedent("\n".join(text.splitlines()[found.start : found.stop])).rstrip() + "\n"
-
-
-def bench_table(source: str) -> str:
-    """A table of the kept run of `kit.py bench`: `title`, or `title | column, column` for these columns alone."""
-    title, _, columns = source.partition(" | ")
-    results = json.loads((ROOT / "lab" / "performance.json").read_text(encoding="utf-8"))
-    if title == "machine":
-        return "".join(f"{name}: {value}\n" for name, value in results["machine"].items())
-    return "".join(
-        f"{line.rstrip()}\n" for line in report.table(results, title, columns.split(", ") if columns else None)
-    )
 
 
 def python_lines(text: str, name: str) -> range | None:
@@ -216,27 +203,32 @@ def renewed(block: Block, lines: Sequence[str]) -> str:
     return "".join(f"{line}\n" for line in new)
 
 
-def rewritten(page: Path, transcripts: bool = False) -> str:
-    """The page with every excerpt as its file has it now, and with its transcripts as a run prints them."""
+def ran(block: Block) -> str:
+    """The body of a transcript; where a run contradicts it, as this run prints it."""
+    print(f"{block.where}: {block.kind} {block.source}", flush=True)
+    lines = printed(block.source)
+    why = contradiction(block, lines)
+    if not why:
+        return block.body
+    print(why)
+    return renewed(block, lines)
+
+
+def rewrite(page: Path, bodies: Mapping[str, Callable[[Block], str]]) -> None:
+    """Give each block of these kinds the body that its function returns."""
     text = page.read_text(encoding="utf-8")
 
     def replace(found: re.Match[str]) -> str:
         this = as_block(page, text, found)
-        body = this.body
-        if this.kind == "excerpt":
-            body = excerpt(this.source)
-        elif this.kind == "bench":
-            body = bench_table(this.source)
-        elif this.kind in ("run", "like") and transcripts:
-            print(f"{this.where}: {this.kind} {this.source}", flush=True)
-            lines = printed(this.source)
-            if why := contradiction(this, lines):
-                print(why)
-                body = renewed(this, lines)
+        if this.kind not in bodies:
+            return found[0]
         start, end = (place - found.start() for place in found.span("body"))
-        return found[0][:start] + body + found[0][end:]
+        return found[0][:start] + bodies[this.kind](this) + found[0][end:]
 
-    return BLOCK.sub(replace, text)
+    new = BLOCK.sub(replace, text)
+    if new != text:
+        page.write_text(new, encoding="utf-8", newline="\n")
+        print(f"{page.relative_to(ROOT).as_posix()}: rewritten")
 
 
 def begin_anew() -> None:
@@ -250,14 +242,14 @@ def main() -> None:
     parser.add_argument("pages", nargs="*", type=Path, metavar="PAGE", help="these pages alone")
     parser.add_argument("--excerpts", action="store_true", help="leave the transcripts, each of which takes a run")
     options = parser.parse_args()
+    bodies: dict[str, Callable[[Block], str]] = {"excerpt": lambda block: excerpt(block.source)}
+    if not options.excerpts:
+        bodies |= {"run": ran, "like": ran}
     by_hand = []
     for page in [path.resolve() for path in options.pages] or pages():
         if not options.excerpts:
             begin_anew()
-        new = rewritten(page, transcripts=not options.excerpts)
-        if new != page.read_text(encoding="utf-8"):
-            page.write_text(new, encoding="utf-8", newline="\n")
-            print(f"{page.relative_to(ROOT).as_posix()}: rewritten")
+        rewrite(page, bodies)
         by_hand += [block for block in blocks(page) if block.kind == "by hand"]
     for each in by_hand:
         print(f"{each.where}: by hand: {each.source}")

@@ -1,6 +1,6 @@
-"""Records img/02_watched.html and img/08_watched.html, and draws one: python3 -m kitlib.docs.tap_recordings
+"""Records img/16_watched.html, and draws img/16_watched.png: python3 -m kitlib.docs.tap_recordings
 
-Each is one file that plays in a browser without a server. A tap stands between a lesson's client and server, and slows
+The page plays in a browser without a server. It holds a recording of lesson 02, and one of lesson 08 by the name #lesson_08. A tap stands between a lesson's client and server, and slows
 each message down so that an eye can follow. In lesson 02 it drops a reply.
 """
 
@@ -15,6 +15,9 @@ from pathlib import Path
 from kitlib.lessons import ROOT, find
 from kitlib.programs import Program, ask_to_end
 from kitlib.watch import tap_command
+
+sys.path.append(str(ROOT / "python"))
+from netmq_example.tap.arrows import BEGIN, END, HTML
 
 # What the client and the tap are told.
 RECORDINGS = {
@@ -55,12 +58,17 @@ def take_picture(page: Path, picture: Path, folder: str) -> None:
 
 
 def main() -> None:
+    page, recorded = ROOT / "img" / "16_watched.html", ""
     with tempfile.TemporaryDirectory() as folder:
         for number, words in RECORDINGS.items():
-            picture = ROOT / "img" / f"{number}_watched.html"
-            record(number, *words, folder, picture)
-            print(f"recorded {picture.relative_to(ROOT).as_posix()}, {picture.stat().st_size:,} bytes")
-        take_picture(ROOT / "img" / "02_watched.html", ROOT / "img" / "16_watched.png", folder)
+            one = Path(folder) / f"{number}.html"
+            record(number, *words, folder, one)
+            packed = one.read_text(encoding="utf-8").partition(BEGIN)[2].partition(END)[0]
+            begin = BEGIN if not recorded else BEGIN.replace("recording", f"lesson_{number}")
+            recorded += f"{begin}{packed}{END}"
+        page.write_text(HTML.read_text(encoding="utf-8").replace(BEGIN + END, recorded), encoding="utf-8", newline="\n")
+        print(f"recorded {page.relative_to(ROOT).as_posix()}, {page.stat().st_size:,} bytes")
+        take_picture(page, page.with_suffix(".png"), folder)
 
 
 if __name__ == "__main__":

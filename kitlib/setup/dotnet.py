@@ -14,15 +14,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kitlib import lessons
-from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
+from kitlib.lessons import KIT, PACKAGE, PACKAGES, ROOT, UNWRITABLE, KitError, keep, recall, writable
 from kitlib.programs import Result, quietly, step
 from kitlib.setup.lock import locked
 from kitlib.terminal import say
-from kitlib.unity.meta import PACKAGE
 
 BUILD = ROOT / ".build"
 CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
+OWN_SCRIPTS = CONSOLE / "own-scripts"
 # Who builds or restores holds it: all projects share what stands in .build.
 LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
@@ -86,15 +86,7 @@ class NetMQ:
 
 def restore(netmq: NetMQ) -> Result:
     # By force, because what an interrupted restore has left looks whole to the next one.
-    forget_damaged()
     return quietly(["dotnet", "restore", CONSOLE, "--force", *netmq.properties], TIMEOUT, ENVIRONMENT)
-
-
-def forget_damaged() -> None:
-    """NuGet reads what its last restore has written, even by force, and an empty file ends it."""
-    for path in (BUILD / "obj").glob("*/project.assets.json"):
-        if not recall(path):
-            path.unlink(missing_ok=True)
 
 
 def find_netmq(ask_again: bool = False) -> NetMQ:
@@ -156,11 +148,6 @@ def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
     return digest.hexdigest()
 
 
-def outputs(folder: Path) -> str:
-    """What a build has made: a full disk, or a hand, may have taken from it since."""
-    return " ".join(sorted(f"{path.name}={path.stat().st_size}" for path in folder.glob("*") if path.is_file()))
-
-
 def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Path:
     """Build a project, if anything changed since the last time; returns its .dll.
 
@@ -172,11 +159,8 @@ def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Pa
     sources = [CONSOLE, SUPPORT, project, PACKAGE, *own]
     now = fingerprint(netmq, sources)
 
-    def whole() -> bool:
-        return recall(stamp).get("outputs") == outputs(dll.parent)
-
     def fresh() -> bool:
-        return whole() and recall(stamp).get("sources") == now
+        return dll.exists() and recall(stamp).get("sources") == now
 
     if fresh():
         return dll
@@ -186,13 +170,11 @@ def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Pa
         # Who held the lock before may have built the same.
         if fresh():
             return dll
-        again = [] if whole() else ["--no-incremental", "--force"]
+        # Without a stamp the last build was interrupted, and MSBuild takes even an empty file for finished.
+        again = [] if stamp.exists() else ["--no-incremental", "--force"]
+        stamp.unlink(missing_ok=True)
         # What a reader's scripts refer to was built with the console, a moment ago.
         no_references = ["-p:BuildProjectReferences=false"] if own else []
-        # Until it has succeeded there is no stamp, and without one nothing that lies there is trusted: MSBuild takes
-        # even an empty file for finished.
-        stamp.unlink(missing_ok=True)
-        forget_damaged()
         words = [*netmq.properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
         # MSBuild takes a variable for a property; on its command line a semicolon would end it. A name is escaped.
         kit = taken_from_the_kit(own)
@@ -201,7 +183,7 @@ def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Pa
         result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment)
         if not result.ok:
             raise KitError(own_failure(result) if own else failure(result))
-        keep(stamp, json.dumps({"sources": now, "outputs": outputs(dll.parent)}))
+        keep(stamp, json.dumps({"sources": now}))
     return dll
 
 
@@ -227,7 +209,7 @@ def failure(result: Result) -> str:
         return "the C# build cannot replace a file that is in use: end the client that still runs"
     if "error NU1301" in result.output:
         return "the C# build needs NuGet, which cannot be reached: try again with internet"
-    return f"the C# build failed:\n{result.output.strip()}"
+    return f"the C# build failed; delete the folder {BUILD} if nobody has changed a file:\n{result.output.strip()}"
 
 
 def own_failure(result: Result) -> str:

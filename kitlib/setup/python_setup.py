@@ -1,7 +1,6 @@
-"""An interpreter that has what a lesson needs, on whatever machine this is.
+"""An interpreter that has what a lesson needs: .venv, filled by pip, or else the one that runs kit.py.
 
-In this order: .venv filled by pip; an interpreter that has the packages already; as root on Debian or Ubuntu, the
-distribution's packages; otherwise one line that says what to run.
+Where neither has it, one line says what to run.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ BUILD = ROOT / ".build"
 CHOICE = BUILD / "python.json"
 # This system, as `kit.py pack` calls it.
 HERE = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
-# The name to import, and the distribution's package, where they are not simply the name on PyPI.
+# The name to import, where it is not simply the name on PyPI.
 IMPORTS = {
     "pytest-xdist": "xdist",
     "pyzmq": "zmq",
@@ -38,12 +37,11 @@ IMPORTS = {
     "opencv-python": "cv2",
     "python-socketio": "socketio",
 }
-# On a Mac /usr/bin/python3 is too old, or opens a window that offers developer tools.
-SYSTEM = [*(["/usr/bin/python3"] if sys.platform != "darwin" else []), "/usr/local/bin/python3"]
 # What pip says where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
 # What nobody gets unasked: it is large, not there for every system, and a lesson does most of its work without it.
 LARGE = ("body", "ray")
+# The distribution's package, where it is not simply python3- and the name on PyPI.
 DEBIAN = {
     "pyzmq": "python3-zmq",
     "pillow": "python3-pil",
@@ -161,24 +159,30 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     known = remembered(key)
     if known and has(known, required):
         return known
-    python = from_pip(required, wanted) or from_this_machine(required) or from_debian(required, wanted)
+    python = from_pip(required, wanted) or from_this_python(required)
     if python is None:
-        cure = f"{Path(sys.executable).name} -m pip install {' '.join(map(name, required))}"
-        if any(PACKAGES.glob("*.whl")):
-            mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
-            cure = f"{KIT} pack {mine} ({PACKAGES.name} is for another Python or system)"
-            if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
-                raise KitError(f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)")
-        missing = ", ".join(map(name, required))
-        raise KitError(f"no Python with {missing} here, and no package index answers; with internet run: {cure}")
+        raise KitError(nowhere([name(need) for need in required]))
     keep(CHOICE, json.dumps({**recall(CHOICE), key: str(python)}))
     return python
+
+
+def nowhere(names: list[str]) -> str:
+    """What to run where no interpreter has these packages and pip cannot fetch them."""
+    cure = f"{Path(sys.executable).name} -m pip install {' '.join(names)}"
+    if any(PACKAGES.glob("*.whl")):
+        mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
+        cure = f"{KIT} pack {mine} ({PACKAGES.name} is for another Python or system)"
+        if not any(quietly([sys.executable, "-m", pip, "--version"], limit=60).ok for pip in ("pip", "ensurepip")):
+            return f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)"
+    elif shutil.which("apt-get") and sys.executable.startswith("/usr/bin/"):
+        cure = f"sudo apt install {' '.join(DEBIAN.get(each, f'python3-{each}') for each in names)}"
+    return f"no Python with {', '.join(names)} here, and no package index answers; with internet run: {cure}"
 
 
 def found(*extras: str) -> Path | None:
     """The interpreter that lessons run with, or would; sets up nothing."""
     known = [path for path in recall(CHOICE).values() if isinstance(path, str)]
-    near = map(Path, [str(venv_python()), *reversed(known), sys.executable, *SYSTEM])
+    near = map(Path, [str(venv_python()), *reversed(known), sys.executable])
     return next((python for python in near if python.exists() and has(python, needs(*extras))), None)
 
 
@@ -205,26 +209,22 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
     if not writable(BUILD):
         say(UNWRITABLE)
         return None
-    made = not quietly([python, "-c", ""], limit=60).ok
+    made = not python.exists()
     if made and not make_venv():
         return None
     for requirements in [wanted] if wanted == required else [wanted, required]:
         result = install(python, requirements)
-        if result.ok and not has(python, required) and not made:
-            # Pip takes for whole what has lost a file.
-            say("a package in .venv is damaged: making it anew")
-            made = True
-            result = install(python, requirements) if make_venv() else result
         if result.ok and has(python, requirements):
             return python
-        if result.ok:
-            say(f"pip could not give {', '.join(lacking(python, requirements))}")
-        elif any(words in result.output for words in NOTHING):
+        if any(words in result.output for words in NOTHING):
             say("pip found no package index, or not all of it there")
-        else:
+        elif not result.ok:
             say(f"pip could not: {result.first('ERROR', 'error', 'No module').removeprefix('ERROR: ')}")
+        elif missing := lacking(python, requirements):
+            # Pip takes for whole what has lost a file.
+            say(f"{', '.join(missing)} in {VENV.name} cannot be imported: delete the folder {VENV} and run this again")
     if made:
-        remove(VENV)
+        shutil.rmtree(VENV, ignore_errors=True)
     return None
 
 
@@ -248,50 +248,18 @@ def install(python: Path, requirements: list[str]) -> Result:
 def make_venv() -> bool:
     """Make .venv, with pip or, where the distribution left that out, without."""
     for option in ([], ["--without-pip"]):
-        # What a failed try leaves behind, or something else of this name, would look like an environment to the next.
-        remove(VENV)
+        # What a failed try leaves behind would look like an environment to the next.
+        shutil.rmtree(VENV, ignore_errors=True)
         if quietly([sys.executable, "-m", "venv", *option, VENV], limit=120).ok:
             return True
-    remove(VENV)
+    shutil.rmtree(VENV, ignore_errors=True)
     say("this Python cannot make a virtual environment (on Debian the package is python3-venv)")
     return False
 
 
-def remove(path: Path) -> None:
-    """A folder, or what is there in its place."""
-    if path.is_symlink() or path.is_file():
-        path.unlink()
-    else:
-        shutil.rmtree(path, ignore_errors=True)
-
-
-def from_this_machine(required: list[str]) -> Path | None:
-    """An interpreter that has the packages already."""
-    names = ["python3", "python", *(f"python3.{minor}" for minor in range(11, 20)), *SYSTEM]
-    found = [sys.executable, *(shutil.which(candidate) for candidate in names)]
-    for python in dict.fromkeys(path for path in found if path):
-        if has(python, required):
-            say(f"using {python}, which has {', '.join(map(name, required))}")
-            return Path(python)
-    return None
-
-
-def from_debian(required: list[str], wanted: list[str]) -> Path | None:
-    """The distribution's packages, for its own python3."""
-    python = Path("/usr/bin/python3")
-    if os.name == "nt" or not shutil.which("apt-get") or os.geteuid() != 0 or not python.exists():
+def from_this_python(required: list[str]) -> Path | None:
+    """The one that runs kit.py, if it has the packages."""
+    if not has(sys.executable, required):
         return None
-    env = {"DEBIAN_FRONTEND": "noninteractive"}
-    # The lists may be missing or old on a machine where nobody has installed anything yet.
-    step("apt-get update", ["apt-get", "update"], limit=120, env=env)
-    packages = {need: DEBIAN.get(name(need), f"python3-{name(need)}") for need in wanted}
-    # One that is not in this distribution must not keep the others away.
-    known = [need for need in wanted if need in required or quietly(["apt-cache", "show", packages[need]], limit=60).ok]
-    for requirements in [known] if known == required else [known, required]:
-        asked = [packages[need] for need in requirements]
-        command = ["apt-get", "install", "--yes", "--no-install-recommends", *asked]
-        result = step(f"installing {', '.join(asked)} with apt", command, limit=300, env=env)
-        if result.ok and has(python, required):
-            return python
-        say(f"apt could not: {result.first('E:')}")
-    return None
+    say(f"using {sys.executable}, which has {', '.join(map(name, required))}")
+    return Path(sys.executable)

@@ -18,10 +18,10 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from kitlib.lessons import ROOT, KitError, Lesson, find
+from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, find
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
-from kitlib.unity.meta import END, FOLDER, IMPORTERS, PACKAGE, assets, behaviours, guid, meta_of
+from kitlib.unity.meta import END, FOLDER, IMPORTERS, assets, behaviours, guid, meta_of
 from kitlib.unity.modules import VERSION, needed
 from kitlib.unity.project import (
     PARTS,

@@ -12,10 +12,8 @@ import hashlib
 import re
 from pathlib import Path
 
-from kitlib.lessons import ROOT
+from kitlib.lessons import PACKAGE, ROOT
 
-ASSETS = ROOT / "unity" / "Assets"
-PACKAGE = ASSETS / "NetMQExample"
 PREFAB = PACKAGE / "04_background_client" / "BackgroundClient.prefab"
 # What stays out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
 IGNORED = re.compile(r"^\.|~$|\.meta$|^Plugins$")

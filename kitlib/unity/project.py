@@ -7,9 +7,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from kitlib.lessons import KitError
+from kitlib.lessons import PACKAGE, KitError
 from kitlib.terminal import say
-from kitlib.unity.meta import PACKAGE
 
 # Where the kit's files go in it.
 TARGET = "Assets/NetMQExample"

@@ -810,7 +810,7 @@ def test_what_a_full_disk_leaves_of_a_build_is_built_again(netmq, prepared, star
     made = [path for path in build.rglob("*") if path.suffix in (".dll", ".json", ".props", ".targets", ".cache")]
     assert {
         "csharp-console.dll",
-        "UnityEngine.dll",
+        "UnityPlayer.dll",
         "netmq.json",
         "project.assets.json",
     } <= {path.name for path in made}
@@ -820,7 +820,7 @@ def test_what_a_full_disk_leaves_of_a_build_is_built_again(netmq, prepared, star
     assert again.wait(500) == 0, again.output
     assert again.lines[-1] == "client | done: 10 replies"
     # A build that was interrupted had no time for its stamp.
-    for path in [*build.rglob("*.stamp"), *build.rglob("UnityEngine.dll")]:
+    for path in [*build.rglob("*.stamp"), *build.rglob("UnityPlayer.dll")]:
         path.write_bytes(b"")
     third = start(*command)
     assert third.wait(500) == 0, third.output

@@ -161,7 +161,7 @@ def test_the_programs_of_the_page_talk(start, console, netmq, tmp_path):
     program, script = (block.body for block in guide.blocks(PAGE) if "a file of yours" in block.source)
     (tmp_path / "wind.py").write_text(program, encoding="utf-8")
     (tmp_path / "Weather.cs").write_text(script, encoding="utf-8")
-    scripts = dotnet.build(netmq, dotnet.SUPPORT / "own-scripts", [tmp_path / "Weather.cs"])
+    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Weather.cs"])
     endpoint = steady_endpoint()
     start(PYTHON, "wind.py", endpoint, folder=tmp_path, PYTHONPATH=str(ROOT / "python")).wait_for("^listening on")
     for _ in range(2):

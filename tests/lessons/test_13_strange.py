@@ -184,7 +184,7 @@ public sealed class MyChannels : SideChannelBehaviour
 def test_a_python_that_is_silent_for_longer_is_waited_for(start, console, netmq, tmp_path):
     """Before it is there for the first time, and in the middle; each time that is one line."""
     (tmp_path / "MyChannels.cs").write_text(SCENE, encoding="utf-8")
-    scripts = dotnet.build(netmq, dotnet.SUPPORT / "own-scripts", [tmp_path / "MyChannels.cs"])
+    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "MyChannels.cs"])
     endpoint = steady_endpoint()
     player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--timeout", "1")
     silence = f"^no word from {endpoint} within 1 s; is the server running. It is tried again and again$"

@@ -142,7 +142,7 @@ public class Walker : MonoBehaviour
 
 def test_in_unity_to_walk_away_is_a_distance(serve, start, console, netmq, tmp_path):
     (tmp_path / "Walker.cs").write_text(WALKER, encoding="utf-8")
-    scripts = dotnet.build(netmq, dotnet.SUPPORT / "own-scripts", [tmp_path / "Walker.cs"])
+    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Walker.cs"])
     server, endpoint = serve(KEY, "--delay", "0.5")
     player = start(*console, scripts, "--unity", "--endpoint", endpoint)
     assert player.wait() == 0, player.output
@@ -181,7 +181,7 @@ public class Asker : TalkingCharacter
 
 def test_a_game_asks_what_it_likes_and_to_disable_the_character_ends_the_work(serve, start, console, netmq, tmp_path):
     (tmp_path / "Asker.cs").write_text(ASKER, encoding="utf-8")
-    scripts = dotnet.build(netmq, dotnet.SUPPORT / "own-scripts", [tmp_path / "Asker.cs"])
+    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Asker.cs"])
     server, endpoint = serve(KEY)
     player = start(*console, scripts, "--unity", "--endpoint", endpoint)
     heard = player.wait_for("^heard (.*)$")[1]

@@ -66,7 +66,7 @@ def printed(folder: Path, unity: Path, define: str, program: str, types: str = "
 
 
 def test_the_input_system_alone_is_enough(editor_dll: Path, tmp_path: Path) -> None:
-    unity = editor_dll.parent / "UnityEngine.dll"
+    unity = editor_dll.parent / "UnityPlayer.dll"
     assert printed(tmp_path, unity, "NETMQEXAMPLE_INPUT_SYSTEM", PRESS_EACH, INPUT_SYSTEM) == [
         "nobody 0 0 False False",
         "Space 0 0 True False",
@@ -83,7 +83,7 @@ def test_the_input_system_alone_is_enough(editor_dll: Path, tmp_path: Path) -> N
 
 
 def test_without_either_one_line_says_what_to_do(editor_dll: Path, tmp_path: Path) -> None:
-    unity = editor_dll.parent / "UnityEngine.dll"
+    unity = editor_dll.parent / "UnityPlayer.dll"
     lines = printed(tmp_path, unity, "", 'Say("once"); Say("twice");')
     assert sorted(lines) == [
         "no keyboard: install the package Input System, or set Project Settings, Player, Active Input Handling to Both",

@@ -16,6 +16,9 @@
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     calls DLL               how often a build of the lessons shows a message
 //     quit                    the end of the editor
+//
+// What calls NetMQConnection.Show here is compiled as in a build; the folder Editor beside it is not.
+#undef UNITY_EDITOR
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -100,7 +103,7 @@ namespace NetMQExample.EditorTest
             EditorApplication.update?.Invoke();
             drawn?.Draw();
             if (player != null) Console.WriteLine($"hud: {shown.text}");
-            foreach (var window in EditorWindow.Open)
+            foreach (var window in EditorWindow.Opened)
             {
                 window.GetType().GetMethod("OnInspectorUpdate", Any)?.Invoke(window, null);
                 for (var i = 0; i < times; i++) window.GetType().GetMethod("OnGUI", Any)?.Invoke(window, null);
@@ -197,7 +200,6 @@ namespace NetMQExample.EditorTest
             for (var i = 0; i < 100; i++) connection.TrySend(TimeSpan.FromSeconds(1), default, frames);
         }
 
-        // This project does not define UNITY_EDITOR, as a build does not.
         private static void Count()
         {
             var (seen, made) = (0, 0);

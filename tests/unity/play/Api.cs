@@ -26,8 +26,9 @@ namespace NetMQExample.PlayTest
 
         public static void Print(Assembly standIn)
         {
-            // A delegate stands where it is used.
-            var types = standIn.GetExportedTypes().Where(type => !typeof(Delegate).IsAssignableFrom(type));
+            // A delegate stands where it is used. Beside the stand-in is the program that uses it.
+            var types = standIn.GetExportedTypes().Where(type => !typeof(Delegate).IsAssignableFrom(type)
+                && (type.FullName.StartsWith("UnityEngine.") || type.FullName.StartsWith("UnityEditor.")));
             foreach (var type in types.OrderBy(type => type.FullName, StringComparer.Ordinal))
             {
                 var plain = type.IsValueType || type.BaseType == typeof(object) || type.BaseType == null;

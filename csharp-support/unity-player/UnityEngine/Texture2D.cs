@@ -59,7 +59,7 @@ namespace UnityEngine
         {
             get
             {
-                if (white == null) Scene.Made.Remove(white = new Texture2D(4, 4, TextureFormat.RGBA32, false));
+                if (white == null) LoadedScene.Made.Remove(white = new Texture2D(4, 4, TextureFormat.RGBA32, false));
                 return white;
             }
         }
@@ -72,7 +72,7 @@ namespace UnityEngine
             this.width = width;
             this.height = height;
             pixels = new byte[width * height * (int)textureFormat];
-            Scene.Made.Add(this);
+            LoadedScene.Made.Add(this);
         }
 
         public void LoadRawTextureData(byte[] data)

@@ -22,9 +22,9 @@ namespace UnityEngine
             Array.Fill(colours, Packed(camera.backgroundColor));
             Array.Clear(nearness, 0, nearness.Length);
             var (eye, back) = (camera.transform.position, camera.transform.rotation.Back);
-            for (var i = 0; i < Scene.Objects.Count; i++)
+            for (var i = 0; i < LoadedScene.Objects.Count; i++)
             {
-                var thing = Scene.Objects[i];
+                var thing = LoadedScene.Objects[i];
                 if (!thing.activeSelf || !(thing.GetComponent<Renderer>() is Renderer shape) || !shape.enabled
                     || (camera.cullingMask >> thing.layer & 1) == 0) continue;
                 var (turn, half) = (back * thing.transform.rotation, thing.transform.localScale * 0.5f);

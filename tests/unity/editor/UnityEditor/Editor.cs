@@ -25,13 +25,13 @@ namespace UnityEditor
 
     public class EditorWindow : ScriptableObject
     {
-        internal static List<EditorWindow> Open { get; } = new List<EditorWindow>();
+        internal static List<EditorWindow> Opened { get; } = new List<EditorWindow>();
 
         public static T GetWindow<T>(string title) where T : EditorWindow
         {
-            if (Open.Find(window => window is T) is T there) return there;
+            if (Opened.Find(window => window is T) is T there) return there;
             var made = CreateInstance<T>();
-            Open.Add(made);
+            Opened.Add(made);
             return made;
         }
 

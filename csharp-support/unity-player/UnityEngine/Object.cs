@@ -20,13 +20,13 @@ namespace UnityEngine
         public static void Destroy(Object obj)
         {
             MainThread.Only(nameof(Destroy));
-            if (obj != null && !Scene.Destroyed.Contains(obj)) Scene.Destroyed.Add(obj);
+            if (obj != null && !LoadedScene.Destroyed.Contains(obj)) LoadedScene.Destroyed.Add(obj);
         }
 
         public static void DestroyImmediate(Object obj)
         {
             MainThread.Only(nameof(DestroyImmediate));
-            if (obj != null) Scene.Remove(obj);
+            if (obj != null) LoadedScene.Remove(obj);
         }
 
         /// <summary>No scene is left here, so it only looks who asks.</summary>

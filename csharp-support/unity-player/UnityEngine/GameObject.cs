@@ -17,7 +17,7 @@ namespace UnityEngine
         {
             this.name = name;
             transform = AddComponent<Transform>();
-            Scene.Objects.Add(this);
+            LoadedScene.Objects.Add(this);
         }
 
         internal List<Component> Components { get; } = new List<Component>();
@@ -78,7 +78,7 @@ namespace UnityEngine
         }
 
         public T[] GetComponentsInChildren<T>(bool includeInactive) => Components.OfType<T>()
-            .Concat(Scene.Objects.Where(one => one.transform.IsPartOf(this)).SelectMany(one => one.GetComponentsInChildren<T>(true))).ToArray();
+            .Concat(LoadedScene.Objects.Where(one => one.transform.IsPartOf(this)).SelectMany(one => one.GetComponentsInChildren<T>(true))).ToArray();
 
         public Component GetComponent(Type type) => Components.FirstOrDefault(type.IsInstanceOfType);
     }
@@ -120,7 +120,7 @@ namespace UnityEngine
         {
             MainThread.Only(nameof(GetComponentsInChildren));
             // Inactive ones are left out, as in Unity.
-            return Scene.Objects.Where(thing => thing.activeSelf && thing.transform.IsBelow(transform)).SelectMany(thing => thing.Components).OfType<T>().ToArray();
+            return LoadedScene.Objects.Where(thing => thing.activeSelf && thing.transform.IsBelow(transform)).SelectMany(thing => thing.Components).OfType<T>().ToArray();
         }
     }
 
@@ -239,7 +239,7 @@ namespace UnityEngine
     }
 
     /// <summary>Every game object there is.</summary>
-    internal static class Scene
+    internal static class LoadedScene
     {
         public static List<GameObject> Objects { get; } = new List<GameObject>();
 

@@ -136,7 +136,7 @@ namespace UnityEngine.SceneManagement
     {
         public string name => "Main";
 
-        public GameObject[] GetRootGameObjects() => UnityEngine.Scene.Objects.Where(thing => thing.transform.parent == null).ToArray();
+        public GameObject[] GetRootGameObjects() => LoadedScene.Objects.Where(thing => thing.transform.parent == null).ToArray();
     }
 
     public class SceneManager { }

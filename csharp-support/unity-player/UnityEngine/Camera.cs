@@ -107,14 +107,14 @@ namespace UnityEngine
         {
             MainThread.Only("CreateWithMaterial");
             color = source.color;
-            Scene.Made.Add(this);
+            LoadedScene.Made.Add(this);
         }
 
         public Material(Shader shader)
         {
             MainThread.Only("CreateWithShader");
             Drawn = shader.Title;
-            Scene.Made.Add(this);
+            LoadedScene.Made.Add(this);
         }
 
         internal Material() { }
@@ -158,7 +158,7 @@ namespace UnityEngine
             this.width = width;
             this.height = height;
             Pixels = new byte[width * height * 4];
-            Scene.Made.Add(this);
+            LoadedScene.Made.Add(this);
         }
 
         public static RenderTexture active { get; set; }
@@ -179,7 +179,7 @@ namespace UnityEngine
             get
             {
                 MainThread.Only("get_main");
-                foreach (var thing in Scene.Objects)
+                foreach (var thing in LoadedScene.Objects)
                     if (thing.tag == "MainCamera" && thing.activeSelf && thing.GetComponent<Camera>() is Camera camera && camera.enabled) return camera;
                 return null;
             }
