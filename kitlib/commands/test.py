@@ -23,12 +23,15 @@ EXAMPLES = [
 PASSES_ON = True
 # Where it is tested what a lesson does. Its page and its style are for all tests together.
 FOLDERS = ("tests/lessons", "tests/web")
+# The rules of those who change the kit, with the versions of the linters that they use.
+HOUSE = "tests/house"
 
 
 def do(options: argparse.Namespace) -> int:
     """Set up what the tests need, then run them."""
     lesson = lesson_of(options.words)
-    python = python_setup.interpreter("tests", optional=optional(lesson))
+    house = ["style"] if any(word.startswith(HOUSE) for word in options.words) else []
+    python = python_setup.interpreter("tests", *house, optional=optional(lesson))
     say(f"testing with {python}")
     words = [
         *side_by_side(python, options.words),

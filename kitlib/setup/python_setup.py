@@ -99,8 +99,8 @@ def all_extras() -> list[str]:
 
 
 def tests_extras() -> list[str]:
-    """What the whole of the tests can use."""
-    return [extra for extra in all_extras() if extra not in LARGE]
+    """What the whole of the tests can use. Style and types are for those who change the kit: tests/house asks for them."""
+    return [extra for extra in all_extras() if extra not in (*LARGE, "style")]
 
 
 def name(requirement: str) -> str:

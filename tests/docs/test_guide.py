@@ -1,60 +1,29 @@
-"""The README and the guide are true: excerpts, transcripts, commands, links, pictures and programs, each compared.
-
-The last part breaks a copy of each page and sees that the checks notice.
-"""
+"""The README and the guide are true: excerpts, transcripts, commands and programs, each compared or run."""
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import os
 import re
 import shlex
 import subprocess
-import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 import zmq
 
-from kitlib.docs import guide, lesson_map, pictures, terminal_picture
-from kitlib.lessons import find, lessons
+from kitlib.docs import guide, terminal_picture
+from kitlib.lessons import find
 from kitlib.setup import dotnet
 from kitlib.terminal import COLOURS
+from lab import report
 from tests.conftest import PYTHON
-from tests.docs import guide_checks as checks
 from tests.programs import ROOT, finished, steady_endpoint
 
 GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
-# Blocks that nothing compares, all pages together. One more wants a reason better than haste.
-BY_HAND = 90
-EXPECTED_PAGES = {
-    *(f"{lesson.key}.md" for lesson in lessons()),
-    "11_locators.md",
-    "17_ray.md",
-    "16_watching.md",
-    "from_gymize.md",
-    "from_ml_agents.md",
-    "in_the_editor.md",
-    "other_languages.md",
-    "from_udp_receive.md",
-    "from_hello_requester.md",
-    "start_here.md",
-    "unity_project.md",
-    "without_unity.md",
-    "performance.md",
-    "choosing.md",
-    "devices.md",
-    "troubleshooting.md",
-    "glossary.md",
-    "questions.md",
-    "where_to_go_next.md",
-}
-
-
 def of(*kinds):
     """The blocks of these kinds; those of a page on one worker, because what a run printed is kept in its memory."""
     return pytest.mark.parametrize(
@@ -67,30 +36,9 @@ def of(*kinds):
     )
 
 
-each_page = pytest.mark.parametrize("page", sorted({*PAGES, *ROOT.glob("*.md")}), ids=lambda page: page.name)
-each_guide_page = pytest.mark.parametrize(
-    "page", [page for page in PAGES if page.parent == GUIDE], ids=lambda page: page.name
-)
-
-
-@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.where)
-def test_every_block_says_where_it_comes_from(block):
-    assert checks.block_faults(block) == []
-
-
-@each_page
-def test_there_is_no_block_that_is_not_checked(page):
-    assert checks.stray_blocks(page, page.read_text(encoding="utf-8")) == []
-
-
-def test_blocks_by_hand_are_counted():
-    by_hand = [f"{block.where}: {block.source}" for block in BLOCKS if block.kind == "by hand"]
-    assert len(by_hand) == BY_HAND, "\n".join(by_hand)
-
-
 @of("bench")
 def test_a_table_is_what_the_kept_run_has(block):
-    assert block.body == guide.bench_table(block.source), "python3 -m kitlib.docs.guide --excerpts rewrites it"
+    assert block.body == report.in_a_page(block.source), "python3 -m lab.report rewrites it"
 
 
 @of("excerpt")
@@ -172,40 +120,6 @@ def run_client(kind, key, options, serve, start, client_command):
     program = start(*client_command(kind, key, endpoint, *options))
     assert program.wait(120) in (0, 1), program.output
     assert "Traceback" not in program.output
-
-
-@of("commands", "by hand")
-def test_a_command_means_the_same_to_every_shell(block):
-    assert checks.shell_faults(block) == []
-
-
-@pytest.mark.parametrize("name", ["README.md", "start_here.md", "without_unity.md", "troubleshooting.md"])
-def test_a_page_to_begin_with_says_how_to_start_python_on_windows(name):
-    """There `python3` is most often the Microsoft Store's. Said once, it holds for all pages."""
-    (page,) = [page for page in PAGES if page.name == name]
-    assert re.search(r"\bOn\s+Windows\b.{1,20}`py`", page.read_text(encoding="utf-8"), re.DOTALL)
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_a_server_for_other_machines_has_what_it_then_asks_for(page):
-    """Without keys it refuses such an endpoint, unless it is told that anyone may come."""
-    refused = r"--endpoint\s+tcp://0\.0\.0\.0:\w+\b(?!\s+--(?:open-to-anyone|keys)\b)"
-    assert re.findall(refused, page.read_text(encoding="utf-8")) == []
-
-
-def test_the_notices_name_every_package():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    wanted = project["dependencies"] + [each for extra in project["optional-dependencies"].values() for each in extra]
-    for path in ROOT.glob("*.targets"):
-        wanted += re.findall(r'<PackageReference Include="([^"]+)"', path.read_text(encoding="utf-8"))
-    notices = (ROOT / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
-    listed = set(re.findall(r"[\w-]+", " ".join(re.findall(r"^\| ([^|]+)", notices, re.MULTILINE)).lower()))
-    assert {re.match(r"[\w-]+", each)[0].lower() for each in wanted} - listed == set()
-
-
-@of("diagram")
-def test_a_diagram_is_one_that_mermaid_draws(block):
-    assert checks.diagram_faults(block.body) == []
 
 
 def compiled(project, netmq):
@@ -594,45 +508,6 @@ def test_every_block_of_another_language_can_be_read(block):
         ElementTree.fromstring(block.body)
 
 
-@each_page
-def test_every_link_and_picture_exists(page):
-    assert checks.link_faults(page, page.read_text(encoding="utf-8")) == []
-
-
-@each_guide_page
-def test_a_page_has_its_sections(page):
-    assert checks.structure_faults(page, page.read_text(encoding="utf-8")) == []
-
-
-def test_every_page_is_there_and_can_be_reached_from_the_readme():
-    found, todo = set(), [ROOT / "README.md"]
-    while todo:
-        page = todo.pop()
-        found.add(page)
-        for target in checks.targets(page.read_text(encoding="utf-8")):
-            path = Path(os.path.normpath(page.parent / target.partition("#")[0]))
-            if path.suffix == ".md" and path.exists() and path not in found:
-                todo.append(path)
-    assert {page.name for page in found if page.parent == GUIDE} == EXPECTED_PAGES
-    assert set(PAGES) <= found
-
-
-def test_every_lesson_has_a_diagram_and_a_row_in_the_readme():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    for lesson in lessons():
-        assert f"docs/guide/{lesson.key}.md" in readme, lesson.key
-        assert [block for block in BLOCKS if block.page == lesson.guide and block.kind == "diagram"], lesson.key
-
-
-def test_every_picture_is_what_its_command_draws():
-    drawn = (ROOT / "img" / "architecture.svg").read_text(encoding="utf-8")
-    assert drawn == pictures.architecture(), "python3 -m kitlib.docs.pictures draws it"
-    drawn = (ROOT / "img" / "lessons.svg").read_text(encoding="utf-8")
-    assert drawn == lesson_map.picture(), "python3 -m kitlib.docs.lesson_map draws it"
-    on_it = {lesson_map.FIRST, *(number for *_, numbers, last in lesson_map.PATHS for number in (*numbers, last))}
-    assert on_it == {lesson.key[:2] for lesson in lessons()}
-
-
 def test_the_picture_of_a_terminal_is_what_a_run_prints(netmq):
     svg = terminal_picture.PICTURE.read_text(encoding="utf-8")
     command, *lines = terminal_picture.lines_of(svg)
@@ -640,8 +515,6 @@ def test_the_picture_of_a_terminal_is_what_a_run_prints(netmq):
     assert pictured(lines) == "", "python3 -m kitlib.docs.terminal_picture draws it"
     # In colour, as `show` prints it.
     assert svg == terminal_picture.draw(command[2:], [re.sub(r"^\w+ +\|", in_colour, line) for line in lines])
-    for number in range(len(lines)):
-        assert pictured([*lines[:number], lines[number] + " more", *lines[number + 1 :]])
 
 
 def pictured(lines):
@@ -663,209 +536,3 @@ def test_the_bars_of_a_plot_are_as_long_as_their_numbers(name):
     lengths = [float(right) - float(left) for left, _, right, _ in bars]
     assert len(bars) >= 2
     assert [length / max(lengths) for length in lengths] == pytest.approx([v / max(values) for v in values], abs=0.01)
-
-
-# From here on: what the checks above would notice.
-
-
-PYTHON_DEFINITIONS = '''
-import functools
-
-@functools.lru_cache(
-    maxsize=1000,
-)
-@print
-def decorated(x):
-    return x
-
-@print
-class Thing:
-    """Has a method."""
-
-    @property
-    # Why it is one.
-    def method(self):
-        return 1
-
-    async def later(self):
-        return 2
-'''
-CSHARP_DEFINITIONS = """
-namespace N
-{
-    [Serializable]
-    public sealed class Thing
-    {
-        private int[] numbers = new int[3]; // ends in ]
-        [Obsolete("no"),
-         EditorBrowsable(EditorBrowsableState.Never)]
-        [Header("a [b]")]
-        // Why it is one.
-        public int Method()
-        {
-            return numbers[0];
-        }
-
-        private static readonly int[] Others =
-        {
-            1, 2,
-        };
-
-        [SerializeField] private string endpoint = "x";
-
-        /// <summary>Documentation [with] brackets [here]</summary>
-        public void Plain() { }
-    }
-}
-"""
-
-
-@pytest.mark.parametrize(
-    ("language", "name", "first", "last"),
-    [
-        ("python", "decorated", "@functools.lru_cache(", "return x"),
-        ("python", "Thing", "@print", "return 2"),
-        ("python", "method", "@property", "return 1"),
-        ("python", "later", "async def later(self):", "return 2"),
-        ("csharp", "Thing", "[Serializable]", "}"),
-        ("csharp", "Method", '[Obsolete("no"),', "}"),
-        ("csharp", "Others", "private static readonly int[] Others =", "};"),
-        ("csharp", "endpoint", *['[SerializeField] private string endpoint = "x";'] * 2),
-        ("csharp", "Plain", *["public void Plain() { }"] * 2),
-    ],
-)
-def test_an_excerpt_begins_at_its_decorators_and_attributes(language, name, first, last):
-    text, lines_of = {
-        "python": (PYTHON_DEFINITIONS, guide.python_lines),
-        "csharp": (CSHARP_DEFINITIONS, guide.csharp_lines),
-    }[language]
-    found = lines_of(text, name)
-    assert found, f"no {name}"
-    assert [text.splitlines()[i].strip() for i in (found[0], found[-1])] == [first, last]
-
-
-@of("run", "like")
-def test_a_changed_line_of_a_transcript_is_noticed(block):
-    lines = block.body.splitlines()
-    ran = [line if guide.has_prefixes(lines) else f"client | {line}" for line in lines if line != "..."]
-    assert not guide.contradiction(block, ran)
-    shapes = [guide.shape([line]) for line in ran]
-    for number, line in enumerate(ran):
-        # How often the same happens is not compared where only the shape is.
-        if block.kind == "run" or shapes.count(shapes[number]) == 1:
-            assert guide.contradiction(block, [*ran[:number], line + " more", *ran[number + 1 :]]), line
-            assert guide.contradiction(block, [*ran[:number], *ran[number + 1 :]]), line
-
-
-def test_a_transcript_is_renewed_from_a_run():
-    ran = ["kit    | x", "server | a 1", "client | b 1", "server | a 2", "client | b 2", "client | done: 2"]
-
-    def transcript(kind, *lines):
-        return guide.Block(ROOT / "README.md", 1, kind, "1", "", "".join(f"{line}\n" for line in lines))
-
-    silent = transcript("run", "client | b 1", "client | b 2", "client | done: 2")
-    assert guide.contradiction(silent, ran).startswith("the server prints something else")
-    assert guide.renewed(silent, ran).splitlines() == ran[1:]
-    wrong = transcript("run", "server | a 1", "client | c 1", "...", "client | done: 2")
-    assert "- c 1" in guide.contradiction(wrong, ran)
-    assert guide.renewed(wrong, ran).splitlines() == ["server | a 1", "client | b 1", "...", "client | done: 2"]
-    client = transcript("like", "b 7", "...", "done: 8")
-    assert guide.contradiction(client, ran) == ""
-    assert guide.renewed(client, ran).splitlines() == ["b 1", "...", "done: 2"]
-    column = transcript("like", "naive    561 us", "pooled    99 us")
-    assert guide.contradiction(column, ["client | naive   1561 us", "client | pooled  360 us"]) == ""
-    assert guide.contradiction(column, ["client | naive   1561 ms", "client | pooled  360 us"])
-    whole = transcript("run", "b 1", "b 3", "done: 2")
-    assert guide.renewed(whole, ran).splitlines() == ["b 1", "b 2", "done: 2"]
-    short = transcript("run", "b 1", "b 2", "...", "b 2", "done: 2")
-    assert guide.renewed(short, ran).splitlines() == ["b 1", "b 2", "done: 2"]
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "kit.py run 1 --endpoint tcp://127.0.0.1:*",
-        "kit.py test -k one|two",
-        "kit.py list; kit.py doctor",
-        "kit.py list && kit.py doctor",
-        "kit.py run 1 --options='--count 3'",
-        'kit.py unity "C:\\My Game\\"',
-        'kit.py unity "~/My Game"',
-        "kit.py unity ~/MyGame",
-        'kit.py run 1 --options="--text $HOME"',
-        'kit.py run 1 --options="--text %PATH%"',
-        "kit.py run 1 # the first",
-        '"C:/My Kit/kit.py" run 1',
-        "export PIP_NO_INDEX=1",
-        "set PIP_NO_INDEX=1",
-        "$env:PIP_NO_INDEX = 1",
-        "PIP_NO_INDEX=1 kit.py run 1",
-        "./kit.py run 1",
-        "kit.py \\",
-    ],
-)
-def test_a_command_for_one_shell_alone_is_noticed(line):
-    block = guide.Block(ROOT / "README.md", 1, "commands", "", "", f"{line.replace('kit.py', 'python3 kit.py', 1)}\n")
-    assert checks.shell_faults(block) != []
-    assert checks.shell_faults(dataclasses.replace(block, kind="by hand", source="for zsh: because")) == []
-
-
-@of("diagram")
-def test_a_diagram_that_does_not_draw_is_noticed(block):
-    for line in block.body.splitlines()[1:]:
-        if line.strip() not in ("end", "autonumber"):
-            assert checks.diagram_faults(block.body.replace(line, line.replace(" ", " ;", 99), 1)), line
-    assert checks.diagram_faults(block.body + "    loop for ever\n")
-    assert checks.diagram_faults(block.body + "    end\n")
-    assert checks.diagram_faults(re.sub(r"participant \w+", "participant Nobody", block.body, count=1))
-
-
-@each_page
-def test_a_changed_link_is_noticed(page):
-    text = page.read_text(encoding="utf-8")
-    faults = checks.link_faults(page, text)
-    good = {target for target in checks.targets(text) if not any(target in fault for fault in faults)}
-    for target in [target for target in good if not target.startswith("http")]:
-        for other in (target + "x", "x" + target):
-            changed = re.sub(rf"([(\"]){re.escape(target)}(?=[)\" ])", lambda found, o=other: found[1] + o, text)
-            assert len(checks.link_faults(page, changed)) > len(faults), other
-
-
-@each_guide_page
-def test_a_missing_section_is_noticed(page):
-    text = page.read_text(encoding="utf-8")
-    for title in ["Next"] if page.name in checks.REFERENCE else checks.SECTIONS:
-        assert checks.structure_faults(page, text.replace(f"\n## {title}\n", f"\n## Not {title}\n"))
-    assert checks.structure_faults(page, text.replace("**You will learn**", "You learn"))
-
-
-def test_the_headings_are_named_as_on_github():
-    text = "# A [link](x.md): `code.py`!\n## Same\n## Same\n## Same\n```\n# no\n```\n## Größe, 3 µs\n## A  b_c\n"
-    assert checks.anchors(text) == {"a-link-codepy", "same", "same-1", "same-2", "größe-3-µs", "a--b_c"}
-
-
-def test_links_are_found_in_every_form():
-    text = (
-        '[a](a.md) ![b](b.svg "title") <img src="c.svg" alt="c"> <a href="d.md#e">x</a> `[no](no.md)`\n'
-        '<picture><source media="x" srcset="f.svg, g.svg 2x"><img alt="h" src="h.svg"></picture>\n[i]: i.md\n'
-    )
-    found = checks.targets(text)
-    assert sorted(found) == ["a.md", "b.svg", "c.svg", "d.md#e", "f.svg", "g.svg", "h.svg", "i.md"]
-    assert (
-        len(checks.link_faults(ROOT / "README.md", '![](img/architecture.svg) <img src="img/architecture.svg">')) == 2
-    )
-    assert checks.link_faults(ROOT / "README.md", "[a](kit.py) [b](python) [c](../x.md) [d](readme.md) [e](#none)") == [
-        "README.md: there is no ../x.md",
-        "README.md: there is no readme.md",
-        "README.md: there is no such heading: #none",
-    ]
-
-
-def test_a_block_that_kitlib_does_not_see_is_noticed():
-    page = ROOT / "README.md"
-    assert checks.stray_blocks(page, "1. a\n\n   ```\n   x\n   ```\n") != []
-    assert checks.stray_blocks(page, "~~~\nx\n~~~\n") != []
-    assert checks.stray_blocks(page, "<!-- run: 1 -->\n```\nx\n```\n") == []
-    for text in ("```\nx\n```\n", "<!-- by hand -->\n```\nx\n```\n", "<!-- diagram -->\n```\nx\n```\n"):
-        (block,) = guide.blocks(page, text)
-        assert checks.block_faults(block) != []

@@ -13,13 +13,11 @@ import pytest
 from kitlib import release
 from kitlib.lessons import KitError
 from kitlib.unity import install
-from tests.kit.test_style import tracked
 
 
 @pytest.fixture
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A small repository, NetMQ's DLLs in a folder of NuGet's, and a changelog that has the version."""
-    tracked()
     root = tmp_path / "kit"
     root.mkdir()
     (root / "pyproject.toml").write_text('[project]\nversion = "1.2.3"\n')

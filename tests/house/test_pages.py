@@ -1,0 +1,97 @@
+"""Every page is made as the others are: blocks that say where they come from, sections, links, diagrams, commands."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+
+from kitlib.docs import guide
+from kitlib.lessons import lessons
+from tests.house import page_checks as checks
+from tests.programs import ROOT
+
+GUIDE = ROOT / "docs" / "guide"
+PAGES = guide.pages()
+ALL = sorted({*PAGES, *ROOT.glob("*.md")})
+BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
+# Blocks that nothing compares, all pages together. One more wants a reason better than haste.
+BY_HAND = 90
+
+
+def faults_of(check, each):
+    return [fault for one in each for fault in check(one)]
+
+
+def of_text(check):
+    return lambda page: check(page, page.read_text(encoding="utf-8"))
+
+
+def test_every_block_says_where_it_comes_from():
+    assert faults_of(checks.block_faults, BLOCKS) == []
+
+
+def test_there_is_no_block_that_is_not_checked():
+    assert faults_of(of_text(checks.stray_blocks), ALL) == []
+
+
+def test_blocks_by_hand_are_counted():
+    by_hand = [f"{block.where}: {block.source}" for block in BLOCKS if block.kind == "by hand"]
+    assert len(by_hand) == BY_HAND, "\n".join(by_hand)
+
+
+def test_a_command_means_the_same_to_every_shell():
+    assert faults_of(checks.shell_faults, [block for block in BLOCKS if block.kind in ("commands", "by hand")]) == []
+
+
+def test_a_diagram_is_one_that_mermaid_draws():
+    for block in BLOCKS:
+        if block.kind == "diagram":
+            assert checks.diagram_faults(block.body) == [], block.where
+
+
+def test_a_page_has_its_sections():
+    assert faults_of(of_text(checks.structure_faults), [page for page in PAGES if page.parent == GUIDE]) == []
+
+
+def test_every_link_and_picture_exists():
+    assert faults_of(of_text(checks.link_faults), ALL) == []
+
+
+def test_every_page_can_be_reached_from_the_readme():
+    found, todo = set(), [ROOT / "README.md"]
+    while todo:
+        page = todo.pop()
+        found.add(page)
+        for target in checks.targets(page.read_text(encoding="utf-8")):
+            path = (page.parent / target.partition("#")[0]).resolve()
+            if path.suffix == ".md" and path.exists() and path not in found:
+                todo.append(path)
+    assert set(PAGES) <= found
+
+
+def test_every_lesson_has_a_row_in_the_readme():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert [lesson.key for lesson in lessons() if f"docs/guide/{lesson.key}.md" not in readme] == []
+
+
+def test_a_page_to_begin_with_says_how_to_start_python_on_windows():
+    """There `python3` is most often the Microsoft Store's. Said once, it holds for all pages."""
+    for name in ("README.md", "start_here.md", "without_unity.md", "troubleshooting.md"):
+        (page,) = [page for page in PAGES if page.name == name]
+        assert re.search(r"\bOn\s+Windows\b.{1,20}`py`", page.read_text(encoding="utf-8"), re.DOTALL), name
+
+
+def test_a_server_for_other_machines_has_what_it_then_asks_for():
+    """Without keys it refuses such an endpoint, unless it is told that anyone may come."""
+    refused = r"--endpoint\s+tcp://0\.0\.0\.0:\w+\b(?!\s+--(?:open-to-anyone|keys)\b)"
+    assert [page.name for page in PAGES if re.search(refused, page.read_text(encoding="utf-8"))] == []
+
+
+def test_the_notices_name_every_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = project["dependencies"] + [each for extra in project["optional-dependencies"].values() for each in extra]
+    for path in [*ROOT.glob("*.targets"), *ROOT.glob("c*/**/*.csproj")]:
+        wanted += re.findall(r'<PackageReference Include="([^"]+)"', path.read_text(encoding="utf-8"))
+    notices = (ROOT / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"[\w-]+", " ".join(re.findall(r"^\| ([^|]+)", notices, re.MULTILINE)).lower()))
+    assert {re.match(r"[\w-]+", each)[0].lower() for each in wanted} - listed == set()
