@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from kitlib.lessons import KitError, Lesson, lessons
 from kitlib.setup import dotnet, python_setup
-from tests.programs import ROOT, Program, two_ports
+from tests.programs import ROOT, Program, Run, csharp_runs, python_runs, two_ports
 
 PYTHON = Path(sys.executable)
 CLIENTS = ("python", "csharp", "unity")
@@ -73,6 +73,24 @@ def netmq() -> dotnet.NetMQ:
 def console(netmq: dotnet.NetMQ) -> list[str]:
     """The command of the terminal clients, built once per run from the files as they are now."""
     return ["dotnet", str(dotnet.build(netmq))]
+
+
+@pytest.fixture
+def runs(request: pytest.FixtureRequest) -> Callable[..., list[Run]]:
+    """runs("csharp", "01_request_reply", [["--count", "x"], …]): how each run of this client, or "server", ended.
+
+    All of them in one process, for what ends before it talks to anybody. Give --endpoint yourself.
+    """
+
+    def runs(kind: str, key: str, each: Sequence[Sequence[str]]) -> list[Run]:
+        if kind in ("python", "server"):
+            return python_runs(f"python/{key}/{'client' if kind == 'python' else 'server'}.py", each)
+        console = request.getfixturevalue("console")
+        checks = dotnet.build(request.getfixturevalue("netmq"), ROOT / "tests" / "lessons" / "checks")
+        unity = ["--unity"] if kind == "unity" else []
+        return csharp_runs(checks, Path(console[1]), [[key, *unity, *words] for words in each])
+
+    return runs
 
 
 @pytest.fixture

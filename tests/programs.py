@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import random
 import re
 import signal
@@ -13,7 +14,7 @@ import uuid
 from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -108,6 +109,66 @@ class Mark:
 def finished(words: Sequence[str | Path], **more: Any) -> subprocess.CompletedProcess[str]:
     """A program that has run to its end, and what it printed."""
     return subprocess.run(words, capture_output=True, text=True, timeout=LIMIT, **more)
+
+
+# Runs a program once for each list of words, as if it were started anew, and says how each run ended.
+EACH_RUN = """
+import contextlib, io, json, runpy, sys
+program, runs = sys.argv[1], json.loads(sys.argv[2])
+path = [*sys.path]
+for words in runs:
+    said = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
+    sys.argv[:], sys.path[:] = [program, *words], path
+    code = 0
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        try:
+            runpy.run_path(program, run_name="__main__")
+        except SystemExit as end:
+            if isinstance(end.code, str):
+                print(end.code)
+            code = 1 if isinstance(end.code, str) else end.code or 0
+        except BaseException as error:
+            print(f"Traceback: {error!r}")
+            code = 1
+        said.flush()
+    print(json.dumps([code, said.buffer.getvalue().decode().splitlines()]), flush=True)
+"""
+
+
+class Run(NamedTuple):
+    """A program that has run to its end."""
+
+    code: int
+    lines: list[str]
+
+
+def python_runs(program: str | Path, runs: Sequence[Sequence[str]]) -> list[Run]:
+    """Run a Python program once for each of these lists of words, one after the other in one process.
+
+    It is for runs that end before they talk to anybody, such as those with wrong words: to start Python and import
+    ZeroMQ takes longer than all these runs together.
+    """
+    command = [sys.executable, "-c", EACH_RUN, str(ROOT / program), json.dumps([list(words) for words in runs])]
+    # A program finds what lies beside it.
+    done = finished(command, cwd=(ROOT / program).parent)
+    found = [Run(*json.loads(line)) for line in done.stdout.splitlines()]
+    assert len(found) == len(runs), done.stdout + done.stderr
+    return found
+
+
+def csharp_runs(checks: Path, console: Path, runs: Sequence[Sequence[str]]) -> list[Run]:
+    """The same for the terminal clients, by tests/lessons/checks/EachRun.cs. The first word is the lesson."""
+    lines = "".join("\t".join(words) + "\n" for words in runs)
+    done = finished(["dotnet", checks, "each", console], input=lines)
+    found, said = [], []
+    for line in done.stdout.splitlines():
+        if match := re.fullmatch(r"ended (\d+)", line):
+            found.append(Run(int(match[1]), said))
+            said = []
+        elif line:
+            said.append(line)
+    assert len(found) == len(runs), done.stdout + done.stderr
+    return found
 
 
 class Program(programs.Program):

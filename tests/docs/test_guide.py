@@ -24,6 +24,8 @@ from tests.programs import ROOT, finished, steady_endpoint
 GUIDE = ROOT / "docs" / "guide"
 PAGES = guide.pages()
 BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
+
+
 def of(*kinds):
     """The blocks of these kinds; those of a page on one worker, because what a run printed is kept in its memory."""
     return pytest.mark.parametrize(

@@ -801,7 +801,12 @@ def has_wheels():
 def test_a_folder_that_cannot_be_written_to_is_named_in_one_line(netmq, copy, start):
     """The tests may be root's, who may write anywhere; a file in the folder's place stops even him."""
     (copy / ".build").write_text("", encoding="utf-8")
-    program = start(*own_run(copy, PYTHON, ))
+    program = start(
+        *own_run(
+            copy,
+            PYTHON,
+        )
+    )
     assert program.wait(120) == 1, program.output
     assert program.lines[-1] == f"kit    | {lessons.UNWRITABLE}"
     python = start(*own_run(copy, PYTHON, "--client", "python"))

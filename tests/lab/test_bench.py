@@ -26,7 +26,12 @@ KEPT = ROOT / "lab" / "performance.json"
 def quick(netmq):
     """One quick run for all tests of this file: what it printed, and the results."""
     mark = Mark()
-    command = [PYTHON, ROOT / "kit.py", "bench", "--quick", ]
+    command = [
+        PYTHON,
+        ROOT / "kit.py",
+        "bench",
+        "--quick",
+    ]
     program = Program(command, **mark.environment)
     try:
         assert program.wait(1100) == 0, program.output

@@ -511,7 +511,7 @@ def test_the_pages_own_file_plays_the_pages_own_environment(netmq, console, star
     page = list(guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md"))
     for language, name in (("csharp", "Ball.cs"), ("python", "ball.py")):
         (body,) = [one.body for one in page if one.language == language and '"Ball"' in one.body]
-        words = f'{str(tmp_path / "Ball.cs")!r}'
+        words = f"{str(tmp_path / 'Ball.cs')!r}"
         (tmp_path / name).write_text(body.replace('"Ball.cs"', words), encoding="utf-8")
     ball = start(PYTHON, tmp_path / "ball.py")
     # The first start builds it.

@@ -16,6 +16,7 @@ namespace NetMQExample.Tests
             switch (words[0])
             {
                 case "background": return BackgroundClientChecks.Run(rest);
+                case "each": EachRun.Run(rest[0]); return 0;
                 case "locators": LocatorChecks.Run(rest); return 0;
                 case "messages": MessageChecks.Run(rest); return 0;
                 case "observations": ObservationChecks.Run(rest); return 0;
