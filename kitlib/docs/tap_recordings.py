@@ -1,7 +1,8 @@
 """Records img/16_watched.html, and draws img/16_watched.png: python3 -m kitlib.docs.tap_recordings
 
-The page plays in a browser without a server. It holds a recording of lesson 02, and one of lesson 08 by the name #lesson_08. A tap stands between a lesson's client and server, and slows
-each message down so that an eye can follow. In lesson 02 it drops a reply.
+The page plays in a browser without a server. It holds a recording of lesson 02, and one of lesson 08 by the name
+#lesson_08. A tap stands between a lesson's client and server, and slows each message down so that an eye can follow.
+In lesson 02 it drops a reply.
 """
 
 from __future__ import annotations

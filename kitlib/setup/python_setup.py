@@ -99,7 +99,7 @@ def all_extras() -> list[str]:
 
 
 def tests_extras() -> list[str]:
-    """What the whole of the tests can use. Style and types are for those who change the kit: tests/house asks for them."""
+    """What the whole of the tests can use; `style` is for tests/house alone."""
     return [extra for extra in all_extras() if extra not in (*LARGE, "style")]
 
 

@@ -46,8 +46,8 @@ def main() -> None:
     allowed = None if options.keys is None else keys_for(options.keys)
 
     def prepare(context: Context, socket: Socket) -> None:
-        # A silent peer is asked every 0.5 s whether it is there, and cut off when 2.5 s bring no answer. libzmq and NetMQ
-        # answer on a thread of their own: a busy program is not a dead one. To send to a peer that is gone is an error.
+        # A silent peer is asked every 0.5 s whether it is there, and cut off when 2.5 s bring no answer. ZeroMQ answers
+        # on a thread of its own: a busy program is not a dead one. To send to a peer that is gone is an error.
         socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
         socket.router_mandatory = True
         if allowed:

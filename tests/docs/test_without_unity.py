@@ -11,7 +11,7 @@ import pytest
 from kitlib.commands import copy
 from kitlib.docs import guide
 from kitlib.lessons import lessons
-from kitlib.setup import dotnet, lock
+from kitlib.setup import dotnet
 from tests.conftest import PYTHON
 from tests.programs import ROOT, finished
 

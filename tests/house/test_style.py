@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from kitlib.lessons import lessons
-from kitlib.setup import dotnet, python_setup
+from kitlib.setup import dotnet
 from kitlib.unity.install import NETMQ
 from tests.programs import ROOT, finished
 

@@ -474,7 +474,7 @@ def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
     # Debian's own Python takes nothing from pip.
     monkeypatch.setattr(sys, "executable", "/usr/bin/python3")
     monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}")
-    with pytest.raises(KitError, match="run: sudo apt install python3-zmq python3-pytest python3-pytest-timeout$"):
+    with pytest.raises(KitError, match=r"run: sudo apt install python3-zmq python3-pytest python3-pytest-timeout$"):
         python_setup.interpreter("tests")
 
 

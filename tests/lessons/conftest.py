@@ -8,7 +8,6 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from tests.conftest import PYTHON
 from tests.programs import ROOT
 
 

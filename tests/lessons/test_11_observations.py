@@ -13,7 +13,7 @@ import zmq
 
 from kitlib.docs import guide
 from kitlib.setup import dotnet
-from tests.conftest import CLIENTS, PYTHON
+from tests.conftest import CLIENTS
 from tests.lessons.test_11_merge import same
 from tests.programs import LIMIT, ROOT, free_port
 

@@ -9,7 +9,6 @@ import subprocess
 import pytest
 
 from kitlib.setup import dotnet
-from tests.conftest import PYTHON
 from tests.lessons.test_11_merge import same
 from tests.programs import ROOT, finished
 from tests.unity.test_unity_play import needs_mono

@@ -35,7 +35,7 @@ from netmq_example.side_channel.unity_channels import (
     multi_range_uniform,
     uniform,
 )
-from tests.conftest import CLIENTS, PYTHON
+from tests.conftest import CLIENTS
 from tests.programs import ROOT
 from tests.unity.test_unity_play import needs_mono
 

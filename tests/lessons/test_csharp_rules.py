@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from kitlib.setup import dotnet
-from tests.conftest import PYTHON
 from tests.programs import ROOT
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 import hashlib
 import io
 import re
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator

@@ -6,7 +6,6 @@ They are compiled with NUnit from NuGet, and with a stand-in of the little that 
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 

@@ -19,7 +19,6 @@ import zmq
 
 from kitlib.setup import dotnet
 from tests.bad_peers import web_server
-from tests.conftest import PYTHON
 from tests.programs import PATIENT, ROOT
 
 KEY = "16_web_gateway"
