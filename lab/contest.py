@@ -15,15 +15,9 @@ from typing import Any
 
 from kitlib.lessons import ROOT, KitError
 from kitlib.setup import dotnet, python_setup
-from lab.programs import PINS, Client, Program, Server, halves
+from lab.programs import PINS, Client, Server, halves
 
 LAB = ROOT / "lab" / "contenders"
-# Programs of lesson 16, and what comes before the endpoint of lesson 01's server behind them.
-BETWEEN = {
-    "gateway": ("server.py", "--endpoint", "http://127.0.0.1:0", "--hello"),
-    "tap": ("tap.py", "--endpoint", "tcp://127.0.0.1:0"),
-    "watched": ("tap.py", "--endpoint", "tcp://127.0.0.1:0"),
-}
 
 
 @dataclass(frozen=True)
@@ -41,8 +35,6 @@ class Contender:
 
 TCP = Contender("raw TCP", "dotnet", "tcp", "tcp")
 HELLO = Contender("lesson 01", "dotnet", "hello", "01_request_reply", only_small=True)
-SPIN = Contender("lesson 01, spin 0.2 ms", "dotnet", "hello@200", "01_request_reply", only_small=True)
-POOL = Contender("lesson 01, thread pool", "pool", "hello", "01_request_reply", only_small=True)
 BUSY = Contender("busy-wait client", "dotnet", "busy", "01_request_reply", only_small=True)
 BARE = Contender("NetMQ alone", "dotnet", "bare", "zmq")
 NAIVE = Contender("lesson 05, naive", "dotnet", "naive", "05_messages")
@@ -50,17 +42,11 @@ POOLED = Contender("lesson 05, pooled", "dotnet", "pooled", "05_messages")
 STEER = Contender("lesson 08", "dotnet", "steer", "steer")
 BARE_ACTION = Contender(BARE.label, "dotnet", "bare@200", "zmq")
 CURVE = Contender("NetMQ with CURVE", "dotnet", "curve", "curve")
-# Lesson 16 between lesson 01's client and its server: what it costs to stand there.
-BY_WEBSOCKET = Contender("by WebSocket", "dotnet", "gateway", "gateway", "python-socketio")
-BY_SOCKETIO = Contender("by Socket.IO", "dotnet", "gateway@1", "gateway", "python-socketio")
-BY_TAP = Contender("by a tap", "dotnet", "hello", "tap", "aiohttp")
-BY_WATCHED_TAP = Contender("by a tap, and a page looks on", "dotnet", "hello", "watched", "aiohttp")
 HTTP = Contender("HTTP, aiohttp", "dotnet", "http", "http", "aiohttp")
 WEBSOCKET = Contender("WebSocket, websockets", "dotnet", "websocket", "websocket", "websockets")
 GRPC = Contender("gRPC, Python both sides", "grpc", "grpc", "grpc", "grpcio")
 JSON = Contender("JSON lines, Base64", "dotnet", "json", "json")
-FAST = Contender("fast server, 64 in flight", "dotnet", "many@64", "many", only_small=True)
-SUBSCRIBER = Contender("NetMQ, PUB and SUB", "dotnet", "subscriber", "zmq")
+MANY = Contender("lesson 06, 64 in flight", "dotnet", "many@64", "06_many_in_flight", only_small=True)
 # A trainer that launches its simulators itself: there is no server to start.
 STEPS = [
     Contender("Gymnasium's own, in process", "trainer", "own", "", "gymnasium"),
@@ -71,16 +57,11 @@ STEPS = [
 ]
 
 
-def many(window: int) -> Contender:
-    label = f"lesson 06, {window} in flight"
-    return Contender(label, "dotnet", f"many@{window}", "06_many_in_flight", only_small=True)
-
-
 def elsewhere(program: str, where: str) -> list[Contender]:
     """The same clients in another program: on Mono."""
     return [
         Contender(f"{each.label}, {where}", program, each.name, each.server, only_small=each.only_small)
-        for each in (*([TCP] if program == "mono" else []), HELLO, many(64), FAST, BARE, POOLED)
+        for each in (TCP, HELLO, MANY, BARE, POOLED)
     ]
 
 
@@ -146,7 +127,6 @@ class Lab:
         self.servers: dict[str, Server] = {}
         self.clients: dict[str, Client] = {}
         # Who looks on. They end by themselves when what they look at does.
-        self.pages: list[Program] = []
 
     def program(self, name: str) -> Client:
         """A client program, started when it is first needed."""
@@ -160,7 +140,7 @@ class Lab:
                 command, cores = [str(self.python), str(LAB / "trainer.py"), str(console)], set()
             else:
                 dll = dotnet.build(self.builds[name], ROOT / "lab" / "csharp")
-                command = ["mono" if name == "mono" else "dotnet", str(dll), *(["pool"] if name == "pool" else [])]
+                command = ["mono" if name == "mono" else "dotnet", str(dll)]
             self.clients[name] = Client(command, cores)
         return self.clients[name]
 
@@ -169,21 +149,13 @@ class Lab:
         key = " ".join([name, *options])
         if key not in self.servers:
             words = list(options)
-            if name in BETWEEN:
-                program, *given = BETWEEN[name]
-                script = ROOT / "python" / "16_web_gateway" / program
-                words = [*given, self.server(HELLO.server).endpoint]
-            elif name[:2].isdigit():
+            if name[:2].isdigit():
                 script = ROOT / "python" / name / "server.py"
                 quiet = ["--quiet"] if name in (HELLO.server, POOLED.server) else []
                 words = ["--endpoint", "tcp://127.0.0.1:0", *quiet, *options]
             else:
                 script = LAB / f"{name}_server.py"
-            self.servers[key] = server = Server(self.python, script, words, self.server_cores)
-            if name == "watched":
-                page = server.wait_for(r"^page at (\S+)")[1]
-                self.pages.append(Program([str(self.python), str(LAB / "page.py"), page], self.client_cores))
-                server.wait_for("^a page looks on$")
+            self.servers[key] = Server(self.python, script, words, self.server_cores)
         return self.servers[key]
 
     def here(self, *contenders: Contender) -> list[Contender]:
@@ -242,7 +214,7 @@ class Lab:
 
     def end(self) -> None:
         """End every program."""
-        for process in [*self.pages, *self.clients.values(), *self.servers.values()]:
+        for process in [*self.clients.values(), *self.servers.values()]:
             process.end()
 
 

@@ -70,7 +70,7 @@ def versions(python: Path) -> tuple[str, list[str]]:
     code = (
         "import importlib.metadata, json, platform, zmq\n"
         "installed = {each.name.lower(): each.version for each in importlib.metadata.distributions()}\n"
-        "names = ['pyzmq', 'websockets', 'aiohttp', 'python-socketio', 'grpcio', 'gymnasium']\n"
+        "names = ['pyzmq', 'websockets', 'aiohttp', 'grpcio', 'gymnasium']\n"
         "packages = [f'{name} {installed[name]}' for name in names if name in installed]\n"
         "print(json.dumps([platform.python_version(), [f'libzmq {zmq.zmq_version()}', *packages]]))"
     )

@@ -18,8 +18,6 @@ from kitlib.lessons import KitError
 
 # Nothing in the lab takes as long; a program that does is ended, so that a run always ends.
 LIMIT = 90.0
-# What macOS gives at the most; the lab needs some three thousand.
-ENOUGH_FILES = 10_240
 PINS = hasattr(os, "sched_setaffinity")
 
 
@@ -60,8 +58,6 @@ class Program(programs.Program):
     """A program of the lab."""
 
     def __init__(self, command: list[str], cores: set[int], stdin: int = subprocess.DEVNULL) -> None:
-        # What is started inherits it.
-        many_files()
         with on(cores):
             super().__init__(command, stdin=stdin)
 
@@ -78,28 +74,13 @@ class Program(programs.Program):
             return Spent(math.nan, sleeps)
 
 
-def many_files() -> None:
-    """A thousand clients need a thousand sockets, and many systems allow a program fewer files to begin with."""
-    import resource
-
-    now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-    # macOS says that there is no limit, and refuses to be asked for that.
-    wanted = ENOUGH_FILES if most == resource.RLIM_INFINITY else min(most, ENOUGH_FILES)
-    if now == resource.RLIM_INFINITY or now >= wanted:
-        return
-    try:
-        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
-    except (ValueError, OSError):
-        pass
-
-
 class Server(Program):
-    """A server; `endpoint` is what its ready line says, and then where else it listens."""
+    """A server; `endpoint` is what its ready line says."""
 
     def __init__(self, python: Path, script: Path, options: list[str], cores: set[int]) -> None:
         super().__init__([str(python), str(script), *options], cores)
         try:
-            self.endpoint = ",".join(self.endpoints().values())
+            self.endpoint = self.endpoints()["endpoint"]
         except KitError:
             self.end()
             raise

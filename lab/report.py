@@ -8,8 +8,7 @@ from typing import Any
 from kitlib.docs import guide
 from kitlib.lessons import ROOT
 
-FIRST, FRAMES, STEPS = "milliseconds to the first reply", "main thread, each frame", "steps of CartPole"
-GATEWAY, TAP = "lesson 01 by the gateway", "lesson 01 by the tap"
+FRAMES, STEPS = "main thread, each frame", "steps of CartPole"
 RUNTIMES = {"dotnet": ".NET", "mono": "Mono"}
 HEAD = (
     *("", "a second", "least", "to TCP", "most", "p50 us", "p99 us", "p99.9 us"),
@@ -22,10 +21,20 @@ def rows_of(results: dict[str, Any], title: str) -> list[dict[str, Any]]:
     return next(work["rows"] for work in results["works"] if work["title"] == title)
 
 
+def lines(results: dict[str, Any]) -> str:
+    """As JSON with a line for each row, so that a new run reads as a difference."""
+    works = []
+    for work in results["works"]:
+        rows = ",\n   ".join(map(json.dumps, work["rows"]))
+        works.append(f'{{"title": {json.dumps(work["title"])}, "rows": [\n   {rows}]}}')
+    others = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in results.items() if key != "works"]
+    return "{" + ",\n ".join([*others, '"works": [\n  ' + ",\n  ".join(works) + "]"]) + "}\n"
+
+
 def text(results: dict[str, Any]) -> str:
     """Everything, for a terminal."""
     lines = [f"{name}: {value}" for name, value in results["machine"].items()]
-    for title in [*(work["title"] for work in results["works"]), FIRST, FRAMES]:
+    for title in [*(work["title"] for work in results["works"]), FRAMES]:
         lines += ["", f"{title}:", *table(results, title)]
     lines += ["", *(f"skipped {what}: {why}" for what, why in results["skipped"].items())]
     lines += [f"NOISY, do not trust the numbers: {why}" for why in results["noise"]]
@@ -33,12 +42,9 @@ def text(results: dict[str, Any]) -> str:
 
 
 def table(results: dict[str, Any], title: str, columns: list[str] | None = None) -> list[str]:
-    """The table of one kind of work, or of FIRST or FRAMES; `columns` are those of HEAD to show, or all."""
+    """The table of one kind of work, or of FRAMES; `columns` are those of HEAD to show, or all."""
     if title == "goals":
         return goals(results)
-    if title == FIRST:
-        rows = [(row["label"], *(f"{value:.1f}" for value in row["milliseconds"])) for row in results["first"]]
-        return aligned([("", "least", "middle", "most"), *rows])
     if title == FRAMES:
         keys = ("mean", "half", "of_100_99", "longest")
         rows = [
@@ -73,7 +79,6 @@ def goals(results: dict[str, Any]) -> list[str]:
         curve, plain = (middle(title, each, "rate") for each in ("NetMQ with CURVE", "NetMQ alone"))
         shown = f"{curve:,.0f} a second" if "second" in aim else f"{curve / plain:.2f}"
         rows.append((f"NetMQ with CURVE, echo of {what}, to NetMQ alone", aim, shown, ""))
-    rows += between(results)
     for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
         first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")
         if "flight" in other:
@@ -84,21 +89,6 @@ def goals(results: dict[str, Any]) -> list[str]:
         rows.append((f"main thread, {row['label']}: ms, half below", "0.1", f"{row['half']:.3f}", ""))
         rows.append((f"main thread, {row['label']}: bytes", "0", f"{row['bytes']:.0f}", ""))
     return aligned(rows)
-
-
-def between(results: dict[str, Any]) -> list[tuple[str, ...]]:
-    """What lesson 16 costs that stands between lesson 01's client and its server; a contender may be missing."""
-    found: list[tuple[str, ...]] = []
-    for title in (GATEWAY, TAP):
-        direct, *others = rows_of(results, title)
-        for row in others:
-            ratio = row["rate"][1] / direct["rate"][1]
-            aim = "0.30" if title == GATEWAY else "0.70" if "page" in row["label"] else "1.00"
-            found.append((f"lesson 01 {row['label']}, to lesson 01", aim, f"{ratio:.2f}", ""))
-            if title == GATEWAY and direct["latency"] and row["latency"]:
-                added = (row["latency"]["p50"] - direct["latency"]["p50"]) / 1000
-                found.append((f"lesson 01 {row['label']}: ms added, half below", "1.00", f"{added:.2f}", ""))
-    return found
 
 
 def cells(row: dict[str, Any]) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """Lines of JSON with a picture in Base64, for the performance lab: what many first programs do.
 
-The first byte of the picture says what to do: 1 answers with the same line, 0 does nothing.
+It answers with the same picture.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ class Handler(socketserver.StreamRequestHandler):
     def handle(self) -> None:
         for line in self.rfile:
             image = base64.b64decode(json.loads(line)["image"])
-            if image[0] == 1:
-                self.wfile.write(json.dumps({"image": base64.b64encode(image).decode()}).encode() + b"\n")
+            self.wfile.write(json.dumps({"image": base64.b64encode(image).decode()}).encode() + b"\n")
 
 
 class Server(socketserver.ThreadingTCPServer):

@@ -1,9 +1,7 @@
 // The kit's own clients as contenders, each with its lesson's server, and NetMQ without any of them.
 using System;
 using System.Collections.Generic;
-using System.Diagnostics;
 using System.Linq;
-using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
 
@@ -26,37 +24,6 @@ namespace NetMQExample.Lab
         public override void Receive() => Check(requester.Receive(Timeout) == "World");
 
         public override void Dispose() => requester.Dispose();
-    }
-
-    /// <summary>The same, looking for the reply again and again for a time before it sleeps: that saves the time to wake
-    /// up, some ten microseconds, and keeps a processor core busy meanwhile.</summary>
-    internal sealed class Spinning : Contender
-    {
-        private readonly NetMQConnection connection;
-        private readonly string text;
-        private readonly TimeSpan spin;
-
-        public Spinning(string endpoint, int size, int microseconds) : base(size)
-        {
-            connection = new NetMQConnection(endpoint, () => new RequestSocket());
-            (text, spin) = ("Hello".PadRight(size), TimeSpan.FromMilliseconds(microseconds / 1000.0));
-        }
-
-        public override void Send() => connection.Send(Timeout, default, text);
-
-        public override void Receive()
-        {
-            List<string> reply = null;
-            for (var waited = Stopwatch.StartNew(); waited.Elapsed < spin;)
-            {
-                if (connection.TryReceive(TimeSpan.Zero, default, out reply)) break;
-                // NetMQ's own thread may wait for this core.
-                Thread.Yield();
-            }
-            Check((reply ?? connection.Receive(Timeout, default))[0] == "World");
-        }
-
-        public override void Dispose() => connection.Dispose();
     }
 
     /// <summary>Asks without waiting whether the reply is there, again and again, as a well-known example does.</summary>
@@ -171,8 +138,6 @@ namespace NetMQExample.Lab
             if (answer < size) Payload[0] = Short;
             incoming.InitEmpty();
             socket.Options.Linger = TimeSpan.Zero;
-            // In a stream of large frames, more of them would only fill the memory.
-            socket.Options.SendHighWatermark = 16;
             keys?.Apply(socket);
             socket.Connect(endpoint);
         }
@@ -181,13 +146,8 @@ namespace NetMQExample.Lab
         {
             PooledBuffers.Use();
             var msg = new Msg();
-            // The answer proves that NetMQ is done with a lent array. In a stream nothing proves it.
-            if (Payload[0] == Answer || Payload[0] == Short) msg.InitGC(Payload, Payload.Length);
-            else
-            {
-                msg.InitPool(Payload.Length);
-                Payload.CopyTo(msg.Slice());
-            }
+            // Lent: the answer proves that NetMQ is done with it.
+            msg.InitGC(Payload, Payload.Length);
             if (!socket.TrySend(ref msg, Timeout, false)) throw new TimeoutException("the server takes no more");
             msg.Close();
         }
@@ -196,42 +156,6 @@ namespace NetMQExample.Lab
         {
             if (!socket.TryReceive(ref incoming, Timeout)) throw new TimeoutException("no reply");
             Check(incoming.Size == answer);
-        }
-
-        public override void Dispose() => socket.Dispose();
-    }
-
-    /// <summary>Listens to the publisher of the lab, whose messages begin when a DEALER says so.</summary>
-    internal sealed class Subscriber : Contender
-    {
-        private readonly SubscriberSocket socket = new SubscriberSocket();
-        private readonly string control;
-
-        public Subscriber(string control, string publisher, int size, int clients) : base(size)
-        {
-            this.control = control;
-            socket.Options.ReceiveHighWatermark = 0;
-            // With the number in its topic, those of another work that have not quite left are not counted as here.
-            var topic = new byte[5];
-            topic[0] = Publish;
-            BitConverter.GetBytes(clients).CopyTo(topic, 1);
-            socket.Subscribe(topic);
-            socket.Connect(publisher);
-        }
-
-        public override void Send()
-        {
-            using var dealer = new DealerSocket();
-            // What is not delivered by then is dropped, and the subscribers would wait in vain.
-            dealer.Options.Linger = Timeout;
-            dealer.Connect(control);
-            dealer.SendFrame(Payload);
-        }
-
-        public override void Receive()
-        {
-            if (!socket.TryReceiveFrameBytes(Timeout, out var message)) throw new TimeoutException("no message");
-            Check(message.Length == Payload.Length);
         }
 
         public override void Dispose() => socket.Dispose();

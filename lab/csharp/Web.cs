@@ -2,7 +2,6 @@
 using System;
 using System.Net.Http;
 using System.Net.WebSockets;
-using System.Text;
 using System.Threading;
 using System.Threading.Tasks;
 
@@ -58,44 +57,5 @@ namespace NetMQExample.Lab
         }
 
         public override void Dispose() => socket.Dispose();
-    }
-
-    /// <summary>Lesson 01 by the gateway of lesson 16: the messages of its requesters, which a game would look for once a
-    /// frame, as fast as they come.</summary>
-    internal sealed class Gateway : Contender
-    {
-        private readonly ClientWebSocket socket = new ClientWebSocket();
-        private readonly byte[] incoming = new byte[1024];
-        private readonly CancellationToken never = CancellationToken.None;
-        private readonly bool socketIO;
-        private readonly string text;
-        private int number;
-
-        public Gateway(string endpoint, int size, bool socketIO) : base(size)
-        {
-            (this.socketIO, text) = (socketIO, "Hello".PadRight(size));
-            var path = socketIO ? "/socket.io/?EIO=4&transport=websocket" : "/ws/hello";
-            socket.ConnectAsync(new Uri(endpoint.Replace("http:", "ws:") + path), never).Wait(Timeout);
-            if (!socketIO) return;
-            Next();
-            Say("40");
-            Next();
-        }
-
-        public override void Send() => Say(socketIO ? $"42{++number}[\"hello\",\"{text}\"]" : $"[\"{text}\"]");
-
-        public override void Receive()
-        {
-            var said = Next();
-            // Are you there?
-            for (; socketIO && said == "2"; said = Next()) Say("3");
-            Check(said == (socketIO ? $"43{number}[\"World\"]" : "[\"World\"]"));
-        }
-
-        public override void Dispose() => socket.Dispose();
-
-        private void Say(string said) => socket.SendAsync(new ArraySegment<byte>(Encoding.UTF8.GetBytes(said)), WebSocketMessageType.Text, true, never).GetAwaiter().GetResult();
-
-        private string Next() => Encoding.UTF8.GetString(incoming, 0, socket.ReceiveAsync(new ArraySegment<byte>(incoming), never).GetAwaiter().GetResult().Count);
     }
 }

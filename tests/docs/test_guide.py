@@ -526,15 +526,3 @@ def pictured(lines):
 
 def in_colour(prefix):
     return f"\033[{COLOURS[prefix[0].split()[0]]}m{prefix[0]}\033[0m"
-
-
-@pytest.mark.parametrize("name", ["price", "echo_32", "echo_230400"])
-def test_the_bars_of_a_plot_are_as_long_as_their_numbers(name):
-    """Twice as long is twice as much: an axis that is not linear, or does not begin at 0, is a picture that lies."""
-    svg = (ROOT / "img" / f"performance_{name}.svg").read_text(encoding="utf-8")
-    number = r"(\d+(?:\.\d+)?)"
-    bars = re.findall(rf'd="M {number} {number}\nL {number} \2\nL \3 {number}\nL \1 \4\nz\n" clip-path', svg)
-    values = [float(text.replace(",", "")) for text in re.findall(r">([\d,.]+)</text>", svg)][-len(bars) :]
-    lengths = [float(right) - float(left) for left, _, right, _ in bars]
-    assert len(bars) >= 2
-    assert [length / max(lengths) for length in lengths] == pytest.approx([v / max(values) for v in values], abs=0.01)
