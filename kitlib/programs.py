@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from kitlib.lessons import ROOT, KitError
-from kitlib.signals import later, uninterrupted
+from kitlib.signals import uninterrupted
 from kitlib.terminal import say
 
 # In a pipe Windows would use another encoding, and Python would keep the lines back.
@@ -115,8 +115,7 @@ def run_in_terminal(command: Sequence[str | Path], folder: Path = ROOT) -> int:
     """Run one program in this terminal, whose Ctrl-C reaches it as well; returns its exit code."""
     process: subprocess.Popen[bytes] | None = None
     try:
-        with later():
-            process = subprocess.Popen(command, cwd=folder, env={**os.environ, **READABLE})
+        process = subprocess.Popen(command, cwd=folder, env={**os.environ, **READABLE})
         return wait(process, Path(command[1]).name)
     except KeyboardInterrupt:
         return 130
@@ -165,8 +164,7 @@ def quietly(
     words = [str(word) for word in command]
     process = None
     try:
-        with later():
-            process = spawn(words, env, cwd, shown=False)
+        process = spawn(words, env, cwd, shown=False)
         output, _ = process.communicate(timeout=limit)
     except FileNotFoundError:
         return Result(127, f"{words[0]}: not found")
@@ -199,12 +197,7 @@ def spawn(
 
 def wait(process: subprocess.Popen[Any], name: str) -> int:
     """The exit code of a program; in slices, because on Windows a wait without a limit is deaf to Ctrl-C."""
-    while True:
-        # Popen asks with a lock, which a Ctrl-C in the wrong moment would leave locked: who clears up waited for ever.
-        with later():
-            code = process.poll()
-        if code is not None:
-            break
+    while (code := process.poll()) is None:
         time.sleep(0.05)
     if code >= 0:
         return code

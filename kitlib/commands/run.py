@@ -11,7 +11,7 @@ from kitlib import lessons
 from kitlib.lessons import KitError, Lesson, UsageError, find
 from kitlib.programs import MOMENT, TIMEOUT, Program, quietly, wait
 from kitlib.setup import dotnet, python_setup
-from kitlib.signals import later, uninterrupted
+from kitlib.signals import uninterrupted
 from kitlib.terminal import say, show
 from kitlib.watch import EXTRA, open_page, tap_command
 
@@ -124,34 +124,29 @@ def run(
 
     try:
         for name, command in behind.items():
-            with later():
-                heard = functools.partial(show, name.strip("-"))
-                started.append(Program(command, folder=folder, heard=heard))
+            heard = functools.partial(show, name.strip("-"))
+            started.append(Program(command, folder=folder, heard=heard))
             server = [*server, name, ready(started[-1])["endpoint"]]
-        with later():
-            heard = functools.partial(show, "server")
-            started.append(Program(server, folder=folder, heard=heard))
+        heard = functools.partial(show, "server")
+        started.append(Program(server, folder=folder, heard=heard))
         if not client:
             return wait(started[-1].process, "server")
         # The name of an endpoint is the name of the client's option, and of the script's field in Unity.
         addresses = ready(started[-1])
         if tap:
-            with later():
-                words = [*tap, *(f"{name}={address}" for name, address in addresses.items())]
-                started.append(watched := Program(words, folder=folder, heard=functools.partial(show, "tap")))
+            words = [*tap, *(f"{name}={address}" for name, address in addresses.items())]
+            started.append(watched := Program(words, folder=folder, heard=functools.partial(show, "tap")))
             addresses = ready(watched, "tap")
             open_page(watched)
         for name, address in addresses.items():
             client = [*client, f"--{name}", address]
         for number, other in enumerate(others, start=2):
-            with later():
-                # The first client is the one that is asked for.
-                name = Path(other[1]).stem
-                heard = functools.partial(show, f"{name} {number}" if name == "client" else name)
-                words = [*other, "--endpoint", addresses["endpoint"]]
-                started.append(Program(words, folder=folder, heard=heard))
-        with later():
-            started.append(Program(client, folder=folder, heard=hear_client))
+            # The first client is the one that is asked for.
+            name = Path(other[1]).stem
+            heard = functools.partial(show, f"{name} {number}" if name == "client" else name)
+            words = [*other, "--endpoint", addresses["endpoint"]]
+            started.append(Program(words, folder=folder, heard=heard))
+        started.append(Program(client, folder=folder, heard=hear_client))
         code = wait(started[-1].process, "client")
         if tap:
             show_last()

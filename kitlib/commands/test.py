@@ -8,7 +8,6 @@ from pathlib import Path
 from kitlib.lessons import ROOT, Lesson, find, lessons
 from kitlib.programs import end, spawn, wait
 from kitlib.setup import python_setup
-from kitlib.signals import later
 from kitlib.terminal import say
 
 ABOUT = "Runs every test that this machine can run, and says what it skipped and why. Other words are pytest's options."
@@ -39,8 +38,7 @@ def do(options: argparse.Namespace) -> int:
     ]
     pytest = None
     try:
-        with later():
-            pytest = spawn([str(python), "-m", "pytest", *words], cwd=ROOT)
+        pytest = spawn([str(python), "-m", "pytest", *words], cwd=ROOT)
         return wait(pytest, "pytest")
     finally:
         if pytest:

@@ -174,27 +174,6 @@ def test_ctrl_c_in_a_run_leaves_nothing_running(how, tmp_path, serve):
     assert serve("01_request_reply", endpoint=endpoint)[1] == endpoint
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends a Ctrl-C in another way")
-def test_ctrl_c_while_a_program_is_being_started_ends_it(monkeypatch):
-    started = []
-
-    class Interrupted(subprocess.Popen):
-        def __init__(self, *words, **options):
-            super().__init__(*words, **options)
-            started.append(self)
-            # The worst moment: it runs, and who asked for it does not know it yet.
-            os.kill(os.getpid(), signal.SIGINT)
-
-    monkeypatch.setattr(subprocess, "Popen", Interrupted)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            programs.quietly([sys.executable, "-c", "import time; time.sleep(60)"], 60)
-        assert started[0].poll() is not None
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    finally:
-        started[0].kill()
-
-
 @finds_processes
 def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy, bare_python, tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as silent:
@@ -250,32 +229,6 @@ def test_a_second_ctrl_c_does_not_stop_the_clearing_up():
         signal.raise_signal(signal.SIGINT)
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
-
-
-class AtWorstMoment:
-    """Popen's lock, and a Ctrl-C that comes when it has just been taken."""
-
-    def __init__(self, lock):
-        self.lock, self.release = lock, lock.release
-
-    def acquire(self, *how):
-        got = self.lock.acquire(*how)
-        signal.raise_signal(signal.SIGINT)
-        return got
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="there Popen needs no lock")
-def test_a_ctrl_c_at_the_worst_moment_does_not_keep_the_clearing_up_waiting():
-    with subprocess.Popen([PYTHON, "-c", "input()"], stdin=subprocess.PIPE) as process:
-        lock = vars(process)["_waitpid_lock"]
-        vars(process)["_waitpid_lock"] = AtWorstMoment(lock)
-        with pytest.raises(KeyboardInterrupt):
-            programs.wait(process, "it")
-        vars(process)["_waitpid_lock"] = lock
-        if locked := lock.locked():
-            lock.release()
-        process.kill()
-    assert not locked, "nobody could wait for it any more"
 
 
 def refused(start, *words):
