@@ -67,8 +67,9 @@ def package_rows(python: Path) -> Iterator[Row]:
     for lesson in lessons():
         for need in python_setup.needs(lesson.key)[len(python_setup.needs()) :]:
             users.setdefault(need, []).append(lesson.number)
+    lacking = python_setup.lacking(python, list(users))
     for need, numbers in users.items():
-        there = python_setup.has(python, [need])
+        there = python_setup.name(need) not in lacking
         cure = "" if there else f"; missing: `{KIT} run {numbers[0]}` installs it"
         yield there, python_setup.name(need), f"needed by {', '.join(f'{number:02}' for number in numbers)}{cure}"
 

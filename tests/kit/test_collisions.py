@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import os
 
-import pytest
-
 from tests.conftest import PYTHON
 from tests.programs import ROOT, finished
 
@@ -61,18 +59,17 @@ def outcomes(folder, **environment):
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize("form", ["{}.py", "{}/__init__.py"], ids=["modules", "packages"])
-def test_nobody_elses_module_is_taken_for_one_of_the_kit(form, tmp_path):
+def test_nobody_elses_module_is_taken_for_one_of_the_kit(tmp_path):
+    """Modules that come before the kit's own on the path, and packages behind it."""
     before, behind = tmp_path / "before", tmp_path / "behind"
-    for folder in before, behind:
+    for folder, form in (before, "{}.py"), (behind, "{}/__init__.py"):
         for name in NAMES.split():
             stub = folder / form.format(name)
             stub.parent.mkdir(parents=True, exist_ok=True)
             stub.write_text(f"raise RuntimeError('{name} of {folder.name} was imported')", encoding="utf-8")
     path = f"import sys\nsys.path.insert(0, {str(before)!r})\nsys.path.append({str(behind)!r})\n"
     (before / "sitecustomize.py").write_text(path, encoding="utf-8")
-    safe = {"PYTHONSAFEPATH": "1"} if "init" in form else {}
-    found = outcomes(tmp_path, PYTHONPATH=str(before), **safe)
+    found = outcomes(tmp_path, PYTHONPATH=str(before))
     assert found[str(ROOT / "python" / "01_request_reply" / "server.py")] == "fine"
     # Where a package is missing, some say so, with the stubs and without.
-    assert found == outcomes(tmp_path)
+    assert found == outcomes(tmp_path, PYTHONSAFEPATH="1")
