@@ -29,6 +29,7 @@ class Source:
     texts: set[str] = field(default_factory=set)
 
 
+@functools.cache
 def file_of(module: str, importer: Path) -> Path | None:
     """The file of a module of the package, or of one beside a program."""
     if module.split(".")[0] == PACKAGE:
@@ -40,6 +41,7 @@ def file_of(module: str, importer: Path) -> Path | None:
     return next((file for file in (path / "__init__.py", path.with_suffix(".py")) if file.is_file()), None)
 
 
+@functools.cache
 def origin(module: str, name: str, importer: Path) -> str:
     """The module that `from module import name` needs: the class's own, where an `__init__` only lends it."""
     if file_of(f"{module}.{name}", importer):

@@ -5,6 +5,7 @@ Where neither has it, one line says what to run.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import os
@@ -50,6 +51,7 @@ DEBIAN = {
 }
 
 
+@functools.cache
 def project() -> dict[str, Any]:
     """What pyproject.toml says of the package."""
     found: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
