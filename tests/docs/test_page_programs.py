@@ -1,0 +1,365 @@
+"""The programs of the pages, as they stand there: all their C# in one project, played against its servers."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+import zmq
+
+from kitlib.docs import guide
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.programs import ROOT, finished, steady_endpoint
+
+BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
+CSHARP = [block for block in BLOCKS if block.language == "csharp" and block.kind != "excerpt"]
+# One worker builds it, and it alone.
+pytestmark = [pytest.mark.xdist_group("pages"), pytest.mark.timeout(1200)]
+
+FIRST = [block.body for block in guide.blocks(ROOT / "docs" / "guide" / "01_request_reply.md") if block.kind == "by hand"]
+NAKED_SERVER, NAKED_CLIENT = FIRST[:2]
+OWN = "tcp://127.0.0.1:5551"
+# The component for whoever comes from HelloRequester.cs, and a part of it that goes on after a restart.
+HELLO, AGAIN = (block.body for block in CSHARP if "test_the_way_from_the_old_hello" in block.source)
+# What stands round a fragment: the names that it may use besides its own.
+SURROUNDINGS = """
+using System; using System.Collections.Generic; using System.Linq; using System.Threading; using System.Threading.Tasks;
+using NetMQ; using NetMQ.Sockets; using NetMQExample; using UnityEngine;
+{usings}
+class Fragment{number} : MonoBehaviour
+{{
+    RequestSocket socket = null; BackgroundClient client = null; string[] args = null;
+{body}
+}}
+"""
+DECLARATION = r"(?:\[\w|public |private |protected |internal |static |readonly |async |void |IEnumerator )"
+
+
+def surrounded(block, number):
+    """A file that the fragment can be compiled in: a member of a MonoBehaviour, or statements of a method.
+
+    A class of its own is a file already, and compiles as a reader copies it.
+    """
+    if re.search(r"^public .*\bclass \w+", block.body, re.MULTILINE):
+        return f'#line {block.line + 2} "{block.page.name}"\n{block.body}'
+    usings = re.findall(r"^using [\w.= ]+;$", block.body, re.MULTILINE)
+    body = re.sub(r"^using [\w.= ]+;$", "", block.body, flags=re.MULTILINE)
+    body = f'#line {block.line + 2} "{block.page.name}"\n{body}\n#line default'
+    if not re.search(rf"^{DECLARATION}", body, re.MULTILINE):
+        body = f"async Task Statements() {{\n{body}\nawait Task.CompletedTask; }}"
+    fresh = [using for using in usings if using not in SURROUNDINGS]
+    return SURROUNDINGS.format(usings="\n".join(fresh), number=number, body=body)
+
+
+
+PROJECT = """<Project Sdk="Microsoft.NET.Sdk">
+  <PropertyGroup>
+    <OutputType>Exe</OutputType>
+    <TargetFramework>net$(BundledNETCoreAppTargetFrameworkVersion)</TargetFramework>
+    <LangVersion>9.0</LangVersion>
+    <Optimize>false</Optimize>
+  </PropertyGroup>
+  <ItemGroup>{references}</ItemGroup>
+</Project>
+"""
+# The first word says what to play, the second where the server is.
+PROGRAM = """
+using System; using System.Linq; using System.Reflection;
+using NetMQ; using NetMQ.Sockets; using NetMQExample; using UnityEngine; using UnityPlayer;
+static class Program
+{
+    static void Main(string[] args)
+    {
+        switch (args[0])
+        {
+            case "naked": Naked(args[1]); break;
+            case "hello": Hello(typeof(HelloClient), args[1], "86400", 3, "Sending Hello"); break;
+            case "again": Hello(typeof(Again.HelloClient), args[1], "2", 1, "Received Again"); break;
+            case "hands": Hands(args[1]); break;
+            default: Script(args[0], args[1]); break;
+        }
+    }
+
+    static void Naked(string endpoint)
+    {
+NAKED
+    }
+
+    // What Unity does with scripts: puts them on an object, calls them frame by frame, and disables them at Stop.
+    static void Script(string which, string endpoint)
+    {
+        var player = new Player(typeof(MyClient).Assembly);
+        DrivenBehaviour car = null;
+        var (answers, least) = (0, which == "paths" ? 3 : 2);
+        var wanted = new[] { "where to?", "it says 3.5", "echo 2: 2", "echo 3: 3", "sleep 0.5: slept 0.5" };
+        Application.logMessageReceived += (line, _, _) => answers += wanted.Contains(line) ? 1 : 0;
+        player.Begin(() =>
+        {
+            var thing = new GameObject("mine");
+            thing.SetActive(false);
+            var types = which == "client" ? new[] { typeof(MyClient) }
+                : which == "asker" ? new[] { typeof(Asker) }
+                : which == "paths" ? new[] { typeof(Paths) }
+                : new[] { which == "eye" ? typeof(MyEye) : typeof(MyCar), typeof(CameraSender), typeof(RoadScene) };
+            Inspector.Set(types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray(), "endpoint", endpoint);
+            car = thing.GetComponent<DrivenBehaviour>();
+            thing.transform.position = new Vector3(3.5f, 0, 0);
+            // Beside the middle of the road.
+            if (car is MyEye) thing.transform.SetPositionAndRotation(new Vector3(52, 0, 12), Quaternion.Euler(0, 80, 0));
+            // Asked while it is off: left out.
+            thing.GetComponent<Paths>()?.Ask(new[] { "echo old" });
+            thing.SetActive(true);
+            if (thing.GetComponent<Paths>() is Paths paths) paths.Ask(new[] { "sleep 0.5", "echo 2", "echo 3" });
+            if (!(thing.GetComponent<Asker>() is Asker asker)) return;
+            // While its thread begins.
+            thing.transform.position = new Vector3(1.5f, 0, 0);
+            asker.Ask();
+            thing.transform.position = new Vector3(3.5f, 0, 0);
+        });
+        bool Turned() => car is MyEye && Math.Abs(car.transform.rotation.y - Quaternion.Euler(0, 80, 0).y) > 0.01f;
+        player.Run(TimeSpan.FromSeconds(car == null ? 30 : 40),
+            () => car == null ? answers >= least && Time.realtimeSinceStartup > 2.5f : car.Speed > 3 || Turned());
+        if (car is MyCar) Console.WriteLine($"drives: {car.Speed > 3}");
+        if (car is MyEye) Console.WriteLine($"looks around: {Turned()}");
+        player.Stop();
+    }
+
+    // All but the last Play are stopped while the server is away, which the old example does not survive; the last when it is
+    // done, or has logged this line.
+    static void Hello(Type component, string endpoint, string timeout, int plays, string line)
+    {
+        var player = new Player(component.Assembly);
+        for (var play = 1; play <= plays; play++)
+        {
+            var seen = false;
+            var stops = plays == 1 || play < plays;
+            Application.LogCallback see = (text, _, _) => seen = stops && text == line;
+            Application.logMessageReceived += see;
+            player.Begin(() =>
+            {
+                var thing = new GameObject("hello");
+                thing.SetActive(false);
+                var script = (MonoBehaviour)thing.AddComponent(component);
+                Inspector.Set(new[] { script }, "endpoint", endpoint);
+                Inspector.Set(new[] { script }, "timeout", timeout);
+                thing.SetActive(true);
+            });
+            player.Run(TimeSpan.FromSeconds(120), () => seen);
+            player.Stop();
+            Application.logMessageReceived -= see;
+            Console.WriteLine($"stopped {play}");
+        }
+    }
+
+    // A hand of two joints, until ten positions were seen; a score from the same port; one whose field was forgotten.
+    static void Hands(string endpoint)
+    {
+        var player = new Player(typeof(HandReceiver).Assembly);
+        var (joints, score) = (new Transform[2], new Transform[1]);
+        player.Begin(() =>
+        {
+            new GameObject("forgotten").AddComponent(typeof(HandReceiver));
+            Put(joints, endpoint, "hand/", "0.3");
+            Put(score, endpoint, "score/", "60");
+        });
+        var (seen, last) = (0, 0f);
+        player.Run(TimeSpan.FromSeconds(120), () =>
+        {
+            if (joints[1].localPosition.z != last) seen++;
+            last = joints[1].localPosition.z;
+            return seen >= 10 && score[0].localPosition.x != 0;
+        });
+        Console.WriteLine($"{joints[0].localPosition} {joints[1].localPosition.x} {score[0].localPosition}");
+        player.Stop();
+    }
+
+    static void Put(Transform[] joints, string endpoint, string topic, string timeout)
+    {
+        for (var i = 0; i < joints.Length; i++) joints[i] = new GameObject("joint").transform;
+        var thing = new GameObject(topic);
+        thing.SetActive(false);
+        var script = (MonoBehaviour)thing.AddComponent(typeof(HandReceiver));
+        foreach (var (name, value) in new[] { ("endpoint", endpoint), ("topic", topic), ("timeout", timeout) })
+            Inspector.Set(new[] { script }, name, value);
+        typeof(HandReceiver).GetField("joints", BindingFlags.NonPublic | BindingFlags.Instance).SetValue(script, joints);
+        thing.SetActive(true);
+    }
+}
+"""
+
+
+@pytest.fixture(scope="session")
+def pages(tmp_path_factory, console):
+    """The words that start PROGRAM, built with every C# block of the pages, as it stands there."""
+    folder = tmp_path_factory.mktemp("pages")
+    parts = [block for block in CSHARP if "in the component above" not in block.source and block.body != NAKED_CLIENT]
+    files = {f"Block{number}": surrounded(block, number) for number, block in enumerate(parts)}
+    files["Program"] = PROGRAM.replace("NAKED", NAKED_CLIENT.replace(f'"{OWN}"', "endpoint"))
+    files["Again"] = f"namespace Again {{ {HELLO.partition('        using var client')[0]}{AGAIN}    }}\n}}\n}}\n"
+    for name, text in files.items():
+        (folder / f"{name}.cs").write_text(text, encoding="utf-8")
+    references = "".join(f'<Reference Include="{dll}" />' for dll in Path(console[1]).parent.glob("*.dll"))
+    (folder / "pages.csproj").write_text(PROJECT.format(references=references), encoding="utf-8")
+    words = ["-p:NuGetAudit=false", "-m:1", "-v:quiet", "-nologo", "-clp:NoSummary;ErrorsOnly"]
+    environment = {**os.environ, **dotnet.ENVIRONMENT}
+    done = subprocess.run(["dotnet", "build", folder, *words], capture_output=True, text=True, env=environment, timeout=500)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return ["dotnet", next(folder.rglob("bin/**/pages.dll"))]
+
+
+@pytest.fixture
+def naked_server(start, tmp_path):
+    """Where the first page's Python listens."""
+    endpoint = steady_endpoint()
+    (tmp_path / "naked.py").write_text(NAKED_SERVER.replace(OWN, endpoint), encoding="utf-8")
+    start(PYTHON, tmp_path / "naked.py")
+    return endpoint
+
+
+def test_the_naked_programs_meet_each_other_and_the_lessons_own(pages, naked_server, serve, start, client_command):
+    assert [len(text.splitlines()) for text in (NAKED_SERVER, NAKED_CLIENT)] == [5, 3]
+    assert OWN in NAKED_SERVER and OWN in NAKED_CLIENT
+    for endpoint in naked_server, serve("01_request_reply")[1]:
+        client = start(*pages, "naked", endpoint)
+        assert client.wait() == 0, client.output
+        assert client.lines == ["World"]
+    for kind in "python", "csharp":
+        words = ["--count", "1", "--text", "Hi", "--timeout", "60"]
+        wrong = start(*client_command(kind, "01_request_reply", naked_server, *words))
+        assert wrong.wait() == 0
+        assert "1: sent Hi, received error: expected Hello" in wrong.lines
+
+
+def test_a_script_of_yours_plays(pages, serve):
+    """The components that lessons 04, 05, 06 and 08 give a Unity developer to begin with, each against its server."""
+
+    def play(which, lesson):
+        done = finished([*pages, which, serve(lesson)[1]])
+        return (done.stdout + done.stderr).splitlines()
+
+    assert play("car", "08_see_and_steer")[-1] == "drives: True"
+    assert play("eye", "08_see_and_steer")[-1] == "looks around: True"
+    said = play("asker", "05_messages")
+    assert said == ["it says 1.5", *["it says 3.5"] * (len(said) - 1)] and len(said) >= 3, said
+    said = play("paths", "06_many_in_flight")
+    heard = sorted(line for line in said if "no reply within" not in line)
+    assert heard == ["echo 2: 2", "echo 3: 3", "sleep 0.5: slept 0.5"], said
+    said = play("client", "04_background_client")
+    # One at once, one after a second, one after two, and on a busy machine more, a second apart; and no error at Stop,
+    # but of what was asked just then.
+    heard = [line for line in said if line != "the client was disposed"]
+    assert heard == ["where to?"] * len(heard), said
+    assert 2 <= len(heard) <= 31
+
+
+def test_two_hands_of_cvzone():
+    """Also the one that is not seen is sent."""
+    (block,) = [each for each in BLOCKS if "test_two_hands_of_cvzone" in each.source]
+    sent, hands = [], [{"type": "Right", "lmList": [[10, 20, -3], [11, 21, -4]]}]
+    names = {"hands": hands, "height": 480, "number": 7, "send": lambda *words: sent.append(words)}
+    exec(compile(block.body, block.where, "exec"), names)
+    assert sent == [([], 7, "hand/left/"), ([10, 460, -3, 11, 459, -4], 7, "hand/right/")]
+
+
+def test_the_way_from_udp(tmp_path, pages, start):
+    """The publisher and the component that the page for whoever comes from UDPReceive.cs gives, against each other: the
+    publisher comes late, and sends odd messages: alone, then among others."""
+    publisher, _ = (block.body for block in BLOCKS if "test_the_way_from_udp" in block.source)
+    endpoint = steady_endpoint()
+    loop = """
+import pathlib, time
+i = 0
+while True:
+    i += 1
+    heard = len([*pathlib.Path().glob("heard *")])
+    publisher.send_string(("hand/ hello", f"hand/ {i} nobody", f"hand/ {i}" + 6 * " nan", f"hand/ {i}")[heard])
+    time.sleep(0.03)
+    if heard:
+        send([0.5, 1, 2, -1.25, 0, 3 + i * (heard == 3)], i)
+    if heard == 3:
+        send([7, 8, 9], i, "score/")
+    time.sleep(0.03)
+"""
+    program = publisher.replace("tcp://127.0.0.1:5052", endpoint) + loop
+    (tmp_path / "publisher.py").write_text(program, encoding="utf-8")
+    unity = start(*pages, "hands", endpoint)
+    for _ in range(2):
+        begin = len(unity.lines)
+        why = "is the server running, with topic 'hand/'[?]"
+        unity.wait_for(f"^trouble: nothing from {endpoint} within 0.3 s; {why}$", start=begin)
+    start(PYTHON, tmp_path / "publisher.py", folder=tmp_path)
+    wanted = "wanted hand/ NUMBER and 3 numbers for each of 2 Joints, with blanks between and decimal points, not"
+    for number, odd in enumerate(
+        ("'hand/ hello' with 0", r"'hand/ \d+ nobody' with 1", r"'hand/ \d+( nan){6}' with 6")
+    ):
+        unity.wait_for(f"^trouble: {wanted} {odd} numbers$")
+        (tmp_path / f"heard {number}").touch()
+    assert unity.wait() == 0, unity.output
+    assert unity.lines[-1] == "(0.50, -1.00, 2.00) -1.25 (7.00, -8.00, 9.00)", unity.output
+    others = [line for line in unity.lines[:-1] if not line.startswith("trouble: ")]
+    assert others == ["HandReceiver: drag the points of your hand into its field Joints, and leave none empty"]
+
+
+def test_unity_tells_one_who_publishes(tmp_path, start):
+    """The page's lines, asked in the bytes of lesson 02: what is asked again, by its id, is not done again."""
+    (hear,) = (block.body for block in BLOCKS if "test_unity_tells_one_who_publishes" in block.source)
+    endpoint = steady_endpoint()
+    program = hear.replace("tcp://127.0.0.1:5053", endpoint) + "\nwhile True:\n    hear()\n    time.sleep(0.03)\n"
+    (tmp_path / "publisher.py").write_text(f"import time\n\nimport zmq\n\n{program}", encoding="utf-8")
+    python = start(PYTHON, tmp_path / "publisher.py")
+    with zmq.Context() as context, context.socket(zmq.REQ) as unity:
+        unity.linger, unity.rcvtimeo = 0, 100_000
+        unity.connect(endpoint)
+        for id in (b"1", b"2", b"1", b"3"):
+            unity.send_multipart([id, b"left hand", id])
+            assert unity.recv_multipart() == [id, b"heard"]
+    python.wait_for("^Unity says left hand 3$")
+    assert python.lines == [f"Unity says left hand {number}" for number in (1, 2, 3)]
+
+
+OLD_SERVER = """
+import sys
+import time
+
+import zmq
+
+socket = zmq.Context().socket(zmq.REP)
+socket.bind(sys.argv[1])
+while True:
+    print(f"Received request: {socket.recv()}", flush=True)
+    time.sleep(0.01)
+    socket.send(b"World")
+"""
+
+
+def test_the_way_from_the_old_hello(tmp_path, pages, start):
+    """The component that the page for whoever comes from HelloRequester.cs gives, against a server as theirs is."""
+    (tmp_path / "server.py").write_text(OLD_SERVER, encoding="utf-8")
+    endpoint = steady_endpoint()
+    unity = start(*pages, "hello", endpoint)
+    unity.wait_for("^stopped 2$")
+    server = start(PYTHON, tmp_path / "server.py", endpoint)
+    assert unity.wait() == 0, unity.output
+    # A client of the first two Plays that lived on would ask as well.
+    assert server.lines == ["Received request: b'Hello'"] * 10
+    away = ["Sending Hello", "stopped 1", "Sending Hello", "stopped 2"]
+    assert unity.lines == [*away, *["Sending Hello", "Received World"] * 10, "stopped 3"]
+
+
+def test_the_way_from_the_old_hello_goes_on_after_a_restart(tmp_path, pages, start):
+    """The same component, with the page's loop in it."""
+    for name, text in (("1.py", OLD_SERVER), ("2.py", OLD_SERVER.replace("World", "Again"))):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    endpoint = steady_endpoint()
+    unity = start(*pages, "again", endpoint)
+    server = start(PYTHON, tmp_path / "1.py", endpoint)
+    unity.wait_for("^Received World$")
+    server.kill()
+    unity.wait_for("^no reply ", start=unity.lines.index("Received World"))
+    start(PYTHON, tmp_path / "2.py", endpoint)
+    assert unity.wait() == 0, unity.output
+    assert unity.lines[-2:] == ["Received Again", "stopped 1"]
