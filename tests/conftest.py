@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import re
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from kitlib.lessons import KitError, Lesson, lessons
 from kitlib.setup import dotnet, python_setup
-from tests.programs import ROOT, Program, Run, csharp_runs, python_runs, two_ports
+from tests.programs import ROOT, InTurn, Program, Run, python_in_turn, two_ports
 
 PYTHON = Path(sys.executable)
 CLIENTS = ("python", "csharp", "unity")
@@ -76,21 +78,36 @@ def console(netmq: dotnet.NetMQ) -> list[str]:
 
 
 @pytest.fixture
-def runs(request: pytest.FixtureRequest) -> Callable[..., list[Run]]:
-    """runs("csharp", "01_request_reply", [["--count", "x"], …]): how each run of this client, or "server", ended.
+def run(request: pytest.FixtureRequest) -> Iterator[Callable[..., Run]]:
+    """run("csharp", "01_request_reply", "--count", "x"): how this run of a client, or of the "server", has ended.
 
-    All of them in one process, for what ends before it talks to anybody. Give --endpoint yourself.
+    All runs of a test are in one process, those of a lesson's Python in another. Give --endpoint yourself.
     """
+    with contextlib.ExitStack() as stack:
 
-    def runs(kind: str, key: str, each: Sequence[Sequence[str]]) -> list[Run]:
-        if kind in ("python", "server"):
-            return python_runs(f"python/{key}/{'client' if kind == 'python' else 'server'}.py", each)
-        console = request.getfixturevalue("console")
-        checks = dotnet.build(request.getfixturevalue("netmq"), ROOT / "tests" / "lessons" / "checks")
-        unity = ["--unity"] if kind == "unity" else []
-        return csharp_runs(checks, Path(console[1]), [[key, *unity, *words] for words in each])
+        @functools.cache
+        def python(folder: Path) -> InTurn:
+            return stack.enter_context(python_in_turn(folder))
 
-    return runs
+        @functools.cache
+        def csharp() -> InTurn:
+            console = request.getfixturevalue("console")
+            checks = dotnet.build(request.getfixturevalue("netmq"), ROOT / "tests" / "lessons" / "checks")
+            return stack.enter_context(InTurn(["dotnet", checks, "each", console[1]]))
+
+        def run(kind: str, key: str, *words: str) -> Run:
+            if kind in ("python", "server"):
+                program = ROOT / "python" / key / ("client.py" if kind == "python" else "server.py")
+                return python(program.parent)(program, *words)
+            return csharp()(key, *(["--unity"] if kind == "unity" else []), *words)
+
+        yield run
+
+
+@pytest.fixture
+def runs(run: Callable[..., Run]) -> Callable[..., list[Run]]:
+    """runs("csharp", "01_request_reply", [["--count", "x"], …]): the same for many, one after the other."""
+    return lambda kind, key, each: [run(kind, key, *words) for words in each]
 
 
 @pytest.fixture

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import random
 import re
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import uuid
 from collections import deque
 from collections.abc import Sequence
@@ -111,18 +113,17 @@ def finished(words: Sequence[str | Path], **more: Any) -> subprocess.CompletedPr
     return subprocess.run(words, capture_output=True, text=True, timeout=LIMIT, **more)
 
 
-# Runs a program once for each list of words, as if it were started anew, and says how each run ended.
+# Runs a program once for each line, which is a list of it and its words, as if it were started anew.
 EACH_RUN = """
 import contextlib, io, json, runpy, sys
-program, runs = sys.argv[1], json.loads(sys.argv[2])
 path = [*sys.path]
-for words in runs:
+for line in sys.stdin:
     said = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
-    sys.argv[:], sys.path[:] = [program, *words], path
+    sys.argv[:], sys.path[:] = json.loads(line), path
     code = 0
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
         try:
-            runpy.run_path(program, run_name="__main__")
+            runpy.run_path(sys.argv[0], run_name="__main__")
         except SystemExit as end:
             if isinstance(end.code, str):
                 print(end.code)
@@ -131,7 +132,10 @@ for words in runs:
             print(f"Traceback: {error!r}")
             code = 1
         said.flush()
-    print(json.dumps([code, said.buffer.getvalue().decode().splitlines()]), flush=True)
+    text = said.buffer.getvalue()
+    end = b"" if text.endswith(b"\\n") or not text else b"\\n"
+    sys.stdout.buffer.write(text + end + b"ended %d\\n" % code)
+    sys.stdout.flush()
 """
 
 
@@ -142,33 +146,54 @@ class Run(NamedTuple):
     lines: list[str]
 
 
-def python_runs(program: str | Path, runs: Sequence[Sequence[str]]) -> list[Run]:
-    """Run a Python program once for each of these lists of words, one after the other in one process.
+class InTurn:
+    """A process in which programs run one after the other, each as if it were started anew: call it with the words.
 
-    It is for runs that end before they talk to anybody, such as those with wrong words: to start Python and import
-    ZeroMQ takes longer than all these runs together.
+    It is for runs that end by themselves, such as those with wrong words: to start Python and import ZeroMQ, or to
+    start .NET, takes longer than many of them together.
     """
-    command = [sys.executable, "-c", EACH_RUN, str(ROOT / program), json.dumps([list(words) for words in runs])]
+
+    def __init__(self, command: Sequence[str | Path], folder: Path = ROOT) -> None:
+        self.process = subprocess.Popen(
+            command,
+            cwd=folder,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, **programs.READABLE},
+        )
+
+    def __enter__(self) -> InTurn:
+        return self
+
+    def __call__(self, *words: str | Path) -> Run:
+        self.process.stdin.write(json.dumps([*map(str, words)]).encode() + b"\n")
+        self.process.stdin.flush()
+        limit = threading.Timer(LIMIT, self.process.kill)
+        limit.start()
+        said: list[str] = []
+        for line in self.process.stdout:
+            if match := re.fullmatch(rb"ended (\d+)\r?\n", line):
+                limit.cancel()
+                return Run(int(match[1]), said)
+            said.append(line.decode(errors="replace").rstrip("\r\n"))
+        raise AssertionError("\n".join([f"no end of {words}", *said]))
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+
+def python_in_turn(folder: Path) -> InTurn:
+    """For Python programs of this folder; the first word of each run is the program."""
     # A program finds what lies beside it.
-    done = finished(command, cwd=(ROOT / program).parent)
-    found = [Run(*json.loads(line)) for line in done.stdout.splitlines()]
-    assert len(found) == len(runs), done.stdout + done.stderr
-    return found
+    return InTurn([sys.executable, "-c", EACH_RUN], folder)
 
 
-def csharp_runs(checks: Path, console: Path, runs: Sequence[Sequence[str]]) -> list[Run]:
-    """The same for the terminal clients, by tests/lessons/checks/EachRun.cs. The first word is the lesson."""
-    lines = "".join("\t".join(words) + "\n" for words in runs)
-    done = finished(["dotnet", checks, "each", console], input=lines)
-    found, said = [], []
-    for line in done.stdout.splitlines():
-        if match := re.fullmatch(r"ended (\d+)", line):
-            found.append(Run(int(match[1]), said))
-            said = []
-        elif line:
-            said.append(line)
-    assert len(found) == len(runs), done.stdout + done.stderr
-    return found
+def python_runs(program: str | Path, runs: Sequence[Sequence[str]]) -> list[Run]:
+    """Run a Python program once for each of these lists of words, one after the other in one process."""
+    with python_in_turn((ROOT / program).parent) as run:
+        return [run(ROOT / program, *words) for words in runs]
 
 
 class Program(programs.Program):

@@ -1,10 +1,11 @@
 // One run of a terminal client after the other in one process: `dotnet checks.dll each csharp-console.dll`. It reads one run a
-// line, its words with tabs between, and prints what each has printed, and then `ended CODE`.
+// line, a JSON list of its words, and prints what each has printed, and then `ended CODE`.
 //
-// For what ends before it talks to anybody: it would take as long to start .NET as all these runs take together.
+// For what ends by itself: it would take as long to start .NET as all these runs take together.
 using System;
 using System.IO;
 using System.Reflection;
+using Newtonsoft.Json;
 
 namespace NetMQExample.Tests
 {
@@ -15,7 +16,8 @@ namespace NetMQExample.Tests
             var main = Assembly.LoadFrom(Path.GetFullPath(program)).EntryPoint;
             // The client sets Console's encoding, which makes its streams anew.
             var output = TextWriter.Synchronized(new StreamWriter(Console.OpenStandardOutput()) { AutoFlush = true });
-            for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
+            using var input = new StreamReader(Console.OpenStandardInput());
+            for (var line = input.ReadLine(); line != null; line = input.ReadLine())
             {
                 using var said = new StringWriter();
                 var both = TextWriter.Synchronized(said);
@@ -24,14 +26,15 @@ namespace NetMQExample.Tests
                 object code;
                 try
                 {
-                    code = main.Invoke(null, new object[] { line.Split('\t') });
+                    code = main.Invoke(null, new object[] { JsonConvert.DeserializeObject<string[]>(line) });
                 }
                 catch (TargetInvocationException e)
                 {
                     both.WriteLine($"Unhandled exception. {e.InnerException}");
                     code = 134;
                 }
-                output.WriteLine($"{said.ToString().Trim()}\nended {code}");
+                var text = said.ToString();
+                output.WriteLine($"{text}{(text.Length == 0 || text.EndsWith("\n") ? "" : "\n")}ended {code}");
             }
         }
     }
