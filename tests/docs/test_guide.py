@@ -2,50 +2,31 @@
 
 from __future__ import annotations
 
+import importlib
 import json
-import os
 import re
 import shlex
-import subprocess
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-import zmq
 
+from kitlib import commands
 from kitlib.docs import guide, terminal_picture
 from kitlib.lessons import find
-from kitlib.setup import dotnet
 from kitlib.terminal import COLOURS
 from lab import report
 from tests.conftest import PYTHON
-from tests.programs import ROOT, finished, steady_endpoint
+from tests.programs import EACH_RUN, ROOT, InTurn
 
-GUIDE = ROOT / "docs" / "guide"
-PAGES = guide.pages()
-BLOCKS = [block for page in PAGES for block in guide.blocks(page)]
+BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
 
 
-def of(*kinds):
-    """The blocks of these kinds; those of a page on one worker, because what a run printed is kept in its memory."""
-    return pytest.mark.parametrize(
-        "block",
-        [
-            pytest.param(block, id=block.where, marks=pytest.mark.xdist_group(block.page.stem))
-            for block in BLOCKS
-            if block.kind in kinds
-        ],
-    )
-
-
-@of("bench")
-def test_a_table_is_what_the_kept_run_has(block):
-    assert block.body == report.in_a_page(block.source), "python3 -m lab.report rewrites it"
-
-
-@of("excerpt")
-def test_an_excerpt_is_what_its_file_has(block):
-    assert block.body == guide.excerpt(block.source), "python3 -m kitlib.docs.guide rewrites it"
+def test_tables_and_excerpts_are_what_their_files_have():
+    for block in BLOCKS:
+        if block.kind == "bench":
+            assert block.body == report.in_a_page(block.source), f"{block.where}: python3 -m lab.report rewrites it"
+        elif block.kind == "excerpt":
+            assert block.body == guide.excerpt(block.source), f"{block.where}: python3 -m kitlib.docs.guide rewrites it"
 
 
 def printed(words, run=guide.printed):
@@ -54,7 +35,15 @@ def printed(words, run=guide.printed):
 
 
 @pytest.mark.timeout(1200)
-@of("run", "like")
+@pytest.mark.parametrize(
+    "block",
+    # Those of a page on one worker, because what a run printed is kept in its memory.
+    [
+        pytest.param(block, id=block.where, marks=pytest.mark.xdist_group(block.page.stem))
+        for block in BLOCKS
+        if block.kind in ("run", "like")
+    ],
+)
 def test_a_transcript_is_what_a_run_prints(block, netmq, console):
     """`console` builds first: a run's limit is for what it prints, and not for the build that others wait for too."""
     difference = guide.contradiction(block, printed(block.source))
@@ -64,99 +53,75 @@ def test_a_transcript_is_what_a_run_prints(block, netmq, console):
     assert not difference, f"{difference}\npython3 -m kitlib.docs.guide rewrites it"
 
 
-@of("commands")
-def test_every_command_runs(block, serve, start, client_command, netmq, tmp_path):
-    for line in filter(None, block.body.splitlines()):
-        words = shlex.split(line.split("  #")[0])
-        if words[:2] == ["python3", "kit.py"]:
-            run_kit(words[2:], serve, start, tmp_path)
-        elif match := re.fullmatch(r"python/(\d\d_\w+)/server\.py", words[1] if len(words) > 1 else ""):
-            assert words[0] == "python"
-            server, _ = serve(match[1], *words[2:])
-            assert server.stop() in (0, -15)
-        elif match := re.fullmatch(r"python/(\d\d_\w+)/client\.py", words[1] if len(words) > 1 else ""):
-            run_client("python", match[1], words[2:], serve, start, client_command)
+# A program stops when it has understood its words.
+PARSE = """
+import argparse
+parse = argparse.ArgumentParser.parse_args
+def only(self, *args, **named):
+    parse(self, *args, **named)
+    raise SystemExit(0)
+argparse.ArgumentParser.parse_args = only
+"""
+
+
+def test_every_command_is_understood(run):
+    """By kit.py, by the programs for which it has words, and by the terminal clients; transcripts run many of them."""
+    with InTurn([PYTHON, "-c", PARSE + EACH_RUN]) as parse:
+
+        def understood(where, program, words):
+            if words:
+                done = parse(ROOT / "python" / program, *words)
+                assert done.code == 0, (where, words, done.lines)
+
+        for block in BLOCKS:
+            for line in filter(None, block.body.splitlines()) if block.kind == "commands" else ():
+                words = shlex.split(line.split("  #")[0])
+                if words[:2] == ["python3", "kit.py"]:
+                    command = importlib.import_module(f"kitlib.commands.{words[2]}")
+                    given = commands.parse(command, words[3:])
+                    if words[2] == "run":
+                        lesson = find(given.lesson).key
+                        understood(block.where, f"{lesson}/server.py", shlex.split(given.server))
+                        if given.client == "python":
+                            understood(block.where, f"{lesson}/client.py", shlex.split(given.options))
+                        else:
+                            understands(run, given.client, lesson, shlex.split(given.options), block.where)
+                    elif words[2] in ("server", "client"):
+                        lesson = find(given.lesson).key
+                        if words[2] == "server" or given.client == "python":
+                            understood(block.where, f"{lesson}/{words[2]}.py", given.words)
+                        else:
+                            understands(run, given.client, lesson, given.words, block.where)
+                elif words[0] == "python":
+                    assert words[1].startswith("python/"), block.where
+                    understood(block.where, words[1].removeprefix("python/"), words[2:])
+                else:
+                    assert words[:5] == ["dotnet", "run", "--project", "csharp-console", "--"], (block.where, line)
+                    unity = "--unity" in words
+                    words = [word for word in words[5:] if word != "--unity"]
+                    understands(run, "unity" if unity else "csharp", find(words[0]).key, words[1:], block.where)
+
+
+def understands(run, kind, key, words, where):
+    """Whether a C# client has these options, by the list that it gives of them; its values are tested elsewhere."""
+    known = " ".join(run(kind, key, "--help").lines)
+    for word in words:
+        if word.startswith("--"):
+            name = re.escape(word[2:].partition("=")[0])
+            assert re.search(rf"(?:--| ){name}\b", known), (where, word, known)
+
+
+def test_every_block_of_another_language_can_be_read():
+    for block in BLOCKS:
+        if block.kind == "excerpt" or block.language in ("", "csharp", "mermaid"):
+            continue
+        if block.language == "python":
+            compile(block.body, block.where, "exec")
+        elif block.language == "json":
+            json.loads(block.body)
         else:
-            assert words[:5] == ["dotnet", "run", "--project", "csharp-console", "--"], f"unknown command: {line}"
-            run_client("csharp", find(words[5]).key, words[6:], serve, start, client_command)
-
-
-def run_kit(words, serve, start, folder):
-    if words[0] == "server":
-        free = ["--endpoint", find(words[1]).anywhere]
-        server = start(PYTHON, ROOT / "kit.py", *words, *free, "--folder", folder)
-        # Where others are behind it, each line says whose it is.
-        server.wait_for(r"^(server +\| )?listening on ")
-        server.stop()
-        return
-    if words[0] == "client":
-        # In one folder with its server: lesson 15's has its keys there.
-        words = [*words, "--endpoint", serve(find(words[1]).key)[1], "--folder", str(folder)]
-    elif words[0] == "run":
-        # The same words as in a transcript are not run again; the exit code is looked at there.
-        said = printed(shlex.join(words[1:]))
-        assert not [line for line in said if "Traceback" in line], "\n".join(said)
-        return
-    elif words[0] == "test":
-        # This very run, or a part of it; only its words are checked.
-        words = ["test", "--markers", *words[1:]]
-    elif words[0] in ("bench", "doctor"):
-        # Tests of their own run them; here only the words are checked.
-        words = [*words, "--help"]
-    elif words[0] == "unity":
-        # It needs a project; test_unity_install.py has some.
-        words = [*words, "--help"]
-    elif words[0] == "copy":
-        words[2] = str(folder / words[2].strip("./"))
-    program = start(PYTHON, ROOT / "kit.py", *words)
-    assert program.wait(240) in (0, 1), program.output
-    assert "Traceback" not in program.output
-
-
-def run_client(kind, key, options, serve, start, client_command):
-    _, endpoint = serve(key)
-    if options[:1] == ["--unity"]:
-        # The endpoint is the test's own.
-        kind, pairs = "unity", zip(options[1::2], options[2::2], strict=True)
-        options = [word for name, value in pairs if name != "--endpoint" for word in (name, value)]
-    program = start(*client_command(kind, key, endpoint, *options))
-    assert program.wait(120) in (0, 1), program.output
-    assert "Traceback" not in program.output
-
-
-def compiled(project, netmq):
-    """Every C# file that a project compiles, as MSBuild lists them."""
-    command = ["dotnet", "msbuild", project, *netmq.properties, "-getItem:Compile"]
-    done = subprocess.run(command, capture_output=True, env={**os.environ, **dotnet.ENVIRONMENT}, timeout=500)
-    return {Path(item["FullPath"]) for item in json.loads(done.stdout)["Items"]["Compile"]}
-
-
-def test_every_csharp_excerpt_is_of_a_file_that_is_compiled(netmq):
-    sources = {
-        ROOT / block.source.split()[0] for block in BLOCKS if block.language == "csharp" and block.kind == "excerpt"
-    }
-    assert sources
-    # The lessons' own first: most of the time nobody else needs to be asked.
-    projects = [project for tree in ("csharp-*", "lab", "tests") for project in ROOT.glob(f"{tree}/**/*.csproj")]
-    for project in sorted(projects, key=lambda path: path.stem not in ("NetMQExample", "csharp-console")):
-        if sources:
-            sources -= compiled(project, netmq)
-    assert not sources
-
-
-@pytest.mark.parametrize(
-    "block",
-    [block for block in BLOCKS if block.language not in ("", "csharp", "mermaid") and block.kind != "excerpt"],
-    ids=lambda block: block.where,
-)
-def test_every_block_of_another_language_can_be_read(block):
-    if block.language == "python":
-        compile(block.body, block.where, "exec")
-    elif block.language == "json":
-        json.loads(block.body)
-    else:
-        assert block.language == "xml"
-        ElementTree.fromstring(block.body)
+            assert block.language == "xml", block.where
+            ElementTree.fromstring(block.body)
 
 
 def test_the_picture_of_a_terminal_is_what_a_run_prints(netmq):

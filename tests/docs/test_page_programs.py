@@ -20,7 +20,9 @@ CSHARP = [block for block in BLOCKS if block.language == "csharp" and block.kind
 # One worker builds it, and it alone.
 pytestmark = [pytest.mark.xdist_group("pages"), pytest.mark.timeout(1200)]
 
-FIRST = [block.body for block in guide.blocks(ROOT / "docs" / "guide" / "01_request_reply.md") if block.kind == "by hand"]
+FIRST = [
+    block.body for block in guide.blocks(ROOT / "docs" / "guide" / "01_request_reply.md") if block.kind == "by hand"
+]
 NAKED_SERVER, NAKED_CLIENT = FIRST[:2]
 OWN = "tcp://127.0.0.1:5551"
 # The component for whoever comes from HelloRequester.cs, and a part of it that goes on after a restart.
@@ -53,7 +55,6 @@ def surrounded(block, number):
         body = f"async Task Statements() {{\n{body}\nawait Task.CompletedTask; }}"
     fresh = [using for using in usings if using not in SURROUNDINGS]
     return SURROUNDINGS.format(usings="\n".join(fresh), number=number, body=body)
-
 
 
 PROJECT = """<Project Sdk="Microsoft.NET.Sdk">
@@ -105,11 +106,13 @@ NAKED
                 : which == "asker" ? new[] { typeof(Asker) }
                 : which == "paths" ? new[] { typeof(Paths) }
                 : new[] { which == "eye" ? typeof(MyEye) : typeof(MyCar), typeof(CameraSender), typeof(RoadScene) };
-            Inspector.Set(types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray(), "endpoint", endpoint);
+            var scripts = types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray();
+            Inspector.Set(scripts, "endpoint", endpoint);
             car = thing.GetComponent<DrivenBehaviour>();
             thing.transform.position = new Vector3(3.5f, 0, 0);
             // Beside the middle of the road.
-            if (car is MyEye) thing.transform.SetPositionAndRotation(new Vector3(52, 0, 12), Quaternion.Euler(0, 80, 0));
+            if (car is MyEye)
+                thing.transform.SetPositionAndRotation(new Vector3(52, 0, 12), Quaternion.Euler(0, 80, 0));
             // Asked while it is off: left out.
             thing.GetComponent<Paths>()?.Ask(new[] { "echo old" });
             thing.SetActive(true);
@@ -128,8 +131,8 @@ NAKED
         player.Stop();
     }
 
-    // All but the last Play are stopped while the server is away, which the old example does not survive; the last when it is
-    // done, or has logged this line.
+    // All but the last Play are stopped while the server is away, which the old example does not survive; the last when
+    // it is done, or has logged this line.
     static void Hello(Type component, string endpoint, string timeout, int plays, string line)
     {
         var player = new Player(component.Assembly);
@@ -185,7 +188,8 @@ NAKED
         var script = (MonoBehaviour)thing.AddComponent(typeof(HandReceiver));
         foreach (var (name, value) in new[] { ("endpoint", endpoint), ("topic", topic), ("timeout", timeout) })
             Inspector.Set(new[] { script }, name, value);
-        typeof(HandReceiver).GetField("joints", BindingFlags.NonPublic | BindingFlags.Instance).SetValue(script, joints);
+        var field = typeof(HandReceiver).GetField("joints", BindingFlags.NonPublic | BindingFlags.Instance);
+        field.SetValue(script, joints);
         thing.SetActive(true);
     }
 }
@@ -206,7 +210,9 @@ def pages(tmp_path_factory, console):
     (folder / "pages.csproj").write_text(PROJECT.format(references=references), encoding="utf-8")
     words = ["-p:NuGetAudit=false", "-m:1", "-v:quiet", "-nologo", "-clp:NoSummary;ErrorsOnly"]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(["dotnet", "build", folder, *words], capture_output=True, text=True, env=environment, timeout=500)
+    done = subprocess.run(
+        ["dotnet", "build", folder, *words], capture_output=True, text=True, env=environment, timeout=500
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return ["dotnet", next(folder.rglob("bin/**/pages.dll"))]
 
