@@ -4,8 +4,8 @@
 //                           them, an empty one as -; its answer is "ok" and the message as it is written again, or
 //                           "error" and the code
 //     write                 what no message may hold is refused before it is sent
-//     refused WHO ENDPOINT  a requester, plain or pooled, is refused, and asks again
-//     bytes WHO ENDPOINT    how many bytes it allocates for the echo of a picture
+//     ask WHO ENDPOINT      a requester, plain or pooled, is refused, and asks again; then how many bytes a pooled one
+//                           allocates for the echo of a picture
 using System;
 using System.Globalization;
 using System.Linq;
@@ -28,7 +28,7 @@ namespace NetMQExample.Tests
             if (words[0] == "read")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line));
             else if (words[0] == "write") Write();
-            else Ask(words[0], words[1], words[2]);
+            else Ask(words[1] == "pooled", words[2]);
         }
 
         private static string Answer(string line)
@@ -63,23 +63,30 @@ namespace NetMQExample.Tests
                     Console.WriteLine(e.Code);
                 }
             }
+            // All arrays together are as many bytes as they may be, and then one more.
+            for (var more = 0; more < 2; more++)
+            {
+                var message = new Message("echo");
+                message.Arrays.Add(new MessageArray("uint8", new byte[1], 1));
+                message.Arrays.Add(new MessageArray("uint8", new byte[Message.LimitBytes - 1 + more], Message.LimitBytes - 1 + more));
+                var frames = message.Arrays.Select(array => array.Data).Prepend(Encoding.UTF8.GetBytes(message.Header()));
+                try
+                {
+                    Message.Read(frames.ToArray());
+                    Console.WriteLine("ok");
+                }
+                catch (MessageException e)
+                {
+                    Console.WriteLine(e.Code);
+                }
+            }
         }
 
-        private static void Ask(string what, string name, string endpoint)
+        private static void Ask(bool pooled, string endpoint)
         {
-            using var requester = name == "pooled" ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
+            using var requester = pooled ? new PooledRequester(endpoint) : new MessageRequester(endpoint);
             var echo = new Message("echo", 1);
             echo.Arrays.Add(new MessageArray("uint8", new byte[Picture], Picture));
-            if (what == "bytes")
-            {
-                if (name == "pooled") PooledBuffers.Use();
-                // Those before the first fill the pool.
-                for (var i = 0; i < 20; i++) requester.Request(echo, Timeout);
-                var before = Allocated();
-                for (var i = 0; i < 100; i++) requester.Request(echo, Timeout);
-                Console.WriteLine($"{(Allocated() - before) / 100}");
-                return;
-            }
             try
             {
                 requester.Request(new Message("frames", 1), Timeout);
@@ -89,8 +96,14 @@ namespace NetMQExample.Tests
                 Console.WriteLine(e.Message);
             }
             Console.WriteLine($"{requester.Request(echo, Timeout).Arrays[0].Data.Length} bytes");
-            // A message from before the pool was chosen gives back a buffer that is not the pool's: it must not throw.
-            new PooledBuffers().Return(new byte[Picture]);
+            if (!pooled) return;
+            PooledBuffers.Use();
+            // Those before the first fill the pool. The first gives back a buffer that is not the pool's: it must not
+            // throw.
+            for (var i = 0; i < 10; i++) requester.Request(echo, Timeout);
+            var before = Allocated();
+            for (var i = 0; i < 20; i++) requester.Request(echo, Timeout);
+            Console.WriteLine($"{(Allocated() - before) / 20}");
         }
     }
 }
