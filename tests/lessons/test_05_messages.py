@@ -106,7 +106,7 @@ def test_all_arrays_together_have_a_limit():
     assert messages.read(message.frames()) == message
     message.arrays.append(Array("uint8", (1,), b"x"))
     for attempt in (message.frames, lambda: messages.read(unchecked(message))):
-        with pytest.raises(MessageError, match="^too-big: "):
+        with pytest.raises(MessageError, match="too-big: "):
             attempt()
 
 

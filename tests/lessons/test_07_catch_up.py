@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import re
-import signal
 import sys
 import threading
 import time
@@ -15,12 +15,13 @@ import zmq
 from netmq_example.errors import GaveUp
 from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
 from tests.bad_peers import SlowLine
-from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, free_port, steady_endpoint, two_ports
+from tests.conftest import CLIENTS
+from tests.programs import LIMIT, PATIENT, free_port, steady_endpoint, two_ports
 
 KEY = "07_catch_up"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 TERMINAL = ["python", "csharp"]
+REFUSED = zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL | zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL
 JOINED = r"^joined run (\w+) at (\d+), checksum (\d+)$"
 DONE = r"^done: received (\d+), missed (\d+); run (\w+) at (\d+), checksum (\d+)$"
 
@@ -46,9 +47,9 @@ def follow(start, client_command):
     return follow
 
 
-def numbers(client, pattern):
-    """All matches of the pattern in the client's lines, each as a list of its whole numbers."""
-    found = (re.search(pattern, line) for line in client.lines)
+def numbers(lines, pattern):
+    """All matches of the pattern in a client's lines, each as a list of its whole numbers."""
+    found = (re.search(pattern, line) for line in lines)
     return [[int(word) for word in match.groups() if word.isdecimal()] for match in found if match]
 
 
@@ -66,104 +67,122 @@ def add(checksum, message):
     return (31 * checksum + sum(message)) % 2**32
 
 
+def snapshot_of(reply):
+    """Checksum and number."""
+    checksum, _, _, number = reply.split(b" ")[:4]
+    return int(checksum), int(number)
+
+
+class Listener(threading.Thread):
+    """Follows the stream as a client does, and knows the publisher's checksum after each pose since it joined."""
+
+    def __init__(self, context, endpoint, snapshots):
+        super().__init__(daemon=True)
+        self.context, self.snapshots = context, snapshots
+        self.stream = context.socket(zmq.SUB)
+        self.stream.linger = 0
+        self.stream.subscribe("pose/")
+        self.stream.connect(endpoint)
+        assert self.stream.poll(100_000)
+        checksum, at = snapshot_of(request(context, snapshots, b"pose/"))
+        self.checksums, self.over = {at: checksum}, threading.Event()
+
+    def __enter__(self):
+        self.start()
+        return self
+
+    def __exit__(self, *error):
+        self.over.set()
+        self.join()
+
+    def run(self):
+        with self.stream:
+            while not self.over.is_set():
+                if self.stream.poll(50):
+                    message = self.stream.recv()
+                    number = int(message.split(b" ")[2])
+                    if number - 1 in self.checksums:
+                        self.checksums[number] = add(self.checksums[number - 1], message)
+
+
 # With the real server
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_following(kind, publish, follow):
-    server, endpoint, snapshots = publish("--interval", "0.002")
-    client = follow(kind, endpoint, snapshots, "--count", "120")
-    assert client.wait() == 0, client.output
-    assert client.lines[0] == f"following {endpoint}, snapshots from {snapshots}"
-    run, joined, checksum = re.search(JOINED, client.lines[1]).groups()
-    server.wait_for(f"^snapshot at {joined}, checksum {checksum}$")
-    # On a busy machine a second may pass without a pose, and the snapshot that is asked for then skips some.
-    gaps = numbers(client, r"^missed (\d+) to (\d+)$")
-    missed = sum(last - first + 1 for first, last in gaps)
-    begin, end = int(joined), int(joined) + 120 + missed
-    places = numbers(client, r"^(\d+): at -?[0-2]\.\d{4} 0\.0000 -?[0-2]\.\d{4}$")
-    assert gaps or places == [[begin], [begin + 60], [end]]
-    assert re.fullmatch(rf"done: received 120, missed {missed}; run {run} at {end}, checksum \d+", client.lines[-1])
-    assert len(client.lines) == 3 + len(gaps) + len(places)
+def test_joining_late_the_state_is_exact(publish, context, runs):
+    server, endpoint, snapshots = publish("--interval", "0.005")
+    with Listener(context, endpoint, snapshots) as listener:
+        for kind in CLIENTS:
+            words = ["--endpoint", endpoint, "--snapshots", snapshots, "--count"]
+            (code, lines), (empty, said) = runs(kind, KEY, [[*words, "120", *PATIENT], [*words, "0"]])
+            assert (code, lines[0]) == (0, f"following {endpoint}, snapshots from {snapshots}"), lines
+            run, joined, checksum = re.search(JOINED, lines[1]).groups()
+            server.wait_for(f"^snapshot at {joined}, checksum {checksum}$")
+            # On a busy machine a second may pass without a pose, and the snapshot that is asked for then skips some.
+            gaps = numbers(lines, r"^missed (\d+) to (\d+)$")
+            missed = sum(last - first + 1 for first, last in gaps)
+            begin, end = int(joined), int(joined) + 120 + missed
+            places = numbers(lines, r"^(\d+): at -?[0-2]\.\d{4} 0\.0000 -?[0-2]\.\d{4}$")
+            assert gaps or places == [[begin], [begin + 60], [end]]
+            while end not in listener.checksums:
+                assert listener.is_alive()
+                time.sleep(0.01)
+            done = f"done: received 120, missed {missed}; run {run} at {end}, checksum {listener.checksums[end]}"
+            assert lines[-1] == done
+            assert len(lines) == 3 + len(gaps) + len(places)
+            assert empty == 0 and said[-1].startswith("done: received 0, missed 0; "), said
 
 
-@pytest.mark.parametrize("frozen", [False, True], ids=["", "frozen meanwhile"])
 @pytest.mark.parametrize("kind", TERMINAL)
-def test_joining_late_and_losing_messages_the_state_is_exact(kind, frozen, publish, start, client_command):
-    """Frozen, a subscriber takes nothing until the queues are full, and the publisher drops what does not fit."""
-    if frozen and sys.platform == "win32":
-        pytest.skip("Windows has no signals to freeze a program with")
-    total, endpoint = 400_000 if frozen else 30_000, two_ports()
-    # The client is there before the publisher begins: on a busy machine all may be said before it has started.
-    words = ("--count", str(total), "--until", str(total), "--every", "1000", "--timeout", "60", "--seconds", "500")
-    client = start(*client_command(kind, KEY, endpoint, *words))
-    client.wait_for("^following")
-    interval = "0.00003" if frozen else "0.0003"
-    server, _, _ = publish("--interval", interval, "--count", str(total), endpoint=endpoint)
-    joined = int(client.wait_for(JOINED)[2])
-    assert 0 < joined < total, "the client did not join in the middle"
-    if frozen:
-        # Not before the stream has come: after the line about the pose of the snapshot there is another one.
-        client.wait_for(r"^\d+: at ", start=3)
-        client.process.send_signal(signal.SIGSTOP)
-    published = server.wait_for(rf"^published {total}, checksum (\d+)", 250)[1]
-    if frozen:
-        client.process.send_signal(signal.SIGCONT)
-    assert client.wait() == 0, client.output
-    received, missed, _, last, checksum = client.wait_for(DONE).groups()
-    gaps = numbers(client, r"^missed (\d+) to (\d+)$")
-    # Who joins late has so little left to miss that the queues hold it.
-    assert gaps or not frozen or total - joined < 200_000
-    assert sum(last - first + 1 for first, last in gaps) == int(missed)
-    assert int(received) + int(missed) == int(last) - joined == total - joined
-    assert checksum == published
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
 def test_after_a_restart_the_subscriber_goes_on_and_says_what_it_missed(kind, publish, follow):
-    # So slow that a client which takes half a minute to start still comes before number 1500.
-    first, endpoint, snapshots = publish("--interval", "0.02")
-    options = ["--count", "1000000", "--until", "1500", "--every", "30", "--timeout", "20"]
+    # So slow that a client which takes half a minute to start still comes before number 600.
+    first, endpoint, snapshots = publish("--interval", "0.05")
+    options = ["--count", "1000000", "--until", "600", "--every", "10", "--timeout", "20"]
     client = follow(kind, endpoint, snapshots, *options)
     run = client.wait_for(JOINED)[1]
     client.wait_for(r"^\d+: at ", start=3)
     first.kill()
-    second, _, _ = publish("--interval", "0.003", "--count", "1500", "--snapshots", snapshots, endpoint=endpoint)
+    second, _, _ = publish("--interval", "0.003", "--count", "600", "--snapshots", snapshots, endpoint=endpoint)
     said = client.wait_for(rf"^missed run {run} from (\d+) on, and run (\w+) up to (\d+)$")
     assert said[2] != run
     assert client.wait() == 0, client.output
     received, missed, last_run, last, checksum = client.wait_for(DONE).groups()
-    assert (last_run, last) == (said[2], "1500")
-    assert second.wait_for(r"^published 1500, checksum (\d+)")[1] == checksum
+    assert (last_run, last) == (said[2], "600")
+    assert second.wait_for(r"^published 600, checksum (\d+)")[1] == checksum
     # Each number of both runs was either received or missed, and none was both.
     joined = int(client.wait_for(JOINED)[2])
-    within = sum(last - first + 1 for first, last in numbers(client, r"^missed (\d+) to (\d+)$"))
+    within = sum(last - first + 1 for first, last in numbers(client.lines, r"^missed (\d+) to (\d+)$"))
     assert int(missed) == int(said[3]) + within
-    assert int(received) + within == int(said[1]) - 1 - joined + 1500 - int(said[3])
+    assert int(received) + within == int(said[1]) - 1 - joined + 600 - int(said[3])
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_who_comes_when_all_is_said_has_the_state_too(kind, publish, follow):
+def test_who_comes_when_all_is_said_has_the_state_too(publish, runs):
     server, endpoint, snapshots = publish("--interval", "0", "--count", "1000")
     checksum = server.wait_for(r"^published 1000, checksum (\d+)")[1]
-    client = follow(kind, endpoint, snapshots, "--until", "1000")
-    assert client.wait() == 0, client.output
-    run = client.wait_for(JOINED)[1]
-    assert client.lines[-1] == f"done: received 0, missed 0; run {run} at 1000, checksum {checksum}"
+    for kind in CLIENTS:
+        words = ["--endpoint", endpoint, "--snapshots", snapshots, *PATIENT]
+        ended, over = runs(kind, KEY, [[*words, "--until", "1000"], [*words, "--seconds", "0"]])
+        run = re.search(JOINED, ended.lines[1])[1]
+        assert ended.lines[-1] == f"done: received 0, missed 0; run {run} at 1000, checksum {checksum}"
+        assert over.lines[1:] == ["done: received 0, missed 0; run  at 0, checksum 0"], "there is no time for one"
+        assert ended.code == over.code == 0
 
 
 # With a publisher of the test's own, which decides on every message
 
 
+def bound(socket, endpoint="tcp://127.0.0.1:*"):
+    """Where it listens."""
+    socket.linger = 0
+    socket.bind(endpoint)
+    return socket.last_endpoint.decode()
+
+
 class FakePublisher:
     """An XPUB, which sees subscriptions come, and a ROUTER, which answers a request when the test says so."""
 
-    def __init__(self, context):
+    def __init__(self, context, endpoint="tcp://127.0.0.1:*", snapshots="tcp://127.0.0.1:*"):
         self.stream, self.router = context.socket(zmq.XPUB), context.socket(zmq.ROUTER)
-        for end in (self.stream, self.router):
-            end.linger = 0
-        self.endpoint = f"tcp://127.0.0.1:{self.stream.bind_to_random_port('tcp://127.0.0.1')}"
-        self.snapshots = f"tcp://127.0.0.1:{self.router.bind_to_random_port('tcp://127.0.0.1')}"
+        self.endpoint, self.snapshots = bound(self.stream, endpoint), bound(self.router, snapshots)
 
     def close(self):
         self.stream.close()
@@ -214,14 +233,28 @@ def place(number):
     return f"{number}: at {number}.5000 -0.2500 1234.0625"
 
 
-@pytest.mark.parametrize("environment", [{}, GERMAN], ids=["", "german"])
+def wrong_poses(number):
+    """They are no poses in any language, though some library of some language takes them."""
+    good, digits = pose("one", number).decode(), str(number)
+    for odd in (f"1_{digits[1:]}", f"-{digits}", f"+{digits}", "١٢", "9" * 5000, "1e1", ""):
+        yield good.replace(f" {digits} ", f" {odd} ", 1)
+    for odd in ("nan", "inf", "-Infinity", "1e39", "1_0.5", "٣", "0x1", "\t1", "1,5"):
+        yield good.replace("1234.0625", odd)
+    yield from ("pose/ hello", "pose/", f"{good} 1")
+
+
 @pytest.mark.parametrize("kind", CLIENTS)
-def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
+def test_nothing_lost_and_nothing_twice(kind, fake, follow):
     """Byte for byte as the server's header says; numbers have a point under a German locale, too."""
-    words = ("--count", "4", "--every", "1", "--timeout", "30")
-    client = follow(kind, fake.endpoint, fake.snapshots, *words, **environment)
+    words = ("--count", "8", "--every", "1", "--timeout", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, *words, **GERMAN)
     assert fake.subscribed() == b"\x01pose/"
     fake.stream.send(pose("one", 5))
+    # The first request gets lost. REQ drops a reply without the empty frame in front: there is something to receive,
+    # and then there is not.
+    fake.request()
+    who, _ = fake.request()
+    fake.router.send_multipart([who, b"no empty frame"])
     who, frames = fake.request()
     assert frames == [b"pose/"]
     # 6 to 8 are on their way when the snapshot, which contains 6, is made.
@@ -229,79 +262,49 @@ def test_nothing_lost_and_nothing_twice(kind, environment, fake, follow):
         fake.stream.send(pose("one", number))
     fake.reply(who, b"4000000000 " + pose("one", 6))
     fake.answers(b"4000000000 " + pose("one", 6), client, "^8: at")
-    # 9 is lost.
-    fake.stream.send(pose("one", 10))
-    fake.stream.send(pose("one", 11))
-    fake.answers(b"17 " + pose("one", 10), client, "^11: at")
-    # What is no pose is checked against a snapshot, and changes nothing.
-    for noise in (
-        [b"pose/ hello"],
-        [b"pose/", pose("one", 12)],
-        [b"pose/ \xff"],
-        [pose("one", 12) + b" 1"],
-        [b"pose/"],
-    ):
-        fake.stream.send_multipart(noise)
-        fake.asked_for_a_snapshot(b"99 " + pose("one", 11))
-    # The publisher was restarted. A message of its first run comes late.
-    fake.stream.send(pose("two", 3))
-    fake.asked_for_a_snapshot(b"0 " + pose("two", 4))
-    fake.stream.send(pose("one", 12))
-    fake.asked_for_a_snapshot(b"0 " + pose("two", 4))
-    fake.stream.send(pose("two", 4))
-    fake.stream.send(pose("two", 5))
-    fake.answers(b"0 " + pose("two", 4), client)
-    assert client.wait() == 0, client.output
-    assert client.lines == [
-        f"following {fake.endpoint}, snapshots from {fake.snapshots}",
-        "joined run one at 6, checksum 4000000000",
-        place(6),
-        place(7),
-        place(8),
-        "missed 9 to 10",
-        place(10),
-        place(11),
-        "missed run one from 12 on, and run two up to 4",
-        place(4),
-        place(5),
-        f"done: received 4, missed 6; run two at 5, checksum {add(0, pose('two', 5))}",
-    ]
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_gap_is_noticed_at_once_and_not_by_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "0", "--timeout", "30")
-    fake.subscribed()
-    fake.stream.send(pose("one", 1))
-    fake.answers(b"0 " + pose("one", 1), client, JOINED)
-    # 2 is lost, and from then on the stream is never silent for long.
-    for number in range(3, 200):
-        fake.stream.send(pose("one", number))
+    # 9 is lost. That is noticed at once: from then on the stream is never silent for long.
+    for last in range(10, 200):
+        fake.stream.send(pose("one", last))
         if fake.router.poll(100):
             break
     else:
         pytest.fail("nobody asked for a snapshot")
-    fake.answers(b"0 " + pose("one", number), client, f"^missed 2 to {number}$")
-    fake.stream.send(pose("one", number + 1))
-    fake.answers(b"0 " + pose("one", number), client)
+    fake.answers(b"17 " + pose("one", last), client, f"^{last}: at")
+    fake.stream.send(pose("one", last + 1))
+    fake.answers(b"17 " + pose("one", last), client, f"^{last + 1}: at")
+    # What is no pose is checked against a snapshot, and changes nothing.
+    for noise in (
+        *([word.encode()] for word in wrong_poses(last + 2)),
+        [b"pose/", pose("one", last + 2)],
+        [b"pose/ \xff"],
+    ):
+        fake.stream.send_multipart(noise)
+        fake.asked_for_a_snapshot(b"99 " + pose("one", last + 1))
+    # The publisher was restarted. A message of its first run comes late.
+    checksum, snapshot = 2**32 - 1, b"4294967295 " + pose("two", 4)
+    fake.stream.send(pose("two", 3))
+    fake.asked_for_a_snapshot(snapshot)
+    fake.stream.send(pose("one", last + 2))
+    fake.asked_for_a_snapshot(snapshot)
+    fake.stream.send(pose("two", 4))
+    for number in range(5, 10):
+        fake.stream.send(pose("two", number))
+        checksum = add(checksum, pose("two", number))
+    fake.answers(snapshot, client)
     assert client.wait() == 0, client.output
+    assert client.lines == [
+        f"following {fake.endpoint}, snapshots from {fake.snapshots}",
+        "joined run one at 6, checksum 4000000000",
+        *map(place, (6, 7, 8)),
+        f"missed 9 to {last}",
+        *map(place, (last, last + 1)),
+        f"missed run one from {last + 2} on, and run two up to 4",
+        *map(place, range(4, 10)),
+        f"done: received 8, missed {last - 8 + 4}; run two at 9, checksum {checksum}",
+    ]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_every_message_counts_in_the_checksum(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "20", "--every", "0", "--timeout", "30")
-    fake.subscribed()
-    fake.stream.send(pose("one", 1))
-    checksum = 4294967295
-    for number in range(2, 22):
-        fake.stream.send(pose("one", number))
-        checksum = add(checksum, pose("one", number))
-    fake.answers(b"4294967295 " + pose("one", 1), client)
-    assert client.wait() == 0, client.output
-    assert client.lines[-1] == f"done: received 20, missed 0; run one at 21, checksum {checksum}"
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
+@pytest.mark.parametrize("kind", TERMINAL)
 def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
     client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4", "--timeout", "30")
     fake.subscribed()
@@ -313,17 +316,7 @@ def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
     assert client.lines[-2:] == ["missed 4 to 4", "done: received 1, missed 1; run one at 4, checksum 1"]
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_request_that_got_lost_is_asked_again(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "2", "--timeout", "30")
-    fake.subscribed()
-    fake.request()
-    fake.answers(b"1 " + pose("one", 2), client)
-    assert client.wait() == 0, client.output
-    assert client.lines[-1] == "done: received 0, missed 0; run one at 2, checksum 1"
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
+@pytest.mark.parametrize("kind", TERMINAL)
 def test_a_stream_that_never_comes_is_said(kind, fake, follow):
     """Such as a firewall that lets only the snapshots through."""
     nowhere = f"tcp://127.0.0.1:{free_port()}"
@@ -337,137 +330,126 @@ def test_a_stream_that_never_comes_is_said(kind, fake, follow):
     assert client.lines[-1] == f"gave up: no pose came over {nowhere}; is that the publisher, and its port open?"
 
 
+NO_SNAPSHOTS = [
+    b"error: expected Hello",
+    b"",
+    b"\xff\xfe",
+    b"-1 " + pose("one", 1),
+    pose("one", 1),
+    b"1" * 5000 + b" " + pose("one", 1),
+    b"4294967296 " + pose("one", 1),
+    "٣ ".encode() + pose("one", 1),
+    b"1 " + pose("\x1b[2J\u2028", 1),
+    b"\x1b[2J\r\n\a" + b"x" * 60_000,
+]
+
+
 @pytest.mark.parametrize("kind", TERMINAL)
-@pytest.mark.parametrize(
-    "answer",
-    [
-        b"error: expected Hello",
-        b"",
-        b"\xff\xfe",
-        b"-1 " + pose("one", 1),
-        pose("one", 1),
-        b"1" * 5000 + b" " + pose("one", 1),
-        b"4294967296 " + pose("one", 1),
-        "٣ ".encode() + pose("one", 1),
-        b"1 " + pose("\x1b[2J\u2028", 1),
-        b"\x1b[2J\r\n\a" + b"x" * 60_000,
-    ],
-    ids=lambda answer: repr(answer)[:20],
-)
-def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, answer, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--timeout", "30")
-    fake.answers(answer, client)
-    assert client.wait() == 1, client.output
-    assert client.lines[-1].startswith(f"gave up: what answers at {fake.snapshots} gives no snapshots: ")
-    assert len(client.lines) == 2
-    # Fit for a terminal: of a readable length, and without what would clear the screen.
-    assert len(client.lines[-1]) < 400
-    assert client.lines[-1].isprintable()
+def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, context, runs):
+    """Each has a server of its own: a client without a processor asks twice."""
+    routers, over = [context.socket(zmq.ROUTER) for _ in NO_SNAPSHOTS], threading.Event()
+    places = [bound(router) for router in routers]
+
+    def serve():
+        while not over.is_set():
+            for router, answer in zip(routers, NO_SNAPSHOTS, strict=True):
+                while router.poll(1):
+                    *way, _ = router.recv_multipart()
+                    router.send_multipart([*way, answer])
+        for router in routers:
+            router.close()
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    try:
+        words = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "30", "--snapshots"]
+        found = runs(kind, KEY, [[*words, place] for place in places])
+    finally:
+        over.set()
+        thread.join()
+    for where, (code, lines) in zip(places, found, strict=True):
+        assert code == 1, lines
+        assert lines[-1].startswith(f"gave up: what answers at {where} gives no snapshots:")
+        assert len(lines) == 2
+        # Fit for a terminal: of a readable length, and without what would clear the screen.
+        assert len(lines[-1]) < 400
+        assert lines[-1].isprintable()
 
 
-def wrong_poses(number):
-    """They are no poses in any language, though some library of some language takes them."""
-    good, digits = pose("one", number).decode(), str(number)
-    for odd in (f"1_{digits[1:]}", f"-{digits}", f"+{digits}", "١٢", "9" * 5000, "1e1", ""):
-        yield good.replace(f" {digits} ", f" {odd} ", 1)
-    for odd in ("nan", "inf", "-Infinity", "1e39", "1_0.5", "٣", "0x1", "\t1", "1,5"):
-        yield good.replace("1234.0625", odd)
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_only_plain_numbers_are_numbers(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--count", "1", "--every", "1", "--timeout", "30")
-    fake.subscribed()
-    fake.stream.send(pose("one", 11))
-    fake.answers(b"7 " + pose("one", 11), client, JOINED)
-    for noise in wrong_poses(12):
-        fake.stream.send(noise.encode())
-        fake.asked_for_a_snapshot(b"7 " + pose("one", 11))
-    fake.stream.send(pose("one", 12))
-    fake.answers(b"7 " + pose("one", 11), client)
-    assert client.wait() == 0, client.output
-    assert client.lines[1:] == [
-        "joined run one at 11, checksum 7",
-        place(11),
-        place(12),
-        f"done: received 1, missed 0; run one at 12, checksum {add(7, pose('one', 12))}",
-    ]
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-@pytest.mark.parametrize("number", [5, 4], ids=["the same", "a lower one"])
-def test_a_publisher_that_repeats_itself_holds_nobody(kind, number, fake, follow):
+@pytest.mark.parametrize("kind", TERMINAL)
+def test_a_publisher_that_repeats_itself_holds_nobody(kind, fake, follow):
     """Such as a frozen robot that sends its last pose again and again."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "3", "--count", "9", "--timeout", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "2", "--count", "9", "--timeout", "30")
     fake.subscribed()
-    deadline = time.monotonic() + LIMIT
-    while client.process.poll() is None and time.monotonic() < deadline:
+    for number in itertools.cycle([5, 4]):
+        if client.process.poll() is not None:
+            break
         fake.stream.send(pose("one", number))
-        if fake.router.poll(5):
+        if fake.router.poll(10):
             fake.asked_for_a_snapshot(b"7 " + pose("one", 5))
     assert client.wait() == 0, client.output
     assert client.lines[-1] == "done: received 0, missed 0; run one at 5, checksum 7"
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_a_broken_reply_is_waited_for_no_longer_than_another(kind, fake, follow):
-    """REQ drops a reply without the empty frame in front: there is something to receive, and then there is not."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--timeout", "20")
-    fake.subscribed()
-    who, _ = fake.request()
-    fake.router.send_multipart([who, b"no empty frame"])
-    assert client.wait() == 1, client.output
-    assert client.lines[-1].startswith(f"gave up: no snapshot from {fake.snapshots} within 20 s")
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_the_wrong_server_first_and_then_the_right_one(kind, publish, serve, follow):
+@pytest.mark.parametrize("kind", TERMINAL)
+def test_the_wrong_server_first_and_then_the_right_one(kind, context, follow):
     """After a peer that is no publisher, libzmq never connects again by itself."""
     endpoint, snapshots = (steady_endpoint() for _ in range(2))
-    wrong = [serve("01_request_reply", endpoint=where)[0] for where in (endpoint, snapshots)]
-    client = follow(kind, endpoint, snapshots, "--count", "50", "--until", "0", "--timeout", "25", "--every", "0")
-    client.wait_for("^following")
-    # Lesson 01's server answers whoever asks it for a snapshot, and the client says so and ends. So it gets no answer.
-    for server in wrong[1:]:
-        server.kill()
-    time.sleep(0.5)
-    wrong[0].kill()
-    publish("--interval", "0.005", "--snapshots", snapshots, endpoint=endpoint)
+    # The end of its context is the end of its port.
+    with zmq.Context() as its, its.socket(zmq.REP) as wrong:
+        bound(wrong, endpoint)
+        with wrong.get_monitor_socket(zmq.EVENT_DISCONNECTED | REFUSED) as seen:
+            client = follow(kind, endpoint, snapshots, "--count", "3", "--timeout", "25", "--every", "0")
+            assert seen.poll(100_000), "nobody has come"
+    fake = FakePublisher(context, endpoint, snapshots)
+    for number in itertools.count(1):
+        if client.process.poll() is not None:
+            break
+        fake.stream.send(pose("one", number))
+        if fake.router.poll(20):
+            fake.asked_for_a_snapshot(b"1 " + pose("one", number))
+    fake.close()
     assert client.wait() == 0, client.output
-    assert client.wait_for(DONE)[1] == "50"
+    assert client.wait_for(DONE)[1] == "3"
 
 
-@pytest.mark.parametrize("kind", CLIENTS)
+@pytest.mark.parametrize("kind", TERMINAL)
 def test_a_far_publisher_is_followed(kind, publish, follow):
     """With a round trip of 400 ms, and the timeout that the client has when nobody sets it."""
     _, endpoint, snapshots = publish()
     with SlowLine(endpoint, 0.4) as far, SlowLine(snapshots, 0.4) as far_snapshots:
-        client = follow(kind, far.endpoint, far_snapshots.endpoint, "--count", "30")
+        client = follow(kind, far.endpoint, far_snapshots.endpoint, "--count", "5")
         assert client.wait() == 0, client.output
-    assert client.wait_for(DONE)[1] == "30"
+    assert client.wait_for(DONE)[1] == "5"
 
 
 # The server by itself
 
 
-def snapshot_of(reply):
-    """Checksum and number."""
-    checksum, _, _, number = reply.split(b" ")[:4]
-    return int(checksum), int(number)
+BAD_REQUESTS = [[b""], [b"pose"], [b"pose/", b"pose/"], [b"\xff\xfe"], [b"x" * 900], [b"", b""]]
 
 
 def test_the_bytes_of_the_stream_and_of_a_snapshot(publish, context):
     """From one snapshot, with the stream, to exactly what the next snapshot says."""
-    _, endpoint, snapshots = publish("--interval", "0.002", **GERMAN)
-    with context.socket(zmq.SUB) as stream:
-        stream.linger = 0
+    place = two_ports()
+    server, endpoint, snapshots = publish("--interval", "0.005", endpoint=place, **GERMAN)
+    host, port = place.rsplit(":", 1)
+    assert (endpoint, snapshots) == (place, f"{host}:{int(port) + 100}")
+    for frames in BAD_REQUESTS:
+        assert request(context, snapshots, *frames).startswith(b"error: expected pose/")
+    with context.socket(zmq.SUB) as stream, context.socket(zmq.DEALER) as rude:
+        stream.linger = rude.linger = 0
         stream.subscribe("")
         stream.connect(endpoint)
         assert stream.poll(100_000)
         checksum, at = snapshot_of(request(context, snapshots, b"pose/"))
-        last, target, runs = 0, None, set()
+        # REP drops a request without the empty frame in front: there is something to receive, and then there is not.
+        rude.connect(snapshots)
+        for _ in range(3):
+            rude.send(b"no empty frame in front")
+        last, target, runs, ahead = 0, None, set(), None
         while not target or last < target[1]:
-            assert stream.poll(100_000)
+            assert stream.poll(100_000), "the publisher is held"
             (frame,) = stream.recv_multipart()
             topic, run, number, body = frame.decode().split(" ", 3)
             assert (topic, int(number)) == ("pose/", last + 1 if last else int(number))
@@ -477,85 +459,30 @@ def test_the_bytes_of_the_stream_and_of_a_snapshot(publish, context):
             x, y, z, *turn = map(float, body.split(" "))
             assert (x * x + z * z, y) == (pytest.approx(4, abs=0.01), 0)
             assert sum(value * value for value in turn) == pytest.approx(1, abs=0.001)
+            # Unity's forward, (0, 0, 1) turned by the rotation, points to where the next pose is.
+            assert ahead is None or (x, z) == pytest.approx(ahead, abs=0.001)
+            qx, qy, qz, qw = turn
+            ahead = x + 2 * (qx * qz + qw * qy) / 30, z + (1 - 2 * (qx * qx + qy * qy)) / 30
             if last > at:
                 checksum = add(checksum, frame)
             if last == at + 100:
                 target = snapshot_of(request(context, snapshots, b"pose/"))
         assert (checksum, len(runs)) == (target[0], 1)
-
-
-def test_facing_forward(context, publish):
-    """Unity's forward, (0, 0, 1) turned by the rotation, points to where the next pose is."""
-    poses = []
-    for count in ("1", "2"):
-        server, _, snapshots = publish("--interval", "0", "--count", count)
-        server.wait_for("^published")
-        poses.append([float(word) for word in request(context, snapshots, b"pose/").split(b" ")[4:]])
-    (x, _, z, qx, qy, qz, qw), (next_x, _, next_z, *_) = poses
-    forward = 2 * (qx * qz + qw * qy), 1 - 2 * (qx * qx + qy * qy)
-    assert (x + forward[0] / 30, z + forward[1] / 30) == pytest.approx((next_x, next_z), abs=0.001)
-
-
-@pytest.mark.parametrize("frames", [[b""], [b"pose"], [b"pose/", b"pose/"], [b"\xff\xfe"], [b"x" * 900], [b"", b""]])
-def test_a_bad_request_gets_an_error_and_the_next_one_a_snapshot(frames, publish, context):
-    server, _, snapshots = publish()
-    assert request(context, snapshots, *frames).startswith(b"error: expected pose/")
-    assert re.match(rb"\d+ pose/ \w+ \d+ ", request(context, snapshots, b"pose/"))
     assert server.stop() == 0
 
 
-def test_a_broken_request_does_not_hold_the_stream(publish, context):
-    """REP drops a request without the empty frame in front: there is something to receive, and then there is not."""
-    server, endpoint, snapshots = publish("--interval", "0.002")
-    with context.socket(zmq.SUB) as stream, context.socket(zmq.DEALER) as rude:
-        stream.linger = rude.linger = 0
-        stream.subscribe("pose/")
-        stream.connect(endpoint)
-        assert stream.poll(100_000)
-        rude.connect(snapshots)
-        for _ in range(3):
-            rude.send(b"no empty frame in front")
-        # Those that wait here were sent before; a second of poses was not.
-        for _ in range(1200):
-            assert stream.poll(10_000), "the publisher is held"
-            stream.recv()
-    assert server.stop() == 0
-
-
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-def test_a_server_that_never_waits_ends_at_once(how, publish):
+def test_a_server_that_never_waits_ends_at_once(publish):
     server, _, _ = publish("--interval", "0")
-    assert server.stop(how, limit=30) == 0
+    assert server.stop(limit=30) == 0
     assert "Traceback" not in server.output
 
 
-def test_where_100_higher_is_no_port_it_says_so(start):
-    server = start(PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:65500")
-    assert server.wait() == 2, server.output
-    assert "bad endpoint 'tcp://127.0.0.1:65600'" in server.lines[-1]
-
-
-def test_a_client_whose_snapshots_are_at_no_port_says_so(start):
-    client = start(PYTHON, ROOT / "python" / KEY / "client.py", "--endpoint", "tcp://127.0.0.1:65500")
-    assert client.wait() == 2, client.output
-    assert "bad endpoint 'tcp://127.0.0.1:65600'" in client.lines[-1]
-
-
-@pytest.mark.parametrize("kind", CLIENTS)
-def test_no_pose_at_all_may_be_asked_for(kind, publish, follow):
-    _, endpoint, snapshots = publish()
-    client = follow(kind, endpoint, snapshots, "--count", "0")
-    assert client.wait() == 0, client.output
-    assert client.lines[-1].startswith("done: received 0, missed 0; ")
-
-
-def test_without_its_own_option_the_snapshots_are_100_higher(serve):
-    place = two_ports()
-    server, endpoint = serve(KEY, endpoint=place)
-    assert endpoint == place
-    host, port = place.rsplit(":", 1)
-    assert server.wait_for(r"^snapshots on (\S+)")[1] == f"{host}:{int(port) + 100}"
+def test_where_100_higher_is_no_port_it_says_so(runs):
+    for kind in ("server", *TERMINAL):
+        ((code, lines),) = runs(kind, KEY, [["--endpoint", "tcp://127.0.0.1:65500"]])
+        assert code == 2, kind
+        assert "bad endpoint 'tcp://127.0.0.1:65600'" in lines[-1]
 
 
 # The class, without a program around it
@@ -577,14 +504,11 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("says", "call"), WRONG.items(), ids=WRONG)
-def test_what_a_subscriber_cannot_use_is_named(says, call, context):
-    with context.socket(zmq.SUB) as stream, pytest.raises((ValueError, TypeError), match=says) as refusal:
-        call(stream, "tcp://127.0.0.1:5557")
-    assert "\n" not in str(refusal.value)
-
-
-def test_a_socket_that_cannot_subscribe_is_named(context):
+def test_what_a_subscriber_cannot_use_is_named(context):
+    for says, call in WRONG.items():
+        with context.socket(zmq.SUB) as stream, pytest.raises((ValueError, TypeError), match=says) as refusal:
+            call(stream, "tcp://127.0.0.1:5557")
+        assert "\n" not in str(refusal.value)
     with context.socket(zmq.REQ) as socket, pytest.raises(ValueError, match="stream takes a SUB socket"):
         PoseSubscriber(socket, "tcp://127.0.0.1:5557")
 
@@ -592,8 +516,7 @@ def test_a_socket_that_cannot_subscribe_is_named(context):
 def test_what_is_no_publisher_is_no_timeout(context):
     """Two exceptions: nothing came in time, and what came is no snapshot."""
     with context.socket(zmq.SUB) as stream, context.socket(zmq.ROUTER) as router:
-        router.linger = 0
-        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        endpoint = bound(router)
         subscriber = PoseSubscriber(stream, endpoint, endpoint)
         with pytest.raises(TimeoutError, match="no snapshot from"):
             subscriber.receive(0.1)
