@@ -5,17 +5,14 @@ that could be kept.
 from __future__ import annotations
 
 import os
+import re
 import sys
 
 import pytest
 
-from tests.conftest import PYTHON
-from tests.programs import ROOT, finished
-
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 pytest.importorskip("PIL", reason="to record needs Pillow: pip install pillow")
 KEY = "08_see_and_steer"
-LESSON = ROOT / "python" / KEY
 from netmq_example.camera.recording import MOST_DRIVES, Recorder, recorded  # noqa: E402
 from netmq_example.messages import Array, Message, read  # noqa: E402
 from tests.lessons.conftest import ask  # noqa: E402
@@ -98,62 +95,49 @@ def test_what_cannot_be_read_is_said_and_left_out(how, recording, capsys):
     )
 
 
-@pytest.mark.parametrize("program", ["replay.py", "train.py", "film.py"])
-@pytest.mark.parametrize("content", [b"", b"a,b,c\n1,2,3\n", "file_name\n".encode("utf-16"), None], ids=repr)
-def test_what_is_no_recording_ends_in_one_line(program, content, tmp_path):
-    folder = tmp_path / "foreign"
-    folder.mkdir()
-    if content is not None:
-        (folder / "metadata.csv").write_bytes(content)
-    words = [PYTHON, LESSON / program, folder, *(["x.gif"] if program == "film.py" else [])]
-    done = finished(words, cwd=tmp_path)
-    assert done.returncode == 1, done.stderr
-    assert done.stderr.count("\n") == 1 and "Traceback" not in done.stderr, done.stderr
-
-
 MODELS = {"empty": b"", "text": b"weights", "half a zip": b"PK\x03\x04half"}
 
 
-@pytest.mark.parametrize("name", [*MODELS, "too short", "not finite", "no numbers"])
-def test_what_is_no_model_ends_the_server_in_one_line(name, tmp_path):
-    path = tmp_path / "model.npz"
-    if name in MODELS:
-        path.write_bytes(MODELS[name])
-    else:
-        size = 5 if name == "too short" else 12 * 32 * 3 + 1
-        np.savez(path, weights=np.array(["left"] * size) if name == "no numbers" else np.full(size, np.nan))
-    words = [PYTHON, LESSON / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--model", path]
-    done = finished(words)
-    # Before it listens: no client comes to wait for it.
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.startswith(f"no model in {path}: ") and done.stderr.count("\n") == 1
+def test_what_is_no_model_ends_the_server_in_one_line(tmp_path, runs):
+    """Before it listens: no client comes to wait for it."""
+    size = 12 * 32 * 3 + 1
+    for name, content in MODELS.items():
+        (tmp_path / name).write_bytes(content)
+    for name, weights in {"short": np.zeros(5), "nan": np.full(size, np.nan), "words": np.array(["a"] * size)}.items():
+        np.savez(tmp_path / name, weights=weights)
+    paths = [*tmp_path.iterdir()]
+    words = ["--endpoint", "tcp://127.0.0.1:0", "--model"]
+    for path, (code, lines) in zip(paths, runs("server", KEY, [[*words, str(path)] for path in paths]), strict=True):
+        assert (code, len(lines)) == (1, 1), lines
+        assert lines[0].startswith(f"no model in {path}: ")
 
 
-def test_a_picture_too_small_to_steer_by_is_refused(tmp_path, serve, context):
+def test_a_picture_that_cannot_be_used_is_refused_and_the_others_recorded(tmp_path, serve, context):
+    """One too small to steer by, and one that no JPEG can hold."""
     path = tmp_path / "model.npz"
     np.savez(path, weights=np.zeros(12 * 32 * 3 + 1))
-    _, endpoint = serve(KEY, "--model", str(path))
-    reply = read(ask(context, endpoint, *frame(1, shape=(3, 3, 3)).frames()))
-    assert reply.kind == "error" and "too few to steer by" in reply.values["text"]
-    assert read(ask(context, endpoint, *frame(2).frames())).kind == "action"
-
-
-def test_a_picture_that_no_jpeg_can_hold_is_refused_and_the_others_recorded(tmp_path, serve, context):
-    _, endpoint = serve(KEY, "--record", "runs")
-    reply = read(ask(context, endpoint, *frame(1, shape=(1, 70_000, 3)).frames()))
-    assert reply.values["code"] == "bad-shape"
-    assert read(ask(context, endpoint, *frame(2).frames())).kind == "action"
-    assert read(ask(context, endpoint, *frame(3).frames())).kind == "action"
+    _, endpoint = serve(KEY, "--model", str(path), "--record", "runs")
+    for shape, says in (((3, 3, 3), "too few to steer by"), ((1, 70_000, 3), "uint8 [height, width, 3 or 4]")):
+        reply = read(ask(context, endpoint, *frame(1, shape=shape).frames()))
+        assert reply.values["code"] == "bad-shape" and says in reply.values["text"]
+    for number in (2, 3):
+        assert read(ask(context, endpoint, *frame(number).frames())).kind == "action"
     assert (tmp_path / "runs" / "run_0001" / "IMG" / "center_000002.jpg").exists()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="a link to nowhere")
-def test_a_folder_that_leads_nowhere_stops_the_recording_and_not_the_car(tmp_path, serve, context):
-    (tmp_path / "runs").symlink_to("/nowhere/at/all")
-    server, endpoint = serve(KEY, "--record", "runs")
-    for number in range(3):
-        assert read(ask(context, endpoint, *frame(number).frames())).kind == "action"
-    server.wait_for("^trouble: recording has stopped, the car drives on: ")
+def test_a_folder_that_cannot_be_written_to_is_named_and_the_recording_stops(tmp_path, capsys):
+    (tmp_path / "file").write_text("a file", encoding="utf-8")
+    places = [tmp_path / "file"]
+    if sys.platform != "win32":
+        places.append(tmp_path / "link")
+        places[1].symlink_to("/nowhere/at/all")
+    for place in places:
+        keeper = Recorder(place)
+        for number in range(3):
+            keeper.add(frame(number), action(number))
+        (line,) = capsys.readouterr().out.splitlines()
+        assert re.match(f"trouble: recording has stopped, the car drives on: .*{place.name}", line)
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "a file"
 
 
 def test_so_many_cars_are_recorded_and_no_more(tmp_path, capsys):

@@ -10,6 +10,8 @@ import struct
 import pytest
 
 from netmq_example.messages import Array, Message, MessageError
+from tests.lessons.test_05_messages import answering, echo
+from tests.programs import finished
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 from netmq_example.camera import pictures  # noqa: E402
@@ -107,22 +109,12 @@ def test_without_pillow_it_says_so(monkeypatch):
         pictures.decode(b"")
 
 
-# The C# side, with lesson 05's server, which sends an array back.
+# The C# side
 
 
-def test_a_pooled_requester_that_was_refused_asks_again(messages_program, serve, start):
-    _, endpoint = serve("05_messages")
-    asks = start(*messages_program, "refused", "pooled", endpoint)
-    assert asks.wait() == 0, asks.output
-    assert asks.lines[1:] == ["unknown-kind: kind 'frames' is neither echo nor frame", "230400 bytes"]
-
-
-def test_pooled_buffers_are_used_again(messages_program, serve, start):
-    _, endpoint = serve("05_messages", "--quiet")
-    allocated = {}
-    for who in ("plain", "pooled"):
-        asks = start(*messages_program, "bytes", who, endpoint)
-        assert asks.wait(100) == 0, asks.output
-        allocated[who] = int(asks.lines[1])
-    assert allocated["plain"] > 230_400
-    assert allocated["pooled"] < 23_040, "less than a tenth of one picture"
+def test_a_pooled_requester_that_was_refused_asks_again_and_uses_its_buffers_again(messages_program, context):
+    with answering(context, echo) as endpoint:
+        done = finished([*messages_program, "ask", "pooled", endpoint])
+    *said, allocated = done.stdout.splitlines()[1:]
+    assert said == ["unknown-kind: only echo", "230400 bytes"], done.stderr
+    assert int(allocated) < 23_040, "less than a tenth of one picture"

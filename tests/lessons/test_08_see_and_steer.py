@@ -16,7 +16,6 @@ import random
 import re
 import shutil
 import socket
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -27,7 +26,7 @@ import zmq
 from netmq_example.messages import Array, Message, read
 from tests.conftest import PYTHON
 from tests.lessons.conftest import ask as exchange
-from tests.programs import ROOT, free_port, steady_endpoint
+from tests.programs import PATIENT, ROOT, free_port, python_runs, steady_endpoint
 
 KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
@@ -42,6 +41,8 @@ from netmq_example.worlds import road as world  # noqa: E402
 
 VALUES = {"run": "a test", "manual": False, "sim_time": 0.0, "wall_time": 0.0, "speed": 8.0}
 VALUES |= {"throttle": 0.5, "brake": 0.0, "steer": 0.1, "cameras": "center", "encoding": "raw", "bottom_up": False}
+
+GREY = np.full((24, 32, 3), 100, np.uint8)
 
 
 def frame(number, *seen, **values):
@@ -119,24 +120,33 @@ def check_recording(folder, lost=0):
 # What is recorded
 
 
-@pytest.mark.parametrize(
-    "kind, words",
-    [
-        ("python", []),
-        ("python", ["--jpeg"]),
-        ("python", ["--jpeg", "--cameras", "left,right"]),
-        ("csharp", ["--cameras", "left,center,right"]),
-    ],
-)
-def test_the_numbered_picture_is_the_recorded_one(kind, words, serve, start, client_command, tmp_path):
-    server, endpoint = serve(KEY, "--record", "runs")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "100", "--timeout", "20", *words))
-    assert client.wait(500) == 0, client.output
-    server.wait_for(f"^recorded 100 pictures to {re.escape(str(Path('runs/run_0001')))}$")
-    known = check_recording(tmp_path / "runs" / "run_0001")
-    assert len(known) == 100
-    numbers = [int(row["frame"]) for row in known]
-    assert numbers == sorted(set(numbers))
+def test_the_numbered_picture_is_the_recorded_one_and_a_replay_gives_the_same_actions(driven, runs, tmp_path):
+    server, endpoint = driven("return follow_road(picture, speed)", "--record", "runs")
+    where, folder = ["--endpoint", endpoint, "--lockstep", *PATIENT], tmp_path / "runs"
+    drives = [["--jpeg"], [], ["--jpeg", "--cameras", "left,right"]]
+    for run in runs("python", KEY, [[*where, "--count", "30", *words] for words in drives]):
+        assert run.code == 0, run
+    server.wait_for("^recording to .*run_0003: left,right, 320 x 240$")
+    folders = [folder / "run_0001", folder / "run_0002"]
+    # Of raw pictures only JPEG files are left, and their actions are not quite the same to the bit.
+    words = [[str(one), "--endpoint", endpoint, "--compare", *PATIENT] for one in folders]
+    same, others = (run.lines for run in python_runs(LESSON / "replay.py", words))
+    assert same[1:] == ["done: 30 of 30 pictures have an action; 0 differ from the recorded ones, by at most 0"]
+    count, most = re.search(r"30 of 30 .*; (\d+) differ from the recorded ones, by at most (\S+)$", others[-1]).groups()
+    assert int(count) > 15 and 0 < float(most) < 0.05
+    assert len(others) == 12 and re.match(r"line \d+, frame \d+: steer \S+, then \S+$", others[1]), "ten, and the sum"
+    for one in (*folders, folder / "run_0003"):
+        assert [int(row["frame"]) for row in check_recording(one)] == list(range(30))
+
+
+def test_a_picture_of_each_csharp_camera_is_recorded(serve, start, client_command, ask, tmp_path):
+    _, endpoint = serve(KEY, "--record", "runs")
+    words = ["--cameras", "left,center,right", "--count", "10", *PATIENT]
+    client = start(*client_command("csharp", KEY, endpoint, *words))
+    assert client.wait() == 0, client.output
+    ask(endpoint, Message("nothing"))
+    numbers = [int(row["frame"]) for row in check_recording(tmp_path / "runs" / "run_0001")]
+    assert numbers == sorted(set(numbers)) and len(numbers) == 10
 
 
 def recorded(folder, count, cameras="center", jpeg=False, size=8):
@@ -200,45 +210,20 @@ def test_other_sizes_and_two_cars_get_folders_of_their_own(serve, ask, tmp_path,
     assert [len(rows(folder)) for folder in sorted((tmp_path / "runs").iterdir())] == [3, 3, 2]
 
 
-def test_the_recorder_in_figures(tmp_path, plain, capsys):
-    count, keeper = 200, Recorder(tmp_path)
-    action = Message("action", 0, {"throttle": 1.0, "brake": 0.0, "steer": 0.0})
-    began, used = time.perf_counter(), time.process_time()
-    for number in range(count):
-        keeper.add(frame(number, plain), action)
-    took, used = time.perf_counter() - began, time.process_time() - used
-    assert len(rows(tmp_path / "run_0001")) == count
-    with capsys.disabled():
-        print(
-            f"\nrecorder: {count / took:.0f} pictures of 320 x 240 a second, {used / count * 1000:.1f} ms CPU for each"
-        )
+def test_each_hundred_pictures_are_said(tmp_path):
+    lines, action = [], Message("action", 0, dict.fromkeys(("throttle", "brake", "steer"), 0.0))
+    keeper = Recorder(tmp_path, lines.append)
+    for number in range(201):
+        keeper.add(frame(number, GREY), action)
+    where = tmp_path / "run_0001"
+    assert lines[0] == f"recording to {where}: center, 32 x 24"
+    assert lines[1:] == [f"recorded {count} pictures to {where}" for count in (100, 200)]
 
 
 # What is replayed
 
 
-def replay(start, folder, endpoint, *words):
-    # Patient: what came too late is recorded as well, or would have no action.
-    program = start(PYTHON, LESSON / "replay.py", folder, "--endpoint", endpoint, "--timeout", "20", *words)
-    assert program.wait() == 0, program.output
-    return program.lines
-
-
-def test_a_replay_gives_the_same_actions_to_the_bit(driven, start, client_command, tmp_path):
-    server, endpoint = driven("return follow_road(picture, speed)", "--record", "runs")
-    for words in ["--jpeg"], []:
-        client = start(*client_command("python", KEY, endpoint, "--count", "100", "--timeout", "20", *words))
-        assert client.wait() == 0, client.output
-        server.wait_for(rf"^recorded 100 pictures to .*run_000{1 + (words == [])}$")
-    lines = replay(start, tmp_path / "runs" / "run_0001", endpoint, "--compare")
-    assert lines[1:] == ["done: 100 of 100 pictures have an action; 0 differ from the recorded ones, by at most 0"]
-    # Of raw pictures only JPEG files are left, and their actions are not quite the same.
-    end = replay(start, tmp_path / "runs" / "run_0002", endpoint, "--compare")[-1]
-    others, most = re.search(r"100 of 100 .*; (\d+) differ from the recorded ones, by at most (\S+)$", end).groups()
-    assert int(others) > 50 and 0 < float(most) < 0.05
-
-
-def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_is_there(serve, start, tmp_path):
+def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_is_there(serve, tmp_path):
     folder = recorded(tmp_path / "mine", 10)
     table = folder / "metadata.csv"
     table.write_text(table.read_text(encoding="utf-8")[:-70], encoding="utf-8")
@@ -246,13 +231,46 @@ def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_is_there(serve, s
     half = folder / "IMG" / "center_000005.jpg"
     half.write_bytes(half.read_bytes()[:300])
     _, endpoint = serve(KEY)
-    lines = replay(start, folder, endpoint)
-    where = [
-        int(found[1]) for found in (re.match(r"trouble: line (\d+) of metadata.csv", line) for line in lines) if found
-    ]
-    assert where == [4, 7, 11]
-    assert "center_000002.jpg" in lines[1] and "no JPEG picture" in lines[2]
-    assert lines[-1] == "done: 7 of 7 pictures have an action"
+    nobody = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "0.2"]
+    there, alone = python_runs(
+        LESSON / "replay.py", [[str(folder), "--endpoint", endpoint, *PATIENT], [str(folder), *nobody]]
+    )
+    found = (re.match(r"trouble: line (\d+) of metadata.csv", line) for line in there.lines)
+    assert [int(line[1]) for line in found if line] == [4, 7, 11]
+    assert "center_000002.jpg" in there.lines[1] and "no JPEG picture" in there.lines[2]
+    assert (there.code, there.lines[-1]) == (0, "done: 7 of 7 pictures have an action")
+    assert alone.code == 1
+    assert re.fullmatch(r"gave up: no reply from tcp://\S+ within 0.2 s; is the server running\?", alone.lines[-1])
+
+
+FOREIGN = {"empty": b"", "other": b"a,b,c\n1,2,3\n", "utf-16": "file_name\n".encode("utf-16")}
+
+
+@pytest.mark.parametrize("name", ["replay.py", "train.py", "film.py"])
+def test_what_is_no_recording_is_named_in_one_line(name, tmp_path):
+    folders = [tmp_path, tmp_path / "nowhere"]
+    for word, content in FOREIGN.items():
+        folders.append(tmp_path / word)
+        folders[-1].mkdir()
+        (folders[-1] / "metadata.csv").write_bytes(content)
+    more = [str(tmp_path / "x.gif")] if name == "film.py" else []
+    for folder, run in zip(
+        folders, python_runs(LESSON / name, [[str(folder), *more] for folder in folders]), strict=True
+    ):
+        (line,) = (line for line in run.lines if not line.startswith(("asking", "trouble: line 2 of")))
+        assert run.code == 1 and str(folder) in line
+
+
+def test_a_film_is_made_of_a_recording(tmp_path):
+    folder, film = str(recorded(tmp_path, 12, size=100)), str(tmp_path / "x.gif")
+    made, short, none, wrong = python_runs(
+        LESSON / "film.py",
+        [[folder, film], [folder, film, "--count", "1"], [folder, film, "--first", "12"], [folder, film + ".txt"]],
+    )
+    assert re.fullmatch(r"wrote .*x.gif: 3 pictures, 0\.\d MB", made.lines[0]), made
+    assert ": 1 pictures" in short.lines[0]
+    assert (none.code, none.lines) == (1, [f"no film of {folder}: it has no picture there; try a smaller --first"])
+    assert wrong.code == 1 and wrong.lines[0].endswith("; give it a name that ends in .gif")
 
 
 # What is learned
@@ -288,44 +306,40 @@ def laps(camera, road, act, begin, count, keep=lambda *_: None):
     return off
 
 
-@pytest.mark.parametrize("begin, count", [(0, 1), (700, 1), pytest.param(1400, 10, marks=pytest.mark.long)])
-def test_the_driver_stays_on_the_road(begin, count, camera, road):
-    assert laps(camera, road, driver.follow_road, begin, count) < 1
-
-
-@pytest.fixture(scope="module")
-def three_laps(tmp_path_factory, camera, road):
-    folder = tmp_path_factory.mktemp("laps")
-    keeper = Recorder(folder)
+def test_what_was_learned_from_a_lap_stays_on_the_road_and_a_server_drives_by_it(
+    tmp_path, camera, road, serve, ask, plain
+):
+    """By the driver's steering, or by a person's where one drives."""
+    keeper = Recorder(tmp_path / "runs")
 
     def keep(number, picture, car, action):
-        told = dict(zip(("throttle", "brake", "steer"), action, strict=True))
-        keeper.add(frame(number, picture, speed=car.speed), Message("action", number, told))
+        if number % 6 == 0:
+            told = dict(zip(("throttle", "brake", "steer"), action, strict=True))
+            manual = number % 12 == 0
+            seen = frame(number, picture, speed=car.speed, manual=manual, steer=action[2] if manual else -1.0)
+            keeper.add(seen, Message("action", number, told | ({"steer": 1.0} if manual else {})))
 
-    laps(camera, road, driver.follow_road, 0, 3, keep)
-    return folder / "run_0001"
-
-
-def learned(folder, out, seed):
-    command = [PYTHON, LESSON / "train.py", folder, "--out", out, "--seed", str(seed)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=500)
-    assert done.returncode == 0, done.stderr
-    assert re.search(r"^read \d+ pictures, \d+ s\n", done.stdout)
-    assert float(re.search(r"its steering is off by (\S+)", done.stdout)[1]) < 0.05
-    return train.load(out)
-
-
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 5))])
-def test_what_was_learned_from_three_laps_stays_on_the_road(seed, request, three_laps, tmp_path, camera, road):
-    """Ten laps with each of five seeds, for the training and for where it begins; without --long one."""
-    act = learned(three_laps, tmp_path / "steering.npz", seed)
-    begin = random.Random(seed).randrange(len(road.points))
-    laps(camera, road, act, begin, 10 if request.config.getoption("--long") else 1)
-
-
-def test_a_server_drives_by_a_model(three_laps, tmp_path, serve, ask, plain):
-    act = learned(three_laps, tmp_path / "steering.npz", 0)
-    _, endpoint = serve(KEY, "--model", "steering.npz")
+    assert laps(camera, road, driver.follow_road, 0, 1, keep) < 1
+    out = tmp_path / "steering.npz"
+    folder, few = str(tmp_path / "runs" / "run_0001"), str(recorded(tmp_path / "few", 99, size=50))
+    done, other, too_few, nowhere = python_runs(
+        LESSON / "train.py",
+        [
+            [folder, "--out", str(out)],
+            [folder, "--out", str(tmp_path / "other.npz"), "--seed", "1"],
+            [few, "--out", str(out)],
+            [folder, "--out", str(tmp_path / "no" / "where")],
+        ],
+    )
+    assert done.code == 0 and re.fullmatch(r"read \d+ pictures, \d+ s", done.lines[0]), done
+    assert float(re.search(r"its steering is off by (\S+)", done.lines[-2])[1]) < 0.05
+    assert done.lines[-1] == f"wrote {out}"
+    assert other.lines[-2] != done.lines[-2], "another seed chooses others"
+    assert too_few.lines[-1] == "99 pictures are too few to learn from: record a lap or more"
+    assert nowhere.code == 1 and nowhere.lines[-1].endswith("; give another file with --out")
+    act = train.load(out)
+    laps(camera, road, act, 1000, 0.5)
+    _, endpoint = serve(KEY, "--model", str(out))
     action = ask(endpoint, frame(5, plain))
     assert action.values["steer"] == act(plain, 8.0)[2] != driver.follow_road(plain, 8.0)[2]
 
@@ -384,35 +398,38 @@ def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp
     endpoint, chance = steady_endpoint(), random.Random(8)
     words = ["--count", "100000", "--timeout", "0.3", "--tries", "1000"]
     client = start(*client_command("python", KEY, endpoint, *words))
-    for number in range(1, 5):
+    for number in (1, 2):
         server, _ = serve(KEY, "--record", "runs", endpoint=endpoint)
         server.wait_for(f"^recording to .*run_000{number}")
         folder = tmp_path / "runs" / f"run_000{number}"
-        while len(rows(folder)) < 20:
+        while len(rows(folder)) < 5:
             time.sleep(0.01)
         time.sleep(chance.random() / 10)
         server.kill()
-        assert len(check_recording(folder, lost=1)) >= 20
+        assert len(check_recording(folder, lost=1)) >= 5
     server, _ = serve(KEY, "--record", "runs", endpoint=endpoint)
-    server.wait_for("^recorded 100 pictures to .*run_0005")
+    server.wait_for("^recording to .*run_0003")
     client.kill()
     assert server.stop() == 0, server.output
-    assert len(check_recording(tmp_path / "runs" / "run_0005")) >= 100
+    check_recording(tmp_path / "runs" / "run_0003")
 
 
-def test_on_a_full_disk_the_car_drives_on(serve, start, client_command, tmp_path):
+def test_on_a_full_disk_the_car_drives_on(serve, ask, plain, tmp_path):
     resource = pytest.importorskip("resource")
     if not hasattr(resource, "prlimit"):
         pytest.skip("only Linux takes a running program's disk away")
     server, endpoint = serve(KEY, "--record", "runs")
-    client = start(*client_command("python", KEY, endpoint, "--count", "300"))
-    server.wait_for("^recorded 100 pictures")
-    # No file may grow beyond this: a picture is cut off in its middle.
-    resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
+    for number in range(5):
+        if number == 3:
+            # No file may grow beyond this: a picture is cut off in its middle.
+            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
+        assert ask(endpoint, frame(number, plain)).kind == "action"
+        # It answers before it records; by its next answer that is done.
+        ask(endpoint, Message("nothing"))
     server.wait_for("^trouble: recording has stopped, the car drives on: ")
-    assert client.wait() == 0, client.output
-    assert len(check_recording(tmp_path / "runs" / "run_0001")) >= 100
     assert server.stop() == 0
+    folder = tmp_path / "runs" / "run_0001"
+    assert [len(rows(folder)), len(rows(folder, "driving_log.csv")), len(list((folder / "IMG").iterdir()))] == [3] * 3
     assert "Traceback" not in server.output and sum("trouble" in line for line in server.lines) == 1
 
 
@@ -450,16 +467,6 @@ def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, capsys):
     assert ("No space left on device" in capsys.readouterr().out) == (full < 4)
 
 
-def test_a_folder_that_cannot_be_written_to_is_named_and_the_car_drives_on(serve, start, client_command, tmp_path):
-    (tmp_path / "runs").write_text("a file", encoding="utf-8")
-    server, endpoint = serve(KEY, "--record", "runs")
-    client = start(*client_command("python", KEY, endpoint, "--count", "20"))
-    assert client.wait() == 0, client.output
-    server.wait_for("^trouble: recording has stopped, the car drives on: .*runs")
-    assert (tmp_path / "runs").read_text(encoding="utf-8") == "a file"
-
-
-GREY = np.full((24, 32, 3), 100, np.uint8)
 FILE = encode(GREY)
 WRONG = {
     "mono for stereo": (frame(7, GREY, cameras="left,right"), "bad-cameras"),
@@ -552,23 +559,6 @@ def test_pictures_of_1080p(driven, ask, tmp_path, plain):
     assert (action.values["frame"], action.values["steer"]) == (1, pytest.approx(driver.follow_road(large, 8.0)[2]))
     ask(endpoint, Message("nothing"))
     assert [(row["width"], row["height"]) for row in rows(tmp_path / "runs" / "run_0001")] == [("1920", "1080")]
-
-
-@pytest.mark.parametrize("name", ["replay.py", "train.py", "film.py"])
-def test_what_is_no_recording_is_named_in_one_line(name, tmp_path):
-    words = [tmp_path / "out.gif"] if name == "film.py" else []
-    for folder in (tmp_path, tmp_path / "nowhere"):
-        command = [PYTHON, LESSON / name, folder, *words]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=tmp_path)
-        assert done.returncode == 1
-        assert str(folder) in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
-
-
-def test_a_replay_without_a_server_gives_up(start, tmp_path):
-    words = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "0.2"]
-    program = start(PYTHON, LESSON / "replay.py", recorded(tmp_path, 5), *words)
-    assert program.wait() == 1
-    assert re.fullmatch(r"gave up: no reply from tcp://\S+ within 0.2 s; is the server running\?", program.lines[-1])
 
 
 def test_a_message_says_its_pictures(plain):
