@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import re
 import sys
 import threading
@@ -61,6 +60,15 @@ def request(context, endpoint, *frames):
         assert asker.poll(100_000), f"no reply to {frames!r:.80}"
         (reply,) = asker.recv_multipart()
         return reply
+
+
+def while_running(client):
+    """Counts from 1 as long as it runs."""
+    deadline = time.monotonic() + LIMIT
+    number = 0
+    while client.process.poll() is None and time.monotonic() < deadline:
+        number += 1
+        yield number
 
 
 def add(checksum, message):
@@ -321,10 +329,8 @@ def test_a_stream_that_never_comes_is_said(kind, fake, follow):
     """Such as a firewall that lets only the snapshots through."""
     nowhere = f"tcp://127.0.0.1:{free_port()}"
     client = follow(kind, nowhere, fake.snapshots, "--timeout", "30")
-    number, deadline = 0, time.monotonic() + LIMIT
-    while client.process.poll() is None and time.monotonic() < deadline:
+    for number in while_running(client):
         if fake.router.poll(50):
-            number += 1
             fake.asked_for_a_snapshot(b"1 " + pose("one", number))
     assert client.wait() == 1, client.output
     assert client.lines[-1] == f"gave up: no pose came over {nowhere}; is that the publisher, and its port open?"
@@ -381,10 +387,8 @@ def test_a_publisher_that_repeats_itself_holds_nobody(kind, fake, follow):
     """Such as a frozen robot that sends its last pose again and again."""
     client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "2", "--count", "9", "--timeout", "30")
     fake.subscribed()
-    for number in itertools.cycle([5, 4]):
-        if client.process.poll() is not None:
-            break
-        fake.stream.send(pose("one", number))
+    for number in while_running(client):
+        fake.stream.send(pose("one", 4 + number % 2))
         if fake.router.poll(10):
             fake.asked_for_a_snapshot(b"7 " + pose("one", 5))
     assert client.wait() == 0, client.output
@@ -402,9 +406,7 @@ def test_the_wrong_server_first_and_then_the_right_one(kind, context, follow):
             client = follow(kind, endpoint, snapshots, "--count", "3", "--timeout", "25", "--every", "0")
             assert seen.poll(100_000), "nobody has come"
     fake = FakePublisher(context, endpoint, snapshots)
-    for number in itertools.count(1):
-        if client.process.poll() is not None:
-            break
+    for number in while_running(client):
         fake.stream.send(pose("one", number))
         if fake.router.poll(20):
             fake.asked_for_a_snapshot(b"1 " + pose("one", number))
