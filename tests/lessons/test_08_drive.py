@@ -215,6 +215,10 @@ def test_in_lockstep_the_world_waits_and_brakes_for_the_action_that_does_not_com
     assert client.lines[-1] == "done: 30 actions, 0 pictures skipped"
 
 
+def driven_by_a_person(**wanted):
+    return lambda values: values["manual"] and {name: values[name] for name in wanted} == pytest.approx(wanted)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="a terminal of the test's own: pty")
 @pytest.mark.parametrize("kind", TERMINAL)
 def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command):
@@ -228,12 +232,14 @@ def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command)
     try:
         client.wait_for("^asking")
         there.until(lambda values: values["steer"] == 0.25)
-        for _ in range(3):
-            os.write(master, b"\x1b[D")
+        left, right, up, down = (b"\x1b[" + key for key in (b"D", b"C", b"A", b"B"))
+        os.write(master, 3 * left + right + 2 * up + down)
         client.wait_for("^a person drives$")
-        there.until(lambda values: values["manual"] and values["steer"] == pytest.approx(-0.3))
+        there.until(driven_by_a_person(steer=-0.2, throttle=0.2, brake=0))
         os.write(master, b" ")
-        there.until(lambda values: values["manual"] and values["brake"] == 1)
+        there.until(driven_by_a_person(steer=-0.2, throttle=0, brake=1))
+        os.write(master, up)
+        there.until(driven_by_a_person(steer=-0.2, throttle=0.2, brake=0))
         os.write(master, b"\r")
         client.wait_for("^Python drives$")
         there.until(lambda values: not values["manual"] and values["steer"] == 0.25)
