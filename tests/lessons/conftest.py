@@ -1,14 +1,18 @@
 """What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer; the C#
-side of lesson 05's messages without a client around it; and environments, with the simulators that they launch.
+side of lesson 05's messages without a client around it; and environments, with the simulators that they launch, or
+that answer in the test's own process.
 """
 
 from __future__ import annotations
+
+import threading
 
 import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from tests.programs import ROOT
+from netmq_example.messages import Message, read
+from tests.programs import LIMIT, ROOT
 
 
 @pytest.fixture
@@ -45,8 +49,76 @@ def launch(client_command):
     return words
 
 
+class Inside(threading.Thread):
+    """A simulator in a thread of the test: no program has to start. `asked` has all that an environment has sent.
+
+    It answers as its simulator does, or as `answer` says: lists of frames for a request.
+    """
+
+    def __init__(self, simulator, answer=None, hello=None):
+        super().__init__(daemon=True)
+        from netmq_example.envs.connection import FREE_PORT, bound
+
+        self.simulator, self.hello, self.asked = simulator, hello, []
+        self.answer = answer or (lambda request: [simulator.answer(request)])
+        # The environment's.
+        self.socket = bound(FREE_PORT)
+        self.endpoint = self.socket.getsockopt_string(zmq.LAST_ENDPOINT)
+        self.over, self.gone, self.left = threading.Event(), threading.Event(), threading.Event()
+        self.start()
+
+    def lose(self):
+        """It is gone, as if it were killed, and comes again."""
+        self.left.clear()
+        self.gone.set()
+        assert self.left.wait(LIMIT)
+
+    def run(self):
+        while not self.over.is_set():
+            self.gone.clear()
+            with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
+                socket.linger = 1000
+                socket.connect(self.endpoint)
+                self.serve(socket)
+            self.left.set()
+
+    def serve(self, socket):
+        socket.send_multipart((self.hello or self.simulator.hello()).frames())
+        while not self.over.is_set() and not self.gone.is_set():
+            if not socket.poll(10):
+                continue
+            request = read(socket.recv_multipart())
+            self.asked.append(request)
+            if request.kind == "close":
+                socket.send_multipart(Message("closed", request.id).frames())
+                self.over.set()
+            elif request.kind == "error":
+                # Not welcome, or not any more.
+                self.gone.set()
+            elif request.kind != "welcome":
+                for frames in self.answer(request):
+                    socket.send_multipart(frames)
+
+
 @pytest.fixture
-def make():
+def inside():
+    """make(socket=inside(Simulator(CartPole())).socket): an environment whose simulator is in this process."""
+    started = []
+
+    def start(*simulator, **more):
+        started.append(Inside(*simulator, **more))
+        return started[-1]
+
+    yield start
+    for one in started:
+        one.over.set()
+        one.join(LIMIT)
+        one.socket.context.destroy(0)
+
+
+# It needs `inside` so that what it made is closed before the simulator is gone.
+@pytest.fixture
+def make(inside):
     """gymnasium.make, and what it made is closed at the end of the test."""
     gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
     import netmq_example.envs  # noqa: F401
