@@ -4,17 +4,16 @@ test_09_environment_faults.py.
 
 from __future__ import annotations
 
-import itertools
 import os
 import re
-import time
+import subprocess
 import warnings
 from collections import deque
 
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, Mark, finds_processes, finished
+from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
@@ -24,54 +23,95 @@ from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402
 
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
 import netmq_example.envs  # noqa: E402
-from netmq_example import messages  # noqa: E402
+from netmq_example import cross_entropy  # noqa: E402
+from netmq_example.messages import MessageError  # noqa: E402
+from netmq_example.simulation.simulator import Simulator  # noqa: E402
+from netmq_example.split_mix import draws  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
 # The state of seed 7, as float32; and what is seen 25 steps later, of right and left in turn.
 GOLDEN_START = ["-0x1.6901820000000p-7", "-0x1.8bd8d60000000p-5", "0x1.484d9c0000000p-5", "0x1.0fbef80000000p-7"]
 GOLDEN_END = [0.009156497, 0.1373327, 0.02900436, -0.07556468]
 each_client = pytest.mark.parametrize("kind", CLIENTS)
-# What Gymnasium's checker says of any environment that has a wrapper.
-WRAPPED = ".*is different from the unwrapped version.*"
+
+
+@pytest.fixture(scope="module")
+def kept():
+    """Environments by the client that simulates, each for several tests."""
+    kept = {}
+    yield kept
+    for env in kept.values():
+        running = env.unwrapped.simulators.process
+        # A busy machine may need more than two seconds, after which it would be killed.
+        running.wait = lambda limit=None, running=running: subprocess.Popen.wait(running, LIMIT)
+        env.close()
+        assert running.poll() == 0, "it was asked to end, and did"
+
+
+@pytest.fixture
+def env(kind, kept, launch):
+    if kind not in kept:
+        kept[kind] = gymnasium.make(ID, launch=launch(kind), render_mode="rgb_array")
+    return kept[kind]
+
+
+@pytest.fixture
+def in_python(inside, make):
+    """in_python(CartPole(), …): an environment whose world is in this process."""
+    return lambda world, **where: make(f"NetMQExample/{world.name}-v0", socket=inside(Simulator(world)).socket, **where)
 
 
 # An environment like any other
 
 
-@each_client
-@pytest.mark.parametrize("wrapped", [False, True])
+@pytest.mark.parametrize(("kind", "wrapped"), [("python", False), ("csharp", True)])
 def test_gymnasiums_checker_finds_nothing(kind, wrapped, make, launch):
     env = make(launch=launch(kind))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        if wrapped:
-            warnings.filterwarnings("ignore", WRAPPED)
+        # It says so of any environment that has a wrapper.
+        warnings.filterwarnings("ignore", ".*is different from the unwrapped version.*")
         check_env(env if wrapped else env.unwrapped)
 
 
+def lean(seen, step):
+    """Push the cart to where the pole falls."""
+    return int(seen[2] + seen[3] > 0)
+
+
 @each_client
-def test_its_trajectories_are_those_of_gymnasiums_own_cartpole(kind, make, launch):
+def test_its_trajectories_are_those_of_gymnasiums_own_cartpole(env):
     """Sine and cosine differ in the last bit between systems, and a pole makes much of little: from each 50th state on,
-    both begin anew.
+    both begin anew. The pole stays up, falls, or leaves the track on either side.
     """
-    ours, theirs = make(launch=launch(kind)), gymnasium.make("CartPole-v1")
-    for episode in range(6):
-        seen, _ = theirs.reset(seed=episode)
-        for step in itertools.count():
+    theirs = gymnasium.make("CartPole-v1")
+    ends = []
+    for state, policy in (
+        (None, lean),
+        (None, lambda seen, step: step % 2),
+        ([2.3, 1, 0, 0], lean),
+        ([-2.3, -1, 0, 0], lean),
+    ):
+        theirs.reset(seed=1)
+        if state:
+            theirs.unwrapped.state = np.array(state)
+        for step in range(110):
             if step % 50 == 0:
-                mine, _ = ours.reset(options={"state": theirs.unwrapped.state})
+                seen = np.array(theirs.unwrapped.state, np.float32)
+                mine, _ = env.reset(options={"state": theirs.unwrapped.state})
             assert mine == pytest.approx(seen, abs=1e-6)
-            action = step % 2 if episode % 2 else int(seen[2] + seen[3] > 0)
-            (seen, *said, _), (mine, *ours_said, _) = theirs.step(action), ours.step(action)
-            if said[2]:
-                break
+            action = policy(seen, step)
+            (seen, *said, _), (mine, *ours_said, _) = theirs.step(action), env.step(action)
             assert ours_said == said
             if said[1]:
                 break
+        ends.append(said[1])
+    assert ends == [False, True, True, True]
 
 
 @each_client
-def test_a_seed_gives_the_golden_trajectory(kind, make, launch):
-    env = make(launch=launch(kind))
+def test_a_seed_gives_the_golden_trajectory(env):
     seen, _ = env.reset(seed=7)
     # From here on the numbers of a seed must never change. They come about by whole numbers and one multiplication.
     assert [float(number).hex() for number in seen] == GOLDEN_START
@@ -82,35 +122,15 @@ def test_a_seed_gives_the_golden_trajectory(kind, make, launch):
     assert not np.array_equal(random[0], random[1])
     env.reset(seed=7)
     assert np.array_equal([env.reset()[0] for _ in range(2)], random[:2]), "a seed decides what follows as well"
-
-
-def test_the_wrappers_work(make, launch):
-    env = RecordEpisodeStatistics(make(launch=launch("csharp"), max_episode_steps=5))
-    env.reset(seed=1)
-    *_, (_, _, terminated, truncated, info) = [env.step(step % 2) for step in range(5)]
-    assert (terminated, truncated) == (False, True)
-    assert (info["episode"]["r"], info["episode"]["l"]) == (5, 5)
-    assert env.spec.max_episode_steps == 5
-    assert env.metadata["render_fps"] == 50
-
-
-@pytest.mark.parametrize("mode", ["sync", "async"])
-@finds_processes
-def test_vectors_of_environments_are_as_many_simulators(mode, launch, monkeypatch):
-    mark = Mark()
-    monkeypatch.setenv("KIT_TEST_MARK", mark.environment["KIT_TEST_MARK"])
-    envs = gymnasium.make_vec(ID, 2, vectorization_mode=mode, launch=launch("python"))
-    seen, _ = envs.reset(seed=[3, 3])
-    assert np.array_equal(seen[0], seen[1])
-    seen, *_ = envs.step(np.array([0, 1]))
-    assert seen[0, 1] < 0 < seen[1, 1], "one is pushed left, one right"
-    envs.close()
-    assert [command for command in mark.processes().values() if "client.py" in command] == []
+    # The options of a reset arrive, and what is wrong with them comes back.
+    low, _ = env.reset(seed=7, options={"low": 0.01, "high": 0.02})
+    assert (low >= 0.01).all() and (low <= 0.02).all()
+    with pytest.raises(MessageError, match=r"^bad-option: low and high are numbers"):
+        env.reset(options={"high": "abc"})
 
 
 @each_client
-def test_a_picture_shows_the_cart_where_it_is(kind, make, launch):
-    env = make(launch=launch(kind), render_mode="rgb_array")
+def test_a_picture_shows_the_cart_where_it_is(env):
     for place in (-1.5, 1.5):
         env.reset(options={"state": [place, 0, 0.1 * place, 0]})
         picture = env.render()
@@ -122,46 +142,76 @@ def test_a_picture_shows_the_cart_where_it_is(kind, make, launch):
         assert (pole[1].max() if place > 0 else 300 - pole[1].min()) > 255, "and it leans outwards"
 
 
+def test_the_wrappers_work(in_python):
+    env = RecordEpisodeStatistics(in_python(CartPole(), max_episode_steps=5))
+    env.reset(seed=1)
+    *_, (_, _, terminated, truncated, info) = [env.step(step % 2) for step in range(5)]
+    assert (terminated, truncated) == (False, True)
+    assert (info["episode"]["r"], info["episode"]["l"]) == (5, 5)
+    assert env.metadata["render_fps"] == 50
+
+
+@finds_processes
+def test_vectors_of_environments_are_as_many_simulators(launch, monkeypatch):
+    mark = Mark()
+    monkeypatch.setenv("KIT_TEST_MARK", mark.environment["KIT_TEST_MARK"])
+    envs = gymnasium.make_vec(ID, 2, vectorization_mode="async", launch=launch("python"))
+    seen, _ = envs.reset(seed=[3, 3])
+    assert np.array_equal(seen[0], seen[1])
+    seen, *_ = envs.step(np.array([0, 1]))
+    assert seen[0, 1] < 0 < seen[1, 1], "one is pushed left, one right"
+    envs.close()
+    assert [command for command in mark.processes().values() if "client.py" in command] == []
+
+
 # The car of lesson 08
 
 
-def test_the_car_drives_the_same_in_both_languages(make, launch):
+def test_the_car_drives_the_same_in_both_languages(in_python, make, launch):
     """To the last bit: it is made of plus, minus, times, divide and square root."""
-    ends = []
-    envs = [make("NetMQExample/Car-v0", launch=launch(kind, "--world", "Car")) for kind in ("python", "csharp")]
-    for episode in range(3):
-        actions = np.random.default_rng(episode)
-        seen = [env.reset(seed=episode)[0] for env in envs]
-        over, metres = False, 0.0
-        while not over:
+    other = make("NetMQExample/Car-v0", launch=launch("csharp", "--world", "Car"))
+    envs = [in_python(RoadCar()), other]
+    # In this one it leaves the road; then it brakes.
+    for seed, pedal, most in ((7, 0.8, 1000), (1, -0.5, 5)):
+        actions = np.random.default_rng(seed)
+        seen = [env.reset(seed=seed)[0] for env in envs]
+        over, metres, steps = False, 0.0, 0
+        while not over and steps < most:
             assert np.array_equal(*seen)
-            action = np.array([actions.uniform(-0.4, 0.4), 0.8], np.float32)
-            (mine, *said), (other, *other_said) = (env.step(action) for env in envs)
-            assert said == other_said
-            seen, over, metres = [mine, other], said[1] or said[2], metres + said[0]
+            action = np.array([actions.uniform(-0.4, 0.4), pedal], np.float32)
+            (mine, *said), (theirs, *others_said) = (env.step(action) for env in envs)
+            assert said == others_said
+            seen, over, metres, steps = [mine, theirs], said[1] or said[2], metres + said[0], steps + 1
         assert said[3]["metres"] == pytest.approx(metres)
-        ends.append((said[1], abs(mine[0]) > 1))
-    assert (True, True) in ends, "beside the road the episode ends"
-
-
-@pytest.mark.parametrize("picture", [[], ["--picture"]])
-def test_gymnasiums_checker_likes_the_car(picture, make, launch):
-    env = make("NetMQExample/Car-v0", launch=launch("csharp", "--world", "Car", *picture))
+        assert (said[1], abs(mine[0]) > 1) == (most == 1000,) * 2, "beside the road the episode ends"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(env.unwrapped)
+        check_env(other.unwrapped, skip_render_check=True, skip_close_check=True)
+    for env in envs:
+        for state in (-1, -0.5, float("nan"), float("inf"), 2000):
+            with pytest.raises(MessageError, match="bad-state: the road has the points 0 to 1999"):
+                env.reset(options={"state": [state]})
+        for state in (0, 1999):
+            env.reset(options={"state": [state]})
+
+
+def test_the_car_may_see_pictures(make, launch):
+    env = make("NetMQExample/Car-v0", launch=launch("csharp", "--world", "Car", "--picture"), render_mode="rgb_array")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True, skip_close_check=True)
     seen, _ = env.reset(options={"state": [100]})
-    if picture:
-        assert seen.shape == (240, 320, 3)
-        assert tuple(seen[100, 0]) != tuple(seen[239, 160]), "the sky is above the road"
-    with pytest.raises(messages.MessageError, match="bad-state: the road has the points 0 to 1999"):
-        env.reset(options={"state": [-1]})
+    assert seen.shape == (240, 320, 3)
+    assert tuple(seen[100, 0]) != tuple(seen[239, 160]), "the sky is above the road"
+    assert np.array_equal(env.render(), seen)
+    world = RoadCar()
+    world.reset(draws(0), {}, [100.0])
+    assert np.array_equal(world.render(), seen), "in both languages"
 
 
 # Its name
 
 IMPORTS = {
-    "before Gymnasium": f"import netmq_example.envs, gymnasium; id = '{ID}'",
     "after Gymnasium": f"import gymnasium, netmq_example.envs; id = '{ID}'",
     "by its name alone": f"import gymnasium; id = 'netmq_example.envs:{ID}'",
 }
@@ -199,9 +249,9 @@ def test_the_classes_are_found_in_the_package_itself():
 # Who uses it
 
 
-def test_stable_baselines3_finds_what_it_calls(make, launch):
+def test_stable_baselines3_finds_what_it_calls(in_python):
     """What its DummyVecEnv, Monitor and PPO do with an environment, in this order, without the package."""
-    env = make(launch=launch("csharp"), max_episode_steps=20)
+    env = in_python(CartPole(), max_episode_steps=20)
     assert isinstance(env, gymnasium.Env) and env.render_mode is None and env.metadata["render_modes"]
     assert isinstance(env.observation_space, gymnasium.spaces.Box)
     kept = np.zeros((1, *env.observation_space.shape), env.observation_space.dtype)
@@ -223,11 +273,11 @@ def test_stable_baselines3_finds_what_it_calls(make, launch):
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_cleanrl_finds_what_it_calls(mode, launch):
+def test_cleanrl_finds_what_it_calls(mode, in_python):
     """What its ppo.py does, without torch: several environments, statistics, and an array of actions for all."""
 
     def thunk():
-        return RecordEpisodeStatistics(gymnasium.make(ID, launch=launch("csharp"), max_episode_steps=15))
+        return RecordEpisodeStatistics(in_python(CartPole(), max_episode_steps=15))
 
     envs = SyncVectorEnv([thunk] * 2, autoreset_mode=mode)
     try:
@@ -247,32 +297,52 @@ def test_cleanrl_finds_what_it_calls(mode, launch):
         envs.close()
 
 
-def train(start, launch, seed):
-    trainer = start(PYTHON, LESSON / "train.py", "--seed", str(seed), "--launch", *launch("csharp"))
-    assert trainer.wait(280) == 0, trainer.output
-    # Without how fast it was.
-    return [re.sub(", [0-9,]+ a second", "", line) for line in trainer.lines if re.match("generation|policy", line)]
+# Training
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 5))])
-def test_training_reaches_its_goal(seed, start, launch):
-    lines = train(start, launch, seed)
+class Bare(gymnasium.Env):  # type: ignore[name-defined]
+    """The world alone, as the trainer uses an environment of it."""
+
+    observation_space, action_space = CartPole().observation, CartPole.action
+
+    def reset(self, *, seed=None, options=None):
+        self.world = CartPole()
+        self.world.reset(draws(seed), {}, [])
+        return self.world.observe(), {}
+
+    def step(self, action):
+        self.world.apply(action)
+        return self.world.observe(), *self.world.judge().values(), {}
+
+
+def trained(capfd, seed, generations):
+    """The lines of a training, without how fast it was."""
+    env, steps = gymnasium.wrappers.TimeLimit(Bare(), cross_entropy.STEPS), []
+
+    def play(policy, seed):
+        steps.append(cross_entropy.play(env, policy, seed))
+        return steps[-1]
+
+    means = cross_entropy.train(lambda episodes: [play(*each) for each in episodes], seed, generations)
+    lines = timeless(capfd.readouterr().out.splitlines())
+    assert lines[-2] == (f"generation {len(means)}: mean {means[-1]:.1f} of 200, {sum(steps):,} steps")
+    return lines
+
+
+def timeless(lines):
+    return [re.sub(", [0-9,]+ a second", "", line) for line in lines if re.match("generation|policy", line)]
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4])
+def test_training_reaches_its_goal(seed, capfd):
+    lines = trained(capfd, seed, 50)
     assert float(re.search(r"mean (\S+) of 200", lines[-2])[1]) >= 195
 
 
-def test_the_same_seed_trains_the_same_policy(start, launch):
-    assert train(start, launch, 4) == train(start, launch, 4)
-
-
-def test_steps_a_second(make, launch):
-    env = make(launch=launch("csharp"), max_episode_steps=10**9)
-    seen, _ = env.reset(seed=1)
-    times = []
-    for _ in range(3000):
-        begin = time.perf_counter()
-        seen, _, over, *_ = env.step(int(seen[2] + seen[3] > 0))
-        times.append(time.perf_counter() - begin)
-        if over:
-            seen, _ = env.reset()
-    times.sort()
-    print(f"\n{len(times) / sum(times):,.0f} steps a second, p99 {1000 * times[-30]:.2f} ms")
+def test_the_trainer_learns_the_same_from_the_same_seed(start, launch, capfd):
+    """Wherever the world is."""
+    trainer = start(PYTHON, LESSON / "train.py", "--seed", "16", "--launch", *launch("python"))
+    assert trainer.wait() == 0, trainer.output
+    lines = trained(capfd, 16, 50)
+    assert timeless(trainer.lines) == lines and len(lines) == 3
+    assert trained(capfd, 17, 1)[0] != lines[0]
