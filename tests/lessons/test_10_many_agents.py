@@ -28,41 +28,54 @@ sys.path.append(str(ROOT / "python" / KEY))
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
 from netmq_example.infos import InfoQueue, pack, unpack  # noqa: E402
+from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
+from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
+from netmq_example.simulation.simulation import RealTime  # noqa: E402
+from netmq_example.simulation.simulator import Simulator  # noqa: E402
+from netmq_example.spaces import to_array  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
+from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
 policy = importlib.import_module("players").policy
 each_client = pytest.mark.parametrize("kind", CLIENTS)
-# Unity's scene of this lesson has agents; areas are for terminals.
-each_terminal = pytest.mark.parametrize("kind", ["python", "csharp"])
 MODES = [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED]
 
 
-@pytest.fixture
-def vectors(launch):
-    """Areas of one simulator, and what was made is closed at the end of the test."""
-    made = []
-
-    def make_areas(kind="python", world="CartPole", count=AREAS, words=(), **where):
-        words = launch(kind, "--world", world, "--areas", str(count), *words, key=KEY)
-        made.append(gymnasium.make_vec(f"NetMQExample/{world}-v0", count, launch=words, **where))
-        return made[-1]
-
-    yield make_areas
-    for envs in made:
-        envs.close()
+def areas(inside, count=AREAS, **more):
+    """Areas of a simulator in this process."""
+    simulator = inside(AreaSimulator([CartPole() for _ in range(count)]))
+    return gymnasium.make_vec("NetMQExample/CartPole-v0", count, socket=simulator.socket, **more)
 
 
-@pytest.fixture
-def pursuit(launch):
-    """The game, and what was made is closed at the end of the test."""
-    made = []
+def pursuit(inside, **more):
+    """The game in this process."""
+    return ZmqParallelEnv(socket=inside(AgentSimulator(Pursuit())).socket, **more)
 
-    def make_game(kind="python", words=(), **where):
-        made.append(ZmqParallelEnv(launch=launch(kind, *words, key=KEY), **where))
-        return made[-1]
 
-    yield make_game
-    for env in made:
+@pytest.fixture(scope="module")
+def kept():
+    """Environments by what simulates, each for several tests."""
+    kept = {}
+    yield kept
+    for env in kept.values():
         env.close()
+
+
+@pytest.fixture
+def csharp_areas(kept, launch):
+    if "areas" not in kept:
+        words = launch("csharp", "--world", "CartPole", "--areas", str(AREAS), key=KEY)
+        kept["areas"] = gymnasium.make_vec("NetMQExample/CartPole-v0", AREAS, launch=words, render_mode="rgb_array")
+    return kept["areas"]
+
+
+@pytest.fixture
+def played(kind, kept, launch):
+    if kind not in kept:
+        kept[kind] = ZmqParallelEnv(launch=launch(kind, key=KEY), render_mode="rgb_array")
+    return kept[kind]
 
 
 # Areas
@@ -76,43 +89,37 @@ def same(ours, theirs):
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_areas_are_what_gymnasiums_own_vector_makes_of_as_many_environments(mode, vectors, launch):
+def test_areas_are_what_gymnasiums_own_vector_makes_of_as_many_environments(mode, inside, make):
     """The same numbers and the same infos, also through many ends; the pole falls at once, or time is up."""
-    ours = vectors(autoreset_mode=mode, max_episode_steps=12)
+    ours = areas(inside, autoreset_mode=mode, max_episode_steps=12)
 
     def single():
-        return gymnasium.make("NetMQExample/CartPole-v0", launch=launch("python"), max_episode_steps=12)
+        return make(socket=inside(Simulator(CartPole())).socket, max_episode_steps=12)
 
     theirs = SyncVectorEnv([single] * AREAS, autoreset_mode=mode)
-    try:
-        assert ours.metadata["autoreset_mode"] == mode == theirs.metadata["autoreset_mode"]
-        assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
-        same(ours.reset(seed=7), theirs.reset(seed=7))
-        actions, ends = np.random.default_rng(1), [0, 0]
-        for _ in range(80):
-            action = np.where(np.arange(AREAS) < 2, 1, actions.integers(2, size=AREAS))
-            mine = ours.step(action)
-            same(mine, theirs.step(action))
-            ends = [ends[0] + mine[2].sum(), ends[1] + mine[3].sum()]
-            if mode == AutoresetMode.DISABLED and (over := mine[2] | mine[3]).any():
-                same(*(envs.reset(options={"reset_mask": over.copy()}) for envs in (ours, theirs)))
-        assert min(ends) > 3, "episodes ended both ways"
-        # Once more from a seed for each, and from a state.
-        seeds = list(range(10, 10 + AREAS))
-        same(ours.reset(seed=seeds), theirs.reset(seed=seeds))
-        state = {"state": [0.1, 0, 0, 0]}
-        same(ours.reset(options=state), theirs.reset(options=state))
-    finally:
-        theirs.close()
+    assert ours.metadata["autoreset_mode"] == mode == theirs.metadata["autoreset_mode"]
+    assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
+    same(ours.reset(seed=7), theirs.reset(seed=7))
+    actions, ends = np.random.default_rng(1), [0, 0]
+    for _ in range(50):
+        action = np.where(np.arange(AREAS) < 2, 1, actions.integers(2, size=AREAS))
+        mine = ours.step(action)
+        same(mine, theirs.step(action))
+        ends = [ends[0] + mine[2].sum(), ends[1] + mine[3].sum()]
+        if mode == AutoresetMode.DISABLED and (over := mine[2] | mine[3]).any():
+            same(*(envs.reset(options={"reset_mask": over.copy()}) for envs in (ours, theirs)))
+    assert min(ends) > 3, "episodes ended both ways"
+    # Once more from a seed for each, and from a state.
+    seeds = list(range(10, 10 + AREAS))
+    same(ours.reset(seed=seeds), theirs.reset(seed=seeds))
+    state = {"state": [0.1, 0, 0, 0]}
+    same(ours.reset(options=state), theirs.reset(options=state))
+    theirs.close()
+    ours.close()
 
 
-def test_infos_of_a_simulation_come_from_each_area(vectors, launch):
+def test_infos_of_a_simulation_come_from_each_area():
     """The car says how many metres it has come; a road is left sooner or later."""
-    from netmq_example.messages import Message, read
-    from netmq_example.simulation.areas import AreaSimulator
-    from netmq_example.spaces import to_array
-    from netmq_example.worlds.road_car import RoadCar
-
     simulator = AreaSimulator([RoadCar(), RoadCar()])
     lots = [to_array([1, 1], np.uint8), to_array([1, 2], np.int64)]
     first = read(simulator.answer(Message("reset", 1, {}, lots)))
@@ -123,22 +130,30 @@ def test_infos_of_a_simulation_come_from_each_area(vectors, launch):
     assert [(area, list(info)) for area, info in unpack(second.values["infos"], int)] == [(0, ["metres"])], (
         "one was reset"
     )
+    assert (simulator.episodes, simulator.steps) == (3, 1)
 
 
-@each_terminal
-def test_both_languages_step_areas_alike(kind, vectors):
-    """Not to the last bit: a pole needs sines."""
-    ours, other = vectors(kind), vectors("python")
-    assert ours.reset(seed=3)[0] == pytest.approx(other.reset(seed=3)[0], abs=0)
-    for step in range(30):
-        (mine, *said, _), (seen, *others_said, _) = (envs.step(np.arange(AREAS) % 2) for envs in (ours, other))
+def test_both_languages_step_areas_alike(csharp_areas, inside):
+    """Not to the last bit: a pole needs sines. Two of them fall, and begin anew in the next step."""
+    envs = [csharp_areas, areas(inside)]
+    first, other = (each.reset(seed=3)[0] for each in envs)
+    assert first == pytest.approx(other, abs=0)
+    ends = 0
+    for step in range(16):
+        action = np.array([1, 0, step % 2, step % 2])
+        (mine, *said, _), (seen, *others_said, _) = (each.step(action) for each in envs)
         assert mine == pytest.approx(seen, abs=1e-6), step
         assert np.array_equal(said, others_said)
+        ends += said[1].sum()
+    assert ends >= 2
+    states = [each.reset(options={"state": [0.1, 0.2, 0, 0]})[0] for each in envs]
+    assert np.array_equal(*states) and (states[0][:, 1] == np.float32(0.2)).all()
+    envs[1].close()
 
 
 @pytest.mark.parametrize("mode", MODES[:2])
-def test_gymnasiums_vector_wrappers_work(mode, vectors):
-    envs = RecordEpisodeStatistics(vectors("csharp", autoreset_mode=mode, max_episode_steps=5))
+def test_gymnasiums_vector_wrappers_work(mode, inside):
+    envs = RecordEpisodeStatistics(areas(inside, autoreset_mode=mode, max_episode_steps=5))
     envs.reset(seed=1)
     lengths = []
     for _ in range(20):
@@ -146,50 +161,73 @@ def test_gymnasiums_vector_wrappers_work(mode, vectors):
         if "episode" in infos:
             lengths += list(infos["episode"]["l"][infos["_episode"]])
     assert set(lengths) == {5} and len(lengths) >= 3 * AREAS
+    envs.close()
 
 
-def test_each_area_has_its_picture(vectors):
-    envs = vectors("csharp", count=2, render_mode="rgb_array")
-    envs.reset(seed=[1, 2])
-    pictures = envs.render()
-    assert [picture.shape for picture in pictures] == [(200, 300, 3)] * 2
-    assert not np.array_equal(*pictures)
+def test_each_area_has_its_picture(csharp_areas, inside):
+    for envs in csharp_areas, areas(inside, render_mode="rgb_array"):
+        envs.reset(seed=[1, 2, 3, 4])
+        pictures = envs.render()
+        assert [picture.shape for picture in pictures] == [(200, 300, 3)] * AREAS
+        assert len({picture.tobytes() for picture in pictures}) == AREAS
+    envs.close()
 
 
-def test_agent_steps_a_second(vectors):
-    envs = vectors("csharp", count=16)
-    seen, _ = envs.reset(seed=1)
-    begin, steps = time.perf_counter(), 2000
-    for _ in range(steps):
-        seen, *_ = envs.step((seen[:, 2] + seen[:, 3] > 0).astype(np.int64))
-    print(f"\n{16 * steps / (time.perf_counter() - begin):,.0f} agent steps a second in 16 areas")
+def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, inside):
+    flat, seeds = to_array([1] * AREAS, np.uint8), to_array([1] * AREAS, np.int64)
+    fine = to_array([1] * AREAS, np.int64)
+    for envs in csharp_areas, areas(inside):
+        seen, _ = envs.reset(seed=1)
+        for actions in (np.array([0, 1, 2, 1]), np.array([0, 1]), np.zeros(AREAS)):
+            with pytest.raises(ValueError, match=r"are not in MultiDiscrete\(\[2 2 2 2\]\)"):
+                envs.step(actions)
+        # And when they come all the same, the simulator refuses them.
+        for kind, values, arrays, text in (
+            ("step", {}, [to_array([1, 1, 1, 2], np.int64)], r"not-in-space: .* is not in Discrete\(2\)"),
+            ("step", {}, [to_array([1, 1], np.int64)], "wrong-areas"),
+            ("step", {}, [to_array(1, np.int64)], "wrong-areas"),
+            ("step", {}, [], "no-mask"),
+            ("step", {}, [fine, flat], "no-mask"),
+            ("reset", {"seed": 1}, [], r"no-mask: this simulator has 4 areas: make_vec\(…, num_envs=4\)"),
+            ("reset", {}, [to_array(np.zeros((AREAS, 2)), np.uint8), seeds], "wrong-areas"),
+            ("reset", {}, [flat, to_array([np.nan] * AREAS, np.float64)], "wrong-areas|bad-dtype"),
+            ("reset", {}, [flat, to_array([1, 2, 3], np.int64)], "wrong-areas"),
+            ("reset", {}, [flat, seeds, to_array([1, 2], np.float64)], "bad-state: a state is 4 numbers, not 2"),
+            ("jump", {}, [], "unknown-kind: kind .?jump.? is none of reset, step, render, close"),
+        ):
+            with pytest.raises(MessageError, match=text):
+                envs.areas.ask(kind, values, arrays)
+        mask = to_array([0] * AREAS, np.uint8)
+        assert np.array_equal(envs.areas.read(envs.areas.ask("reset", {}, [mask, seeds]))[0], seen)
+    envs.close()
 
 
 # Agents
 
 
-@each_client
-@pytest.mark.parametrize(
-    "test", [parallel_api_test, lambda env: api_test(parallel_to_aec(env))], ids=["parallel", "aec"]
-)
-def test_pettingzoos_tests_pass_without_a_warning(kind, test, pursuit):
+@pytest.mark.parametrize("kind", ["csharp"])
+def test_pettingzoos_tests_pass_without_a_warning(played, inside):
+    ours = pursuit(inside, render_mode="rgb_array")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        test(pursuit(kind, render_mode="rgb_array"))
+        parallel_api_test(played, num_cycles=200)
+        api_test(parallel_to_aec(ours), num_cycles=200)
+    ours.close()
+    parallel_seed_test(lambda: pursuit(inside), num_cycles=100)
 
 
-@each_terminal
-def test_pettingzoos_seed_test_passes(kind, pursuit):
-    parallel_seed_test(lambda: pursuit(kind))
-
-
-@pytest.mark.parametrize("kind", ["csharp", "unity"])
-def test_a_game_is_the_same_in_both_languages(kind, pursuit):
-    """To the last bit: what is seen, rewards, ends and infos; agents end early and late."""
-    envs = [pursuit(), pursuit(kind)]
-    early, survivors = set(), []
-    for number in range(12):
-        states = [env.reset(seed=number) for env in envs]
+@pytest.mark.parametrize(("kind", "seeds"), [("csharp", [9, 2]), ("unity", [9]), ("python", [9])])
+def test_a_game_is_the_same_everywhere(kind, seeds, played, inside):
+    """To the last bit: what is seen, rewards, ends and infos; agents end early and late, and infos go both ways. In the
+    first game both rabbits are caught, and the environment hears of it.
+    """
+    envs = [pursuit(inside), played]
+    early, survivors, told = set(), [], []
+    for seed in seeds:
+        states = [env.reset(seed=seed) for env in envs]
+        for env in envs:
+            assert env.send_info({"weather": "rain", "at": 1.5, "on": True, "n": 3}) == {}
+            assert env.send_info({"you": "run"}, "rabbit_0") == {}
         while envs[0].agents:
             assert data_equivalence(*states)
             before = list(envs[0].agents)
@@ -198,46 +236,64 @@ def test_a_game_is_the_same_in_both_languages(kind, pursuit):
             assert envs[0].agents == envs[1].agents
             ended = set(before) - set(envs[0].agents)
             early |= ended if envs[0].agents else set()
+            told += states[1][4][before[0]].get("told", {}).get("env", [])
         assert data_equivalence(*states)
         survivors.append(len(before))
-    assert {name[:6] for name in early} == {"hunter", "rabbit"}
-    assert len(set(survivors)) > 1
+    assert {info["caught"] for info in told[:2]} == {"rabbit_0", "rabbit_1"}
+    assert {info["by"][:6] for info in told} == {"hunter"}
+    if kind == "csharp":
+        assert {name[:6] for name in early} == {"hunter", "rabbit"} and survivors == [5, 3]
+    envs[0].close()
 
 
 @each_client
-def test_a_picture_shows_who_is_in_the_game(kind, pursuit):
-    env = pursuit(kind, render_mode="rgb_array")
-    seen, _ = env.reset(seed=4)
-    picture = env.render()
+def test_a_picture_shows_who_is_in_the_game(played):
+    seen, _ = played.reset(seed=4)
+    picture = played.render()
     assert (picture.shape, picture.dtype) == ((200, 200, 3), np.uint8)
-    x, y, _ = seen["rabbit_0"][:3]
-    assert tuple(picture[199 - int((1 + y) * 99.5), int((1 + x) * 99.5)]) in ((240, 240, 240), (180, 40, 40))
-    assert env.metadata["render_fps"] == 10
+    for name, colour in (("rabbit_0", (240, 240, 240)), ("hunter_0", (180, 40, 40))):
+        x, y, _ = seen[name][:3]
+        assert tuple(picture[199 - int((1 + y) * 99.5), int((1 + x) * 99.5)]) == colour
+    assert played.metadata["render_fps"] == 10
+
+
+@each_client
+def test_an_agent_nobody_knows_and_an_action_outside_its_space(played):
+    played.reset(seed=1)
+    fine = dict.fromkeys(played.agents, 0)
+    for wrong in ({**fine, "ghost": 0}, {"hunter_0": 0}):
+        with pytest.raises(ValueError, match=r"actions \{'hunter_0'.*, but those that live are \['hunter_0', "):
+            played.step(wrong)
+    with pytest.raises(ValueError, match=r"action 5 of rabbit_1 is not in Discrete\(5\)"):
+        played.step({**fine, "rabbit_1": 5})
+    with pytest.raises(ValueError, match="agent 'ghost' is none of"):
+        played.send_info({}, "ghost")
+    for kind, values, arrays, text in (
+        (
+            "step",
+            {},
+            [to_array(0, np.int64)] * 4 + [to_array(5, np.int64)],
+            r"not-in-space: .* is not in Discrete\(5\)",
+        ),
+        ("step", {}, [to_array(0, np.int64)] * 4, "wrong-agents: 4 actions, but 5 agents live"),
+        ("info", {"infos": pack([("ghost", {})])}, [], "unknown-agent: .*ghost"),
+        ("info", {"infos": '{"a": [1]}'}, [], "bad-infos"),
+        ("info", {"infos": '[["hunter_0"]]'}, [], "bad-infos"),
+        ("info", {"infos": "[[1,{}]]"}, [], "bad-infos|unknown-agent"),
+        ("info", {"infos": '[["hunter_0",[]]]'}, [], "bad-infos"),
+        ("info", {"infos": 5}, [], "bad-infos|wrong-type"),
+        ("reset", {"seed": "x"}, [], "missing-field|wrong-type"),
+        ("jump", {}, [], "unknown-kind: kind .?jump.? is none of reset, step, info, render, close"),
+    ):
+        with pytest.raises(MessageError, match=text):
+            played.remote.ask(kind, values, arrays)
+    assert set(played.step(fine)[0]) == set(fine), "it goes on"
 
 
 # Infos
 
 
-@each_client
-def test_infos_go_both_ways(kind, pursuit):
-    """A rabbit is caught in the seventh game of both hand-written players; then the environment hears of it."""
-    env = pursuit(kind)
-    seen, _ = env.reset(seed=7)
-    assert env.unwrapped.send_info({"weather": "rain", "at": 1.5, "on": True, "n": 3}) == {}
-    assert env.send_info({"you": "run"}, "rabbit_0") == {}
-    told = []
-    while env.agents:
-        seen, _, _, _, infos = env.step({agent: policy(agent, seen[agent]) for agent in env.agents})
-        told += next(iter(infos.values())).get("told", {}).get("env", [])
-    assert {info["caught"] for info in told} == {"rabbit_0", "rabbit_1"}
-    assert {info["by"][:6] for info in told} == {"hunter"}
-
-
 def test_a_game_hears_and_says_at_any_time():
-    from netmq_example.messages import Message, read
-    from netmq_example.simulation.agents import AgentSimulator
-    from netmq_example.worlds.pursuit import Pursuit
-
     class Talkative(Pursuit):
         def on_info(self, agent, info):
             self.infos.send(agent, {"heard": str(info)})
@@ -248,6 +304,8 @@ def test_a_game_hears_and_says_at_any_time():
     assert unpack(answer) == [("rabbit_1", {"heard": "{'a': 1}"}), ("", {"heard": "{}"})]
     assert read(simulator.answer(said)).values["told"] == answer, "asked again it is not said twice"
     assert unpack(read(simulator.answer(Message("info", 2, {"infos": "[]"}))).values["told"]) == []
+    answers = [read(simulator.answer(Message("step", id, {}, []))).values["text"] for id in (3, 4)]
+    assert answers == ["0 actions, but 0 agents live"] * 2, "before the first reset"
 
 
 def test_the_queue_of_infos_is_bounded_and_says_so():
@@ -275,9 +333,13 @@ def rest(env, seen):
 
 
 @each_client
-def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, pursuit):
+def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, inside):
     """A thinker's second is ten ticks at least; how many more it becomes on a busy machine nobody knows."""
-    env = pursuit(kind, real_time=True)
+    env = (
+        pursuit(inside, real_time=True)
+        if kind == "python"
+        else ZmqParallelEnv(launch=launch(kind, key=KEY), real_time=True)
+    )
     # In this one no rabbit is near a hunter.
     seen, _ = env.reset(seed=10)
     begin = time.monotonic()
@@ -288,22 +350,20 @@ def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, pursuit):
     time.sleep(1.05)
     seen, ticks = rest(env, seen)
     assert ticks >= 10
+    env.close()
 
 
 @each_client
-def test_else_it_stands_still(kind, pursuit):
-    env = pursuit(kind)
-    seen, _ = env.reset(seed=10)
-    for pause in (0.3, 0, 0.3):
+def test_else_it_stands_still(played):
+    seen, _ = played.reset(seed=10)
+    for pause in (0, 0.3):
         time.sleep(pause)
-        seen, ticks = rest(env, seen)
+        seen, ticks = rest(played, seen)
         assert ticks == 1
 
 
 def test_what_the_clock_has_seen_is_made_up_for():
     """With the actions from before, and those of a step only in the tick that is due."""
-    from netmq_example.simulation.simulation import RealTime
-    from netmq_example.worlds.pursuit import Pursuit
 
     class Counted(Pursuit):
         def apply(self, actions):

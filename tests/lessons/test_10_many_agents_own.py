@@ -21,22 +21,10 @@ from pettingzoo.test import parallel_api_test  # noqa: E402
 
 KEY = "10_many_agents"
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
-
-# Sixteen of lesson 09's worlds, under another name, as a reader's script has them.
-BALLS = """import sys
-
-sys.path.append("python")
-from netmq_example.simulation.areas import AreaSimulator
-from netmq_example.worlds.cart_pole import CartPole
-from netmq_example.simulation.simulator import EnvironmentClient
-
-
-class Ball(CartPole):
-    name = "Ball"
-
-
-EnvironmentClient(sys.argv[-1], 30).run(AreaSimulator([Ball() for _ in range(16)]))
-"""
+from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
+from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
+from netmq_example.simulation.simulator import EnvironmentClient  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
@@ -52,18 +40,27 @@ def of_the_page(language, word, key=KEY):
 
 
 @pytest.fixture
-def tag(tmp_path):
+def tag(inside, monkeypatch):
     """Makes the page's world in Python, and closes it."""
-    (tmp_path / "tag.py").write_text(of_the_page("python", "class Tag"), encoding="utf-8")
-    made = []
+    made, simulators = [], []
+    with monkeypatch.context() as patched:
+        # Its last line.
+        patched.setattr(EnvironmentClient, "run", lambda self, simulator: simulators.append(simulator))
+        exec(of_the_page("python", "class Tag"), world := {})
+    assert [type(one) for one in simulators] == [AgentSimulator]
 
     def make(**where):
-        made.append(ZmqParallelEnv("Tag", launch=[str(PYTHON), str(tmp_path / "tag.py")], **where))
+        made.append(ZmqParallelEnv("Tag", socket=inside(AgentSimulator(world["Tag"]())).socket, **where))
         return made[-1]
 
     yield make
     for env in made:
         env.close()
+
+
+def areas_of(inside, world, count):
+    """Where so many of them are found."""
+    return inside(AreaSimulator([world() for _ in range(count)])).socket
 
 
 class VecEnv:
@@ -89,16 +86,16 @@ class VecEnv:
         return self.step_wait()
 
 
-def test_the_bridge_to_stable_baselines3(launch, monkeypatch):
+def test_the_bridge_to_stable_baselines3(inside, monkeypatch):
     """Beside the environment that it wraps. An end by the world and one by time are told apart."""
     for name in ("", ".common", ".common.vec_env"):
         module = types.ModuleType(f"stable_baselines3{name}")
         monkeypatch.setitem(sys.modules, module.__name__, module)
         module.__dict__["VecEnv"] = VecEnv
     exec(of_the_page("python", "class Areas(VecEnv)"), page := {})
-    words = launch("python", "--world", "CartPole", "--areas", "4", key=KEY)
+    words = {"autoreset_mode": "SameStep", "max_episode_steps": 12}
     plain, wrapped = (
-        gymnasium.make_vec("NetMQExample/CartPole-v0", 4, launch=words, autoreset_mode="SameStep", max_episode_steps=12)
+        gymnasium.make_vec("NetMQExample/CartPole-v0", 4, socket=areas_of(inside, CartPole, 4), **words)
         for _ in range(2)
     )
     areas = page["Areas"](wrapped)
@@ -144,13 +141,15 @@ def test_a_world_of_ones_own_goes_on_while_python_thinks_if_it_is_to(tag):
     assert seen["cat"][1] < before - 8 * 0.2 + 0.01
 
 
-def test_the_pages_world_is_the_same_in_both_languages(tag, netmq, console, start, tmp_path):
-    """Two games, one of them to its end."""
+def test_the_pages_world_is_the_same_in_both_languages(netmq, console, start, tmp_path):
+    """Two games, one of them to its end. The one in Python is started as the page says."""
+    (tmp_path / "tag.py").write_text(of_the_page("python", "class Tag"), encoding="utf-8")
     (tmp_path / "Tag.cs").write_text(of_the_page("csharp", "class Tag"), encoding="utf-8")
     endpoint = steady_endpoint()
     words = ["--endpoint", endpoint, "--timeout", "200"]
     player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Tag.cs", *words)
-    envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
+    ours = ZmqParallelEnv("Tag", launch=[str(PYTHON), str(tmp_path / "tag.py")])
+    envs, random = [ours, ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
     try:
         for name in envs[0].possible_agents:
             assert envs[0].observation_space(name) == envs[1].observation_space(name)
@@ -161,7 +160,8 @@ def test_the_pages_world_is_the_same_in_both_languages(tag, netmq, console, star
                 assert data_equivalence(*(env.step(actions) for env in envs))
             assert envs[1].agents == []
     finally:
-        envs[1].close()
+        for env in envs:
+            env.close()
     assert player.wait() == 0, player.output
 
 
@@ -173,9 +173,11 @@ def registered():
     del gymnasium.registry["My/Ball-v0"]
 
 
-def test_areas_of_a_world_of_ones_own_are_registered_as_the_page_does_it(registered, tmp_path):
-    (tmp_path / "balls.py").write_text(BALLS, encoding="utf-8")
-    envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, launch=[str(PYTHON), str(tmp_path / "balls.py")])
+def test_areas_of_a_world_of_ones_own_are_registered_as_the_page_does_it(registered, inside):
+    class Ball(CartPole):
+        name = "Ball"
+
+    envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, socket=areas_of(inside, Ball, 16))
     assert envs.reset(seed=1)[0].shape == (16, 4)
     envs.close()
 
