@@ -263,27 +263,20 @@ def test_a_second_trainer_on_one_port_is_told_so():
     socket.context.destroy()
 
 
-def test_a_simulator_that_leaves_after_some_episodes_is_lost(make, launch):
-    """In Unity: the inspector's Count. And Python that comes later is served by the same words."""
-    env = make(launch=launch("unity", "--count", "2"))
-    begun = [process(env).pid for _ in range(3) if env.reset()]
-    assert begun[0] == begun[1] != begun[2]
-
-
-def test_a_client_leaves_after_so_many_episodes():
+@pytest.mark.parametrize("kind", ["python", "unity"])
+def test_a_client_leaves_after_so_many_episodes(kind, start, client_command, make):
+    """In Unity: the inspector's Count. Its environment has lost it, and waits for another one."""
     socket = bound("tcp://127.0.0.1:*")
-    simulator = Simulator(CartPole())
-    client = EnvironmentClient(socket.getsockopt_string(zmq.LAST_ENDPOINT), LIMIT, len)
-    thread = threading.Thread(target=client.run, args=(simulator, 2), daemon=True)
-    thread.start()
-    env = gymnasium.make(ID, socket=socket, wait=LIMIT)
+    words = ["--count", "2", *PATIENT]
+    client = start(*client_command(kind, KEY, socket.getsockopt_string(zmq.LAST_ENDPOINT), *words))
+    env = make(socket=socket, disable_env_checker=True)
     env.reset()
     env.reset()
     env.unwrapped.simulators.wait = 0.3
-    with pytest.raises(TimeoutError):
+    with pytest.raises(TimeoutError, match="no simulator came"):
         env.reset()
-    thread.join(LIMIT)
-    assert (thread.is_alive(), simulator.episodes) == (False, 2)
+    assert client.wait() == 0
+    assert client.lines[-1].endswith("done: 2 episodes, 0 steps")
     env.close()
     socket.context.destroy()
 
@@ -324,6 +317,15 @@ def test_a_wrong_answer_is_named_and_the_next_one_counts(here):
         env.reset()
         with pytest.raises(MessageError, match=text):
             env.step(0)
+
+
+def test_a_picture_that_is_none_is_named(here):
+    arrays = []
+    env, _ = here(lambda request: [Message("picture", request.id, {}, arrays).frames()], render_mode="rgb_array")
+    for wrong in ([], [np.zeros((2, 2, 3), np.float32)], [np.zeros((2, 3), np.uint8)], [np.zeros((2, 2, 4), np.uint8)]):
+        arrays[:] = [to_array(one, one.dtype) for one in wrong]
+        with pytest.raises(MessageError, match=r"^no-picture: .* is not one array uint8 \[height, width, 3\]$"):
+            env.unwrapped.render()
 
 
 HELLOS = {

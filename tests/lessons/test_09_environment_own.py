@@ -350,10 +350,11 @@ def test_a_word_that_an_environment_does_not_know_is_named():
         ZmqEnv("Ball", lunch=["ball"])
 
 
-def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(netmq, console, start, make, tmp_path):
-    """In Unity: what it is asked for off the main thread, what it throws, and By Hand ticked in each frame."""
-    page = (ROOT / "docs" / "guide" / f"{KEY}.md").read_text(encoding="utf-8")
-    script = page[page.index("using System;\nusing System.Collections.Generic;\nusing NetMQExample;") :].split("```")[0]
+@pytest.fixture
+def ball(tmp_path):
+    """The page's environment and its program, with what goes wrong only where the program never comes."""
+    page = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
+    script, program = (one.body for one in page if one.language in ("csharp", "python") and '"Ball"' in one.body)
     for old, new in (
         ('Name => "Ball";', 'Name => gameObject == null ? "" : "Ball";\n' + TICKS),
         (
@@ -367,23 +368,32 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(netmq, cons
         ("> 10, false);", "> 10, false); }"),
         (
             "        place += speed",
-            '        if (action[0] == 2) throw new ArithmeticException("my mistake");\n        place += speed',
+            "        if (place > 4 && action[0] == 2)\n"
+            '            throw new ArithmeticException("my mistake");\n        place += speed',
         ),
     ):
         assert script.count(old) == 1
         script = script.replace(old, new)
     (tmp_path / "Ball.cs").write_text(script, encoding="utf-8")
+    (tmp_path / "ball.py").write_text(program.replace('"Ball.cs"', repr(str(tmp_path / "Ball.cs"))), encoding="utf-8")
+    return tmp_path / "Ball.cs"
+
+
+def test_the_pages_own_environment_in_the_player(netmq, console, start, make, ball):
+    """By the page's own program, by hand, and by one that shows what it throws. By Hand is ticked in each frame, and
+    what it is asked for off the main thread it can answer.
+    """
+    program = start(PYTHON, ball.with_name("ball.py"))
+    # The first start builds it.
+    assert program.wait(500) == 0, program.output
+    assert re.search(r"^the ball is at -?0\.\d\d$", program.output, re.MULTILINE), program.output
+    # It has no Heuristic: by hand nothing is pressed, which for its action is to the left until it is out.
+    alone = start(PYTHON, "kit.py", "play", ball, "--byHand", "true", "--seconds", "60")
+    alone.wait_for(r"^by hand: \d+ steps, return -\d+\.\d$")
+    # It ends with what it has started.
+    alone.stop()
     endpoint = steady_endpoint()
-    words = [
-        "kit.py",
-        "play",
-        tmp_path / "Ball.cs",
-        "--endpoint",
-        endpoint,
-        "--timeout",
-        "200",
-    ]
-    player = start(PYTHON, *words)
+    player = start(PYTHON, "kit.py", "play", ball, "--endpoint", endpoint, "--timeout", "200")
     gymnasium.register("My/Ball-v0", "netmq_example.envs:ZmqEnv", kwargs={"name": "Ball"})
     env = make("My/Ball-v0", endpoint=endpoint, wait=500)
     assert env.reset(options={"state": [3, 0]})[0] == pytest.approx([3, 0])
@@ -391,6 +401,7 @@ def test_the_pages_own_environment_shows_mistakes_and_minds_no_ticks(netmq, cons
     assert {env.step(1)[1] for _ in range(200)} == {-3}
     # A policy of 3 ms is waited for, and makes more than one step in a frame. A busy machine gets five tries.
     assert any(frames_of_steps(env, 200) < 160 for _ in range(5))
+    env.reset(options={"state": [4.5, 0]})
     for wrong, text in (
         (lambda: env.step(2), "^error-in-simulation: ArithmeticException: my mistake$"),
         (lambda: env.reset(options={"state": [6, 0]}), "^error-in-simulation: .*: Observe gave null$"),
@@ -413,24 +424,6 @@ def frames_of_steps(env, count):
         time.sleep(0.003)
         frames.add(env.step(1)[4]["frame"])
     return len(frames)
-
-
-def test_the_pages_own_file_plays_the_pages_own_environment(netmq, console, start, tmp_path):
-    page = list(guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md"))
-    for language, name in (("csharp", "Ball.cs"), ("python", "ball.py")):
-        (body,) = [one.body for one in page if one.language == language and '"Ball"' in one.body]
-        words = f"{str(tmp_path / 'Ball.cs')!r}"
-        (tmp_path / name).write_text(body.replace('"Ball.cs"', words), encoding="utf-8")
-    ball = start(PYTHON, tmp_path / "ball.py")
-    # The first start builds it.
-    assert ball.wait(500) == 0, ball.output
-    assert re.search(r"^the ball is at -?0\.\d\d$", ball.output, re.MULTILINE), ball.output
-    # It has no Heuristic: by hand nothing is pressed, which for its action is to the left until it is out.
-    by_hand = ["--byHand", "true", "--seconds", "60"]
-    alone = start(PYTHON, "kit.py", "play", tmp_path / "Ball.cs", *by_hand)
-    alone.wait_for(r"^by hand: \d+ steps, return -\d+\.\d$")
-    # It ends with what it has started.
-    alone.stop()
 
 
 # What somebody does in the inspector meanwhile.
