@@ -2,7 +2,8 @@
 // a blank between them; each is its UTF-16 code units in hexadecimal digits after a "=", and no scope is "-". The answer is
 // "ok" and the canonical text, or "error" and what is wrong, in the same digits.
 //
-// The first word names the culture that it runs in. "minus" is one of no country, where -1 is written ~1.
+// A line "culture NAME" is answered with how that culture writes; what follows is read in it. "minus" is one of no country,
+// where -1 is written ~1.
 using System;
 using System.Globalization;
 using System.Linq;
@@ -11,17 +12,21 @@ namespace NetMQExample.Tests
 {
     internal static class LocatorChecks
     {
-        public static void Run(string[] words)
+        public static void Run()
         {
-            var culture = (CultureInfo)CultureInfo.GetCultureInfo(words[0] == "minus" ? "" : words[0]).Clone();
-            if (words[0] == "minus") culture.NumberFormat.NegativeSign = "~";
-            CultureInfo.CurrentCulture = CultureInfo.CurrentUICulture = culture;
-            Console.WriteLine($"here: {"file".ToUpper()} {0.5} {-1}");
             for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
             {
-                var fields = line.Split(' ').Select(Read).ToArray();
-                Console.WriteLine(Answer(fields[0], fields[1], fields[2]));
+                var words = line.Split(' ');
+                Console.WriteLine(words[0] == "culture" ? Begin(words[1]) : Answer(Read(words[0]), Read(words[1]), Read(words[2])));
             }
+        }
+
+        private static string Begin(string name)
+        {
+            var culture = (CultureInfo)CultureInfo.GetCultureInfo(name == "minus" ? "" : name).Clone();
+            if (name == "minus") culture.NumberFormat.NegativeSign = "~";
+            CultureInfo.CurrentCulture = CultureInfo.CurrentUICulture = culture;
+            return $"here: {"file".ToUpper()} {0.5} {-1}";
         }
 
         private static string Answer(string text, string name, string scope)

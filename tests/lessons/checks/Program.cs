@@ -17,10 +17,11 @@ namespace NetMQExample.Tests
             {
                 case "background": return BackgroundClientChecks.Run(rest);
                 case "each": EachRun.Run(rest[0]); return 0;
-                case "locators": LocatorChecks.Run(rest); return 0;
+                case "locators": LocatorChecks.Run(); return 0;
                 case "messages": MessageChecks.Run(rest); return 0;
                 case "observations": ObservationChecks.Run(rest); return 0;
                 case "rules": RuleChecks.Run(); return 0;
+                case "scene": Scenes.Run(rest[0], rest[1], rest.Skip(2).ToArray()); return 0;
                 case "sidechannels": SideChannelChecks.Run(rest); return 0;
                 default: throw new ArgumentException($"no checks of {words[0]}");
             }

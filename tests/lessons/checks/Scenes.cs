@@ -1,0 +1,138 @@
+// Scenes with scripts of a user's own, played until somebody ends them or a minute is over. Runner.cs and Weather.cs are the
+// classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
+//
+//     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone]
+//     dotnet checks.dll scene Weather ENDPOINT
+//     dotnet checks.dll scene OwnChannels ENDPOINT
+using System;
+using System.Linq;
+using NetMQExample.SideChannels;
+using UnityEngine;
+using UnityPlayer;
+
+#pragma warning disable CA1823, CS0414, IDE0051, IDE0052 // Only reflection reads these members.
+
+namespace NetMQExample.Tests
+{
+    internal static class Scenes
+    {
+        public static void Run(string name, string endpoint, string[] how)
+        {
+            var player = new Player(typeof(GymManager).Assembly, typeof(Runner).Assembly);
+            player.Begin(() =>
+            {
+                var thing = new GameObject("scene");
+                // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
+                thing.SetActive(false);
+                if (name == "gymize")
+                {
+                    Gymize(thing, endpoint, how.FirstOrDefault());
+                    return;
+                }
+                var script = (MonoBehaviour)(name == "Weather" ? thing.AddComponent<Weather>() : thing.AddComponent<OwnChannels>());
+                Inspector.Set(new[] { script }, "endpoint", endpoint);
+                if (how.Length > 0) Inspector.Set(new[] { script }, "timeout", how[0]);
+                thing.SetActive(true);
+            });
+            player.Run(TimeSpan.FromSeconds(60), () => false);
+            player.Stop();
+        }
+
+        private static void Gymize(GameObject thing, string endpoint, string how)
+        {
+            // Before any other agent.
+            if (how == "wrong") Add<Speeder>("wrong locator");
+            var scripts = new MonoBehaviour[] { thing.AddComponent<Runner>(), thing.AddComponent<GymManager>() };
+            thing.AddComponent<Says>();
+            Inspector.Set(scripts, "endpoint", endpoint);
+            Inspector.Set(scripts, "envName", "Runner");
+            if (how == "alone") scripts[1].enabled = false;
+            thing.SetActive(true);
+            if (how == "gone") scripts[0].enabled = false;
+            if (how == "wrong")
+            {
+                Add<Runner>("twin");
+                Add<CameraSensor>("eye");
+            }
+            if (how == "named")
+            {
+                ((Agent)scripts[0]).Name = "one";
+                Add<Runner>("second").Name = "two";
+                Add<Clocked>("clocked").Name = "clocked";
+                Add<Runner>("third").Name = "one";
+                Add<Runner>("last");
+            }
+            if (how == "radar" || how == "broken")
+            {
+                var other = new GameObject("twin");
+                other.SetActive(false);
+                other.transform.SetParent(thing.transform);
+                var radar = other.AddComponent<Radar>();
+                radar.broken = how == "broken";
+                Inspector.Set(new[] { radar }, "locator", "@.place(1:)");
+                other.SetActive(true);
+            }
+        }
+
+        private static T Add<T>(string name)
+            where T : Component => new GameObject(name).AddComponent<T>();
+    }
+
+    internal sealed class Says : MonoBehaviour
+    {
+        private void Start()
+        {
+            if (GymManager.Current != null) GymManager.Current.Simulator.OnInfo += info => Debug.Log($"heard {info}");
+        }
+    }
+
+    internal sealed class Radar : SensorComponent
+    {
+        public bool broken;
+
+        public override object GetObservation() => broken ? (object)gameObject : new Vector2(7, 8);
+    }
+
+    internal sealed class Speeder : Agent
+    {
+        [Box(".speed[")] private readonly float speed = 1;
+
+        public override void OnReset()
+        {
+        }
+
+        public override void OnAction(object action)
+        {
+        }
+    }
+
+    internal abstract class Animal : Agent
+    {
+        private void FixedUpdate()
+        {
+        }
+    }
+
+    internal sealed class Clocked : Animal
+    {
+        public override void OnReset()
+        {
+        }
+
+        public override void OnAction(object action)
+        {
+        }
+    }
+
+    internal sealed class OwnChannels : SideChannelBehaviour
+    {
+        private void Start() =>
+            Academy.Instance.EnvironmentParameters.RegisterCallback("wind", value => Debug.Log($"wind {value:F0}"));
+
+        protected override void Update()
+        {
+            base.Update();
+            Academy.Instance.StatsRecorder.Add("frames", Time.frameCount);
+        }
+    }
+}
