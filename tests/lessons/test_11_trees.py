@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 
 import pytest
 
@@ -98,23 +97,18 @@ def equal(one, other):
 
 
 @pytest.mark.filterwarnings("ignore:.*Box.*precision lowered:UserWarning", "ignore:.*overflow.*:RuntimeWarning")
-@pytest.mark.parametrize(
-    ("runtime", "count"),
-    [("dotnet", 1000), ("mono", 1000), pytest.param("dotnet", 10_000, marks=pytest.mark.long)],
-)
-def test_random_values_go_through_csharp_and_come_back_equal(runtime, count, program, netmq):
+@pytest.mark.parametrize("runtime", ["dotnet", "mono"])
+def test_random_values_go_through_csharp_and_come_back_equal(runtime, program):
     if runtime == "mono":
         needs_mono()
     random, cases, lines = np.random.default_rng(11), [], []
-    while len(cases) < count:
+    while len(cases) < 400:
         space = a_space(random)
-        for _ in range(10):
+        for _ in range(4):
             value, arrays = space.sample(), []
             lines.append(hexadecimal(tree.write(value, arrays), arrays))
             cases.append((space, value))
-    done = subprocess.run(
-        [runtime, *program[1:], "trees"], input="\n".join(lines), capture_output=True, text=True, timeout=200
-    )
+    done = finished([runtime, *program[1:], "trees"], input="\n".join(lines))
     again = done.stdout.splitlines()
     assert len(again) == len(cases), done.stderr
     for line, (space, value), answer in zip(lines, cases, again, strict=True):
@@ -124,7 +118,7 @@ def test_random_values_go_through_csharp_and_come_back_equal(runtime, count, pro
 
 
 def test_what_a_space_begins_with_is_in_it_and_no_sample():
-    for number in range(500):
+    for number in range(150):
         space = a_space(np.random.default_rng(number))
         begin = empty(space, "")
         assert equal(empty(space, ""), begin), "not by chance"
@@ -309,9 +303,8 @@ def test_what_is_wrong_with_a_member_is_named_with_its_class(seen):
 
 
 def test_reflection_finds_the_members_once_and_not_in_each_step(seen):
-    """A thousand agents of one class, and two thousand steps: each attribute was made once."""
+    """A hundred agents of one class, and two hundred steps: each attribute was made once."""
     assert "made 1 times" in seen
     (line,) = [line for line in seen if "bytes a step" in line]
-    print(f"\n{line}")
     allocated, members = re.match(r"(\d+) bytes a step for (\d+) members", line).groups()
     assert int(allocated) < 600 * int(members), json.dumps(line)

@@ -194,15 +194,15 @@ namespace NetMQExample.Tests
                     Console.WriteLine($"{e.GetType().Name} {e.Message}");
                 }
             }
-            for (var step = 0; step < 1000; step++)
+            for (var step = 0; step < 100; step++)
                 foreach (var source in new AgentState("other", new Car()).Sources) source.Read();
             try { new MessageArray("float64", new byte[16], 2).Items<float>(); }
             catch (MessageException e) { Console.WriteLine(e.Message); }
             Console.WriteLine($"made {CountedAttribute.Made} times");
             var before = GC.GetAllocatedBytesForCurrentThread();
-            for (var step = 0; step < 1000; step++)
+            for (var step = 0; step < 100; step++)
                 foreach (var source in car.Sources) source.Read();
-            Console.WriteLine($"{(GC.GetAllocatedBytesForCurrentThread() - before) / 1000} bytes a step for {car.Sources.Count} members");
+            Console.WriteLine($"{(GC.GetAllocatedBytesForCurrentThread() - before) / 100} bytes a step for {car.Sources.Count} members");
         }
     }
 }
