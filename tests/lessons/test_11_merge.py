@@ -102,9 +102,7 @@ def test_what_would_become_another_number_is_refused(value):
     assert there["car"]["u"].tolist() == [0, 0, 0]
 
 
-@pytest.mark.parametrize(
-    "text", [[("car@", 1), (".u", 3000)], [("car@.x", 1), ("(:)", 5_000)]], ids=["keys", "slices"]
-)
+@pytest.mark.parametrize("text", [[("car@", 1), (".u", 3000)], [("car@.x", 1), ("(:)", 5_000)]], ids=["keys", "slices"])
 def test_a_path_deeper_than_anything_is_refused(text):
     with pytest.raises(LocatorError) as refusal:
         merge({"car": {"u": {}, "x": np.zeros(3)}}, ("".join(piece * count for piece, count in text), 1))

@@ -239,6 +239,47 @@ def test_what_cannot_be_done_is_said(films, game, tmp_path):
         Films(films.game.endpoint)
 
 
+def test_nothing_that_is_there_is_deleted_or_written_over(films, game, tmp_path, runs):
+    """gymize deleted a folder `tmp` beside its video."""
+    (tmp_path / "tmp").mkdir()
+    kept = {tmp_path / name: name.encode() for name in ("tmp/mine.txt", "one_1.gif")}
+    for path, text in kept.items():
+        path.write_bytes(text)
+    for view in ("one", "two"):
+        films.begin_render(view)
+    assert all(picture.any() for picture in films.render_all().values())
+    assert [films.end_render(view).path.name for view in ("one", "two")] == ["one_2.gif", "two_1.gif"]
+    words = ["--endpoint", "tcp://127.0.0.1:0", "--film"]
+    there, other = runs("server", "12_video", [[*words, str(tmp_path / "one_1.gif")], [*words, "drive.avi"]])
+    assert there.code == other.code == 2
+    assert "one_1.gif' is there already, and nothing is written over: give another name" in there.lines[-1]
+    assert "'drive.avi' is no film: its name must end in .gif, .png, .apng, .webp or .mp4" in other.lines[-1]
+    assert {path: path.read_bytes() for path in kept} == kept
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one_1.gif", "one_2.gif", "tmp", "two_1.gif"]
+
+
+@pytest.fixture
+def small_disk():
+    """Of a file no more than a few pictures can be written."""
+    resource = pytest.importorskip("resource", reason="Windows has no limit for the size of a file")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_a_full_disk_ends_the_film_and_not_the_game(films, game, small_disk):
+    for end in (".gif", ".png", ".webp"):
+        films.begin_render("one", f"full{end}", fps=100)
+        while not films.films["one"].trouble:
+            time.sleep(0.01)
+        film = films.end_render("one")
+        assert film.over and "its file has ended early: [" in film.trouble
+        assert len(shown(film.path)[0]) == film.frames >= 1
+        assert is_whole(film.path)
+        assert len([line for line in films.lines if line.startswith(f"trouble: film full{end}: ")]) == 1
+
+
 def test_a_second_game_is_busy_and_takes_the_place_of_one_that_is_gone(films, game):
     second = Game(films.game.endpoint, {"three": (8, 8)})
     try:
