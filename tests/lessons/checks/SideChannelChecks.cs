@@ -7,11 +7,10 @@
 //     keep COUNT                  what is left of so many messages that nobody took
 //     moved EXCHANGE              what the classes of Moved.cs and MovedRaw.cs make of it
 //
-// And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, `speed COUNT` and
-// `pictures ENDPOINT COUNT`, which print numbers.
+// And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, and `pictures
+// ENDPOINT COUNT`.
 using System;
 using System.Collections.Generic;
-using System.Diagnostics;
 using System.Globalization;
 using System.Linq;
 using System.Text;
@@ -32,7 +31,6 @@ namespace NetMQExample.Tests
             CultureInfo.CurrentCulture = german;
             if (words.Length > 0 && words[0] == "steps") Steps(words[2]);
             else if (words.Length == 2 && words[0] == "settings") Settings(Hex.Bytes(words[1]));
-            else if (words.Length == 2) Speed(int.Parse(words[1]));
             else if (words.Length == 3) Pictures(words[1], int.Parse(words[2]));
             else for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
         }
@@ -185,23 +183,6 @@ namespace NetMQExample.Tests
             client.Run(new SideChannelSimulator(new Simulator(new Moon())), 0, answer => answer());
         }
 
-        private static void Speed(int count)
-        {
-            // What a scene says most often: a name and a number.
-            var sender = new FloatPropertiesChannel(Guid.NewGuid());
-            SideChannelManager.RegisterSideChannel(sender);
-            for (var round = 0; round < 3; round++)
-            {
-                var clock = Stopwatch.StartNew();
-                for (var i = 0; i < count; i++) sender.Set("score", i);
-                var data = SideChannelManager.GetSideChannelMessage();
-                var packed = clock.Elapsed.TotalSeconds;
-                SideChannelManager.ProcessSideChannelData(data);
-                var unpacked = clock.Elapsed.TotalSeconds - packed;
-                Console.WriteLine(FormattableString.Invariant($"{count / packed:F0} packed, {count / unpacked:F0} unpacked a second, last {sender.GetWithDefault("score", 0)}"));
-            }
-        }
-
         private static void Pictures(string endpoint, int count)
         {
             var pictures = new RawBytesChannel(new Guid("00112233-4455-6677-8899-aabbccddeeff"));
@@ -215,7 +196,6 @@ namespace NetMQExample.Tests
                 SideChannelManager.Receive(carrier.Exchange(SideChannelManager.GetSideChannelMessage(), TimeSpan.FromMilliseconds(10)));
                 seen += pictures.GetAndClearReceivedMessages().Count;
             }
-            Console.WriteLine($"{seen} pictures");
         }
 
         private static void QueueForTest(this RawBytesChannel channel, OutgoingMessage message) =>
