@@ -97,7 +97,7 @@ def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_comma
         server.linger = 0
         endpoint = f"tcp://127.0.0.1:{server.bind_to_random_port('tcp://127.0.0.1')}"
         # How many more there were is said each second.
-        client = start(*client_command(kind, KEY, endpoint, "--timeout", "2"))
+        client = start(*client_command(kind, KEY, endpoint, "--timeout", "4"))
         while client.process.poll() is None:
             if server.poll(50):
                 server.send_multipart([server.recv_multipart()[0], wrong])
