@@ -218,7 +218,7 @@ def test_what_cannot_be_filmed_is_refused_with_its_cure(kind, filmer, start, cli
 # Faults
 
 
-@each_terminal
+@each_client
 def test_python_is_killed_and_comes_back(kind, serve, start, client_command, tmp_path):
     endpoint = steady_endpoint()
     server, _ = serve(KEY, "--seconds", "60", "--view", "front", endpoint=endpoint)
