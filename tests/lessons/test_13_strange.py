@@ -8,6 +8,7 @@ import re
 import struct
 import time
 import uuid
+from typing import Any
 
 import pytest
 import zmq
@@ -216,7 +217,7 @@ PARAMETERS = EnvironmentParametersChannel()
 CONTEXT = zmq.Context.instance()
 NAN = float("nan")
 # The parameter that the error has to name, a call, and what it is given. The spaces only make two names of one.
-WRONG = {
+WRONG: dict[str, list[Any]] = {
     "channel_id": [RawBytesChannel, 0, None, "", STRANGER.bytes],
     "buffer": [IncomingMessage, 5, -1, None, NAN, "text"],
     "offset": [lambda value: IncomingMessage(b"", value), -1, None, NAN, "", 0.5],
