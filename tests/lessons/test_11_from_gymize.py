@@ -9,7 +9,7 @@ knew of, or that was found when it was read, is a test here or in another file o
 - a picture had four channels, and three in its shape: test_a_camera_sensor_sees_the_scene_upright
 - private members of base classes were not found: test_every_member_is_seen_as_its_attribute_says
 - observations began with a random sample, dicts were replaced whole, and what was handed out changed later:
-  test_observations_are_copies_and_begin_with_nothing, and test_11_merge.py
+  test_observations_are_copies_and_begin_with_nothing, and test_11_trees.py
 - dictionaries were touched by socket threads: here only Update touches a scene, and the player, in which the tests
   below run, throws if another thread does
 

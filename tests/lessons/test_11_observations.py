@@ -14,7 +14,7 @@ import zmq
 from kitlib.docs import guide
 from kitlib.setup import dotnet
 from tests.conftest import CLIENTS
-from tests.lessons.test_11_merge import same
+from tests.lessons.test_11_trees import same
 from tests.programs import LIMIT, ROOT, free_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")

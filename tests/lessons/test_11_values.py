@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import pytest
 import zmq
 
-from tests.lessons.test_11_merge import same
+from tests.lessons.test_11_trees import same
 from tests.programs import LIMIT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
