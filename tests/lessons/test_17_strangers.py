@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
-import socket
 import struct
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -15,9 +14,11 @@ import pytest
 import zmq
 
 from netmq_example import messages
+from netmq_example.fleet.board import MOST_LINES, MOST_ROWS, Board, rows_of
+from netmq_example.fleet.hub import Hub
 from tests.conftest import PYTHON
-from tests.lessons.test_17_many_machines import KEY
-from tests.programs import ROOT, free_port
+from tests.lessons.test_17_many_machines import KEY, NoSocket
+from tests.programs import ROOT, Program
 
 Array, Message = messages.Array, messages.Message
 # What a trainer with one area sends.
@@ -25,13 +26,16 @@ RESET = [Array("uint8", (1,), b"\1"), Array("int64", (1,), bytes(8))]
 ACTION = [Array("int64", (1,), bytes(8))]
 SEEN = Array("float32", (1,), bytes(4))
 STATE = Message("state", 0, {"reward": 1.0, "terminated": False, "truncated": False}, [SEEN])
+# A world of its own for each test: a hub brings together what has one name.
+WORLDS = itertools.count()
+SERVER = ROOT / "python" / KEY / "server.py"
 
 
 class Peer:
     """Whoever it wants to be, frame by frame."""
 
-    def __init__(self, socket, hub):
-        self.socket, self.asked = socket, 0
+    def __init__(self, socket, hub, world):
+        self.socket, self.world, self.asked = socket, world, 0
         socket.linger = 0
         socket.connect(hub)
 
@@ -51,27 +55,49 @@ class Peer:
     def answer(self, request, answer):
         self.say(answer.kind, answer.values, answer.arrays, request.id)
 
-    def hello(self, name="World", **values):
-        values = {"name": name, "dt": 0.02, "observation": "box", "action": "discrete", **values}
-        self.say("hello", values, [SEEN, SEEN, Array("int64", (), bytes(8))])
+    def hello(self, seen=SEEN, *answers):
+        values = {"name": self.world, "dt": 0.02, "observation": "box", "action": "discrete"}
+        self.say("hello", values, [seen, seen, Array("int64", (), bytes(8))])
+        if answers:
+            return self.hear(*answers)
         assert self.hear("welcome").values == {"silence": 3.0}
         return self
 
     def join(self, areas=1, wait=True):
-        self.say("join", {"name": "World", "areas": areas})
+        self.say("join", {"name": self.world, "areas": areas})
         if wait:
             self.hear("hello")
         return self
 
 
+def running(*words):
+    hub = Program([PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:0", *words])
+    try:
+        hub.endpoint = hub.wait_for(r"^listening on (\S+)")[1]
+        yield hub
+    finally:
+        hub.kill()
+
+
+@pytest.fixture(scope="module")
+def hub():
+    yield from running()
+
+
+@pytest.fixture(scope="module")
+def hasty():
+    """One that does not wait long for anything."""
+    yield from running("--timeout", "1", "--late", "0.3", "--idle", "0.3")
+
+
 @pytest.fixture
 def peer(context):
-    """peer(endpoint): a new one, connected."""
-    sockets = []
+    """peer(hub): a new one, connected."""
+    sockets, world = [], f"World {next(WORLDS)}"
 
-    def one(endpoint):
+    def one(hub):
         sockets.append(context.socket(zmq.DEALER))
-        return Peer(sockets[-1], endpoint)
+        return Peer(sockets[-1], hub.endpoint, world)
 
     yield one
     for each in sockets:
@@ -85,84 +111,154 @@ def picture(*arrays):
 NONSENSE = {
     "a reward in words": ("step", Message("state", 0, {"reward": "much"}, [SEEN])),
     "a reward that says NaN": ("step", Message("state", 0, {"reward": "nan"}, [SEEN])),
+    "another shape": ("reset", Message("state", 0, {}, [Array("float32", (3,), bytes(12))])),
+    "another type": ("reset", Message("state", 0, {}, [Array("int32", (1,), bytes(4))])),
     "a picture for a reset": ("reset", picture(SEEN)),
     "a kind of its own for a reset": ("reset", Message("fine")),
     "a picture of nothing": ("render", picture()),
     "two pictures": ("render", picture(SEEN, SEEN)),
+    "a state for a picture": ("render", STATE),
 }
 
 
 @pytest.mark.parametrize("what", NONSENSE)
-def test_whoever_answers_nonsense_is_let_go_and_the_hub_stays(what, serve, peer):
-    hub, endpoint = serve(KEY)
+def test_whoever_answers_nonsense_is_let_go_and_the_hub_stays(what, hub, peer):
     asked, nonsense = NONSENSE[what]
-    liar, trainer = peer(endpoint).hello(), peer(endpoint).join()
+    begin = len(hub.lines)
+    liar, trainer = peer(hub).hello(), peer(hub).join()
     trainer.say("reset", {}, RESET, 1)
     if asked != "reset":
         liar.answer(liar.hear("reset"), STATE)
         trainer.hear("state")
         trainer.say(asked, {}, ACTION if asked == "step" else (), 2)
     liar.answer(liar.hear(asked), nonsense)
-    hub.wait_for("^simulator 1 is gone: its answer is not what it has announced$")
-    honest = peer(endpoint).hello()
+    hub.wait_for(r"^simulator \d+ is gone: its answer is not what it has announced$", start=begin)
+    honest = peer(hub).hello()
     honest.answer(honest.hear("reset"), STATE)
     if asked != "reset":
         honest.answer(honest.hear(asked), picture(SEEN) if asked == "render" else STATE)
     assert trainer.hear("state", "picture", "error").kind == ("picture" if asked == "render" else "state")
 
 
-def test_a_hello_without_spaces_is_refused(serve, peer):
-    _, endpoint = serve(KEY)
-    stranger = peer(endpoint)
-    stranger.say("hello", {"name": "World", "dt": 0.02, "observation": "box", "action": "box"})
-    assert stranger.hear("welcome", "error").values["code"] == "no-spaces"
+def test_simulators_of_one_name_have_the_same_spaces_as_long_as_one_is_here(hub, peer):
+    stranger, begin = peer(hub), len(hub.lines)
+    for values, arrays, why in [
+        ({}, [], "no-spaces"),
+        ({"areas": 2}, [SEEN], "areas-here"),
+        ({"build": "2"}, [SEEN], "other-build"),
+    ]:
+        stranger.say("hello", {"name": stranger.world, **values}, arrays)
+        assert stranger.hear("welcome", "error").values["code"] == why
+    hub.wait_for("^refused: areas-here: a simulator of the hub is one world, and not many areas$", start=begin)
+    first, wider = peer(hub).hello(), Array("float32", (2,), bytes(8))
+    assert peer(hub).hello(wider, "error").values["code"] == "other-spaces"
+    first.socket.close()
+    hub.wait_for(r"^simulator \d+ is gone: its connection is$", start=begin)
+    # Nothing of them is kept once the hub has looked after that.
+    while peer(hub).hello(wider, "welcome", "error").kind == "error":
+        time.sleep(0.05)
 
 
-def test_a_simulator_of_many_areas_is_refused(serve, start, client_command):
-    hub, endpoint = serve(KEY)
-    areas = start(*client_command("python", "10_many_agents", endpoint, "--world", "CartPole", "--timeout", "5"))
-    hub.wait_for("^refused: areas-here: ")
-    assert areas.wait() == 1
-    assert "trouble: areas-here: a simulator of the hub is one world, and not many areas" in areas.lines
-
-
-def test_a_trainer_that_was_not_admitted_gets_no_simulator(serve, peer):
-    _, endpoint = serve(KEY)
-    simulator, hasty = peer(endpoint).hello(), peer(endpoint).join(2, wait=False)
-    hasty.say("reset", {}, [Array("uint8", (2,), b"\1\1"), Array("int64", (2,), bytes(16))], 1)
-    assert hasty.hear("error").values["code"] == "unknown-peer"
-    trainer = peer(endpoint).join()
+def test_a_trainer_that_was_not_admitted_gets_no_simulator(hub, peer):
+    simulator, early = peer(hub).hello(), peer(hub).join(2, wait=False)
+    early.say("reset", {}, [Array("uint8", (2,), b"\1\1"), Array("int64", (2,), bytes(16))], 1)
+    assert early.hear("error").values["code"] == "unknown-peer"
+    trainer = peer(hub).join()
     trainer.say("reset", {}, RESET, 1)
     simulator.answer(simulator.hear("reset"), STATE)
     trainer.hear("state")
 
 
-def test_a_trainer_that_has_closed_leaves_its_simulators_to_the_next_though_it_is_still_connected(serve, peer):
-    _, endpoint = serve(KEY)
-    peer(endpoint).hello()
-    first = peer(endpoint).join()
+def test_a_trainer_that_has_closed_or_died_leaves_its_simulators_to_the_next(hub, peer):
+    peer(hub).hello()
+    first = peer(hub).join()
     first.say("close", id=1)
     first.hear("closed")
-    peer(endpoint).join()
+    second = peer(hub).join()
+    second.say("reset", {}, RESET, 1)
+    second.socket.close()
+    peer(hub).join()
 
 
-def test_an_episode_waits_from_the_death_of_its_simulator_on(serve, peer):
-    hub, endpoint = serve(KEY, "--timeout", "1")
-    dying, trainer = peer(endpoint).hello(), peer(endpoint).join()
+WRONG_REQUESTS = [
+    ("step", ACTION, "no-episode"),
+    ("render", [], "no-episode"),
+    ("reset", RESET[:1], "no-mask"),
+    ("reset", [Array("uint8", (2,), b"\1\1"), RESET[1]], "no-mask"),
+    ("reset", [*RESET, SEEN, SEEN], "no-mask"),
+    ("jump", [], "unknown-kind"),
+    ("step", [], "wrong-areas"),
+    ("step", [Array("int64", (2,), bytes(16))], "wrong-areas"),
+]
+
+
+def test_what_a_trainer_cannot_ask_is_named_and_it_may_go_on(hub, peer):
+    simulator, trainer = peer(hub).hello(), peer(hub).join()
+    for number, (kind, arrays, code) in enumerate(WRONG_REQUESTS, 1):
+        trainer.say(kind, {}, arrays, number)
+        assert trainer.hear("error").values["code"] == code, kind
+    trainer.say("reset", {}, RESET, 20)
+    simulator.answer(simulator.hear("reset"), STATE)
+    trainer.hear("state")
+    for areas in (0, 1025):
+        greedy = peer(hub).join(areas, wait=False)
+        assert greedy.hear("error").values["code"] == "bad-areas"
+
+
+def test_what_is_asked_again_is_answered_again_and_done_once(hub, peer):
+    simulator, trainer = peer(hub).hello(), peer(hub).join()
     trainer.say("reset", {}, RESET, 1)
+    simulator.answer(simulator.hear("reset"), STATE)
+    first = trainer.hear("state")
+    trainer.asked = 0
+    trainer.say("reset", {}, RESET, 1)
+    assert trainer.hear("state").frames() == first.frames()
+    trainer.say("step", {}, ACTION, 2)
+    assert simulator.hear("reset", "step").kind == "step"
+
+
+def test_an_episode_waits_from_the_death_of_its_simulator_on(hasty, peer):
+    dying, trainer = peer(hasty).hello(), peer(hasty).join()
+    trainer.say("reset", {}, RESET, 1)
+    begin = len(hasty.lines)
     # It is asked again each half second: longer than the timeout for a simulator.
     for _ in range(4):
         assert messages.read(dying.socket.recv_multipart()).kind in ("welcome", "reset")
-    spare = peer(endpoint).hello()
+    spare = peer(hasty)
     dying.socket.close()
-    hub.wait_for("^simulator 1 is gone")
+    hasty.wait_for(r"^simulator \d+ is gone", start=begin)
+    spare.hello()
     spare.answer(spare.hear("reset"), STATE)
     assert trainer.hear("state", "error").kind == "state"
+    spare.socket.close()
+    trainer.say("step", {}, ACTION, 2)
+    why = "no simulator for an episode within 1 s: 0 are here, start more"
+    assert trainer.hear("state", "error").values == {"code": "no-simulator", "text": why}
 
 
-def test_a_spare_simulator_is_not_sent_home_while_a_trainer_may_need_it(serve, peer):
-    _, endpoint = serve(KEY, "--idle", "0.3")
-    trainer, spare = peer(endpoint).join(2, wait=False), peer(endpoint).hello()
+def test_what_a_straggler_is_late_with_is_asked_for_elsewhere(hasty, peer):
+    straggler, trainer = peer(hasty).hello(), peer(hasty).join()
+    trainer.say("reset", {}, RESET, 1)
+    late = straggler.hear("reset")
+    other = peer(hasty).hello()
+    other.answer(other.hear("reset"), STATE)
+    trainer.hear("state")
+    # It is free again once it has answered, too, and the other one has the episode.
+    straggler.answer(late, STATE)
+    trainer.say("step", {}, ACTION, 2)
+    other.answer(other.hear("step"), STATE)
+    trainer.hear("state")
+    hasty.wait_for(r"[1-9]\d* asked elsewhere$")
+    other.socket.close()
+    trainer.say("step", {}, ACTION, 3)
+    for kind in ("reset", "step", "step"):
+        straggler.answer(straggler.hear(kind), STATE)
+    trainer.hear("state")
+
+
+def test_a_spare_simulator_is_not_sent_home_while_a_trainer_may_need_it(hasty, peer):
+    trainer, spare = peer(hasty).join(2, wait=False), peer(hasty).hello()
+    assert trainer.hear("alive").values["taken"] == 0
     for _ in range(3):
         # Said once more each half second.
         spare.hear("welcome")
@@ -170,11 +266,10 @@ def test_a_spare_simulator_is_not_sent_home_while_a_trainer_may_need_it(serve, p
     spare.hear("close")
 
 
-def test_an_episode_that_ends_each_simulator_is_given_up(serve, peer):
-    _, endpoint = serve(KEY)
-    first, trainer = peer(endpoint).hello(), peer(endpoint).join()
+def test_an_episode_that_ends_each_simulator_is_given_up(hub, peer):
+    first, trainer = peer(hub).hello(), peer(hub).join()
     trainer.say("reset", {}, RESET, 1)
-    for victim in [first, *(peer(endpoint).hello() for _ in range(9))]:
+    for victim in [first, *(peer(hub).hello() for _ in range(9))]:
         victim.answer(victim.hear("reset"), Message("state"))
     error = trainer.hear("error")
     assert error.values == {
@@ -183,76 +278,80 @@ def test_an_episode_that_ends_each_simulator_is_given_up(serve, peer):
     }
 
 
-def test_a_simulator_that_goes_another_way_is_told_of(serve, peer):
-    hub, endpoint = serve(KEY)
-    first, trainer = peer(endpoint).hello(), peer(endpoint).join()
+def test_a_simulator_that_goes_another_way_is_told_of(hub, peer):
+    first, trainer = peer(hub).hello(), peer(hub).join()
     trainer.say("reset", {}, RESET, 1)
     first.answer(first.hear("reset"), STATE)
     trainer.hear("state")
     first.socket.close()
     trainer.say("step", {}, ACTION, 2)
-    other = peer(endpoint).hello()
+    begin, other = len(hub.lines), peer(hub).hello()
     other.answer(other.hear("reset"), Message("state", 0, {}, [Array("float32", (1,), b"abcd")]))
-    hub.wait_for("^simulator 2 goes another way than the one before it: use one build everywhere$")
+    hub.wait_for(r"^simulator \d+ goes another way than the one before it: use one build everywhere$", start=begin)
     other.answer(other.hear("step"), STATE)
     trainer.hear("state")
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="reads the memory of a process from /proc")
-def test_names_that_nobody_has_any_more_take_no_memory(serve, peer):
-    hub, endpoint = serve(KEY)
-
-    def memory():
-        return int(re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{hub.process.pid}/status").read_text())[1]) // 1024
-
-    before = memory()
-    for number in range(40):
-        stranger = peer(endpoint)
-        space = Array("uint8", (2**22,), bytes(2**22))
-        stranger.say("hello", {"name": f"World {number}", "observation": "box", "action": "box"}, 2 * [space])
-        stranger.hear("welcome")
-        stranger.socket.close()
-        hub.wait_for(f"^simulator {number + 1} is gone")
-    assert memory() < before + 150
+@pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="counts what is open in /proc")
+def test_simulators_that_join_and_leave_leave_nothing_behind(hub, peer):
+    folder, counts = Path(f"/proc/{hub.process.pid}/fd"), []
+    for times in (3, 30):
+        for _ in range(times):
+            begin, one = len(hub.lines), peer(hub).hello()
+            one.socket.close()
+        hub.wait_for(r"^simulator \d+ is gone: its connection is$", start=begin)
+        counts.append(sum("socket" in os.readlink(file) for file in folder.iterdir()))
+    assert counts[1] <= counts[0] + 5
 
 
-def test_a_flood_of_bad_messages_makes_no_flood_of_lines(serve, peer):
-    hub, endpoint = serve(KEY)
-    stranger = peer(endpoint)
-    for number in range(3000):
-        stranger.say("hello", {"name": "World", "build": f"other {number}"}, [SEEN])
-    hub.wait_for(r"^\d+ lines more$")
-    assert len(hub.lines) < 1500
+# How it is shown
 
 
-def test_keys_without_a_folder_let_nobody_in(start):
-    words = "--endpoint", "tcp://0.0.0.0:0", "--keys", ""
-    hub = start(PYTHON, ROOT / "python" / KEY / "server.py", *words)
-    assert hub.wait() in (1, 2), hub.output
-    assert "listening" not in hub.output
+def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(capsys):
+    board, hub = Board(), Hub(NoSocket())
+    for number in range(MOST_LINES + 7):
+        board.report(f"line {number}")
+        board.report(f"line {number}")
+    assert capsys.readouterr().out.splitlines() == [f"line {number}" for number in range(MOST_LINES)]
+    for changed in (False, True, False):
+        hub.count["begun anew"] += changed
+        board.show(hub)
+        assert capsys.readouterr().out == ""
+        board.shown -= 1.1
+        board.show(hub)
+        said = "0 simulators, 0 free, 0 trainers, 0 at work, 0 episodes, 1 begun anew, 0 asked elsewhere"
+        more, board.last_line = board.last_line and "7 lines more", ""
+        assert capsys.readouterr().out.splitlines() == [line for line in (more, said * changed) if line]
 
 
-def test_a_trainer_says_what_is_wrong_with_an_endpoint(start):
-    trainer = start(PYTHON, ROOT / "python" / KEY / "train.py", "--endpoint", "nonsense")
-    assert trainer.wait() == 2
-    assert trainer.lines[-1].endswith("bad endpoint 'nonsense': write it like tcp://127.0.0.1:5567")
+def test_the_table_has_a_row_for_each_of_the_first_simulators():
+    hub = Hub(Silent())
+    for number in range(MOST_ROWS + 2):
+        values = {"name": "World", "dt": 0.02, "observation": "box", "action": "discrete"}
+        hub.take(b"%d" % number, Message("hello", 0, values, [SEEN, SEEN]).frames())
+    *rows, last = rows_of(hub)
+    assert len(rows) == MOST_ROWS and last == "  and 2 more"
+    assert re.fullmatch(r"  simulator 1: 'World', free, heard \d+\.\d s ago", rows[0])
 
 
-# How it is shown, and found
+class Silent:
+    def send_multipart(self, frames, flags=0):
+        pass
 
 
 def test_the_table_is_not_wider_or_higher_than_its_terminal(peer):
     pty, fcntl, termios = (pytest.importorskip(name, reason="Unix has them") for name in ("pty", "fcntl", "termios"))
     ours, its = pty.openpty()
     fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("4H", 5, 30, 0, 0))
-    words = [PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:0"]
+    words = [PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:0"]
     environment = {name: text for name, text in os.environ.items() if name not in ("COLUMNS", "LINES")}
     with subprocess.Popen(words, stdout=its, env=environment) as hub, open(ours, "rb", 0) as terminal:
         try:
             shown = ""
             while not (found := re.search(r"listening on (\S+)\r\n", shown)):
                 shown += terminal.read(1000).decode()
-            fleet = [peer(found[1]).hello() for _ in range(8)]
+            hub.endpoint = found[1]
+            fleet = [peer(hub).hello() for _ in range(8)]
             # What stands between two signs that take the table off is the table.
             while not (tables := [part for part in shown.split("\x1b[J")[1:-1] if "8 simulators" in part]):
                 shown += terminal.read(1000).decode()
@@ -260,19 +359,3 @@ def test_the_table_is_not_wider_or_higher_than_its_terminal(peer):
             hub.kill()
     rows = tables[0].partition("\x1b")[0].splitlines()
     assert fleet and len(rows) == 4 and max(map(len, rows)) == 29, rows
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_beacon_with_a_port_that_is_none_is_passed_over(kind, start, client_command):
-    port = free_port()
-    command = client_command(kind, KEY, "nowhere", "--find", str(port), "--timeout", "2")
-    at = command.index("--endpoint")
-    del command[at : at + 2]
-    client = start(*command)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        while client.process.poll() is None:
-            for told in (b"NMQX1 99999 -", b"NMQX1 0 -", b"NMQX1 5567", bytes(100)):
-                stranger.sendto(told, ("127.0.0.1", port))
-            time.sleep(0.05)
-    assert client.wait() == 1
-    assert client.lines[-1].startswith(f"gave up: no hub was heard on UDP port {port} within 2 s"), client.output
