@@ -9,6 +9,7 @@ import struct
 import subprocess
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import zmq
@@ -70,8 +71,12 @@ class Peer:
         return self
 
 
+class Listening(Program):
+    endpoint = ""
+
+
 def running(*words):
-    hub = Program([PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:0", *words])
+    hub = Listening([PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:0", *words])
     try:
         hub.endpoint = hub.wait_for(r"^listening on (\S+)")[1]
         yield hub
@@ -350,8 +355,7 @@ def test_the_table_is_not_wider_or_higher_than_its_terminal(peer):
             shown = ""
             while not (found := re.search(r"listening on (\S+)\r\n", shown)):
                 shown += terminal.read(1000).decode()
-            hub.endpoint = found[1]
-            fleet = [peer(hub).hello() for _ in range(8)]
+            fleet = [peer(SimpleNamespace(endpoint=found[1])).hello() for _ in range(8)]
             # What stands between two signs that take the table off is the table.
             while not (tables := [part for part in shown.split("\x1b[J")[1:-1] if "8 simulators" in part]):
                 shown += terminal.read(1000).decode()
