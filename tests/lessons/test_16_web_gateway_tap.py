@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import json
 import re
 import socket
@@ -16,11 +17,11 @@ import pytest
 import zmq
 
 from tests.conftest import PYTHON
-from tests.programs import ROOT, free_port
+from tests.programs import LIMIT, ROOT, free_port, python_runs
 
 LESSON = ROOT / "python" / "16_web_gateway"
 aiohttp = pytest.importorskip("aiohttp", reason="the tap needs aiohttp: pip install aiohttp")
-from netmq_example.tap.arrows import MOST_ARROWS, MOST_BYTES, Arrows  # noqa: E402
+from netmq_example.tap.arrows import BEGIN, END, MOST_ARROWS, MOST_BYTES, Arrows  # noqa: E402
 from netmq_example.tap.page import Page  # noqa: E402
 from netmq_example.tap.passing import Link, Trouble  # noqa: E402
 from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket_type, take  # noqa: E402
@@ -30,9 +31,8 @@ from netmq_example.tap.zmtp import GREETING, NotZeroMQ, Piece, mechanism, socket
 def tap(start, tmp_path):
     """tap(endpoint, "--drop", "3") stands in front of a server: (program, the client's endpoint, the page)."""
 
-    def tap(*words, program=(LESSON / "tap.py",)):
-        command = [PYTHON, *program, "--endpoint", "tcp://127.0.0.1:0", *words]
-        program = start(*command, folder=tmp_path, PYTHONPATH=str(LESSON))
+    def tap(*words):
+        program = start(PYTHON, LESSON / "tap.py", "--endpoint", "tcp://127.0.0.1:0", *words, folder=tmp_path)
         endpoint = program.wait_for(r"^listening on (\S+)")[1]
         return program, endpoint, program.wait_for(r"^page at (\S+)/")[1]
 
@@ -48,71 +48,116 @@ def arrow(page, number):
     return {**told, "frames": [b64decode(data) for _, data in told["frames"]]}
 
 
-def test_a_page_that_is_slow_to_answer_is_kept(tap):
-    """It draws for seconds, or the browser has put it to sleep: the tap has not ended, and must not seem so."""
-
-    async def look(page):
-        async with aiohttp.ClientSession() as session, session.ws_connect(f"{page}/live", autoping=False) as live:
-            asleep = time.monotonic() + 9
-            while time.monotonic() < asleep:
-                kind = (await live.receive(timeout=20)).type
-                assert kind in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.PING), kind
-
-    asyncio.run(look(tap("tcp://127.0.0.1:1")[2]))
-
-
-# Strictly in turn; retries on new sockets; topics; one connection for all; pictures; two endpoints; the server asks.
-@pytest.mark.parametrize(
-    ("key", "client", "words"),
-    [
-        ("01_request_reply", "csharp", "--count 3"),
-        ("02_lazy_pirate", "unity", "--count 3"),
-        ("03_publish_subscribe", "csharp", "--count 3"),
-        ("06_many_in_flight", "csharp", ""),
-        ("07_catch_up", "python", "--count 3"),
-        ("08_see_and_steer", "python", "--count 3 --lockstep"),
-    ],
-)
-def test_a_lesson_runs_through_it_unchanged(key, client, words, serve, tap, client_command, start, tmp_path):
+# Two endpoints and topics; one connection for all.
+@pytest.mark.parametrize(("key", "words"), [("06_many_in_flight", ""), ("07_catch_up", "--count 3")])
+def test_a_lesson_runs_through_it_unchanged(key, words, serve, tap, client_command, start, tmp_path):
     server, endpoint = serve(key)
     others = {name: address for name, address in server.endpoints().items() if name != "endpoint"}
     program, endpoint, page = tap(*(f"{name}={address}" for name, address in others.items()), endpoint)
     for name in others:
         words += f" --{name} {program.endpoints()[name]}"
     # A second try would be for a message that the tap has lost, and for nothing else.
-    client = start(*client_command(client, key, endpoint, *words.split(), "--timeout", "20"), folder=tmp_path)
+    client = start(*client_command("csharp", key, endpoint, *words.split(), "--timeout", "20"), folder=tmp_path)
     assert client.wait() == 0, client.output
     assert client.lines[-1].startswith("done: ") and "try 2" not in client.output
     assert arrow(page, 1)["text"].startswith("opened: ")
     assert program.lines[-1] == f"listening on {endpoint}"
 
 
-@pytest.mark.parametrize(
-    ("fate", "client"),
-    [("drop", "csharp"), ("drop", "python"), ("cut", "csharp"), ("double", "python"), ("delay", "python")],
-)
-def test_trouble_is_what_lesson_02_is_made_for(fate, client, serve, tap, client_command, start, tmp_path):
-    """Message 3 is the second request: 1 is added all the same, and once."""
-    server, endpoint = serve("02_lazy_pirate")
-    # The first request, which a busy machine may take long for, must need one try only; what is late comes after that.
-    late = "import time; sleep = time.sleep; time.sleep = lambda seconds: sleep(7 * seconds); import tap; tap.main()"
-    program = ["-c", late] if fate == "delay" else [LESSON / "tap.py"]
-    _, endpoint, page = tap(endpoint, f"--{fate}", "3", program=program)
-    words = client_command(client, "02_lazy_pirate", endpoint, "--count", "3", "--timeout", "3")
+def test_trouble_is_what_lesson_02_is_made_for(serve, tap, client_command, start, tmp_path):
+    """Message 3 is the second request, and 6 the third: 1 is added all the same, and once."""
+    _, endpoint = serve("02_lazy_pirate")
+    tapping, endpoint, page = tap(endpoint, "--drop", "3", "--cut", "6", "--record", "seen.html")
+    # The first request, which a busy machine may take long for, must need one try only.
+    words = client_command("csharp", "02_lazy_pirate", endpoint, "--count", "4", "--timeout", "4")
     asking = start(*words, folder=tmp_path)
     assert asking.wait() == 0, asking.output
-    assert "3: sent add 1, received 3" in asking.lines
-    assert ("2: no reply within 3 s; try 2 of 5" in asking.lines) == (fate != "double")
-    assert arrow(page, 4)["text"] == fate
-    # What was only late or came twice reaches the server, which knows it.
-    server.wait_for("from the journal") if fate in ("double", "delay") else None
+    assert "4: sent add 1, received 4" in asking.lines
+    assert [line for line in asking.lines if "no reply" in line] == [
+        "2: no reply within 4 s; try 2 of 5",
+        "3: no reply within 4 s; try 2 of 5",
+    ]
+    assert arrow(page, 4)["text"] == "drop"
+    with pytest.raises(urllib.error.HTTPError, match="404"):
+        arrow(page, 10**9)
+    assert tapping.stop() == 0
+    assert BEGIN + END not in (tmp_path / "seen.html").read_text(encoding="utf-8")
 
 
-def test_identities_and_subscriptions_stay_the_clients_own(context, tap):
-    with context.socket(zmq.ROUTER) as router, context.socket(zmq.DEALER) as dealer:
-        router.linger = dealer.linger = 0
-        router.rcvtimeo = dealer.rcvtimeo = 20_000
-        _, endpoint, page = tap(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}")
+@pytest.fixture
+def line():
+    """line(server, {3: "drop"}): a tap in this process: an endpoint for clients, and the arrows."""
+    listeners = []
+
+    def line(server, planned=None, slow=0):
+        arrows, trouble = Arrows(), Trouble(planned or {}, slow=slow)
+        listener = socket.create_server(("127.0.0.1", 0))
+        listeners.append(listener)
+        host, port = server.removeprefix("tcp://").split(":")
+
+        def accept():
+            with contextlib.suppress(OSError):
+                for number in itertools.count(1):
+                    run = Link(number, arrows, trouble).run
+                    threading.Thread(target=run, args=(listener.accept()[0], host, int(port)), daemon=True).start()
+
+        threading.Thread(target=accept, daemon=True).start()
+        return f"tcp://127.0.0.1:{listener.getsockname()[1]}", arrows
+
+    yield line
+    for each in listeners:
+        with contextlib.suppress(OSError):
+            each.shutdown(socket.SHUT_RDWR)
+        each.close()
+
+
+def until(arrows, text):
+    """The first arrow with this text, once it is there."""
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end:
+        for each in arrows.after(0, 100):
+            if each.text.startswith(text):
+                return each
+        time.sleep(0.01)
+    raise AssertionError(f"never {text!r}: {[each.text for each in arrows.after(0, 100)]}")
+
+
+def pair(context, line, kinds, **how):
+    """Two sockets with a tap between them: (behind it, in front of it, the arrows)."""
+    behind, front = (context.socket(kind) for kind in kinds)
+    for each in (behind, front):
+        each.linger, each.rcvtimeo = 0, 100_000
+    endpoint, arrows = line(f"tcp://127.0.0.1:{behind.bind_to_random_port('tcp://127.0.0.1')}", **how)
+    return behind, front, endpoint, arrows
+
+
+@pytest.mark.parametrize(
+    ("fate", "seen"), [("drop", b"13"), ("cut", b"13"), ("double", b"1223"), ("delay", b"123"), ("slow", b"123")]
+)
+def test_what_trouble_makes_of_the_second_message(fate, seen, context, line):
+    how = {"slow": 0.3} if fate == "slow" else {"planned": {2: fate}}
+    pull, push, endpoint, arrows = pair(context, line, (zmq.PULL, zmq.PUSH), **how)
+    with pull, push:
+        push.connect(endpoint)
+        push.send(b"1")
+        assert pull.recv() == b"1"
+        begin = time.monotonic()
+        push.send(b"2")
+        if fate == "cut":
+            until(arrows, "closed")
+        push.send(b"3")
+        found = b"1"
+        while not found.endswith(b"3"):
+            found += pull.recv()
+        assert found == seen
+        assert time.monotonic() - begin > {"slow": 0.59, "delay": 0.99}.get(fate, 0)
+    if fate != "slow":
+        assert until(arrows, fate).piece.frames == [b"2"]
+
+
+def test_identities_and_subscriptions_stay_the_clients_own(context, line):
+    router, dealer, endpoint, arrows = pair(context, line, (zmq.ROUTER, zmq.DEALER))
+    with router, dealer:
         dealer.setsockopt(zmq.IDENTITY, b"me")
         # Longer than one read of the tap, and with frames of all sizes.
         sent = [b"", b"x" * 255, b"y" * 256, bytes(range(256)) * 2000]
@@ -121,113 +166,125 @@ def test_identities_and_subscriptions_stay_the_clients_own(context, tap):
         assert router.recv_multipart() == [b"me", *sent]
         router.send_multipart([b"me", b"answer"])
         assert dealer.recv_multipart() == [b"answer"]
-    assert arrow(page, 1)["text"] == "opened: DEALER to ROUTER"
-    assert arrow(page, 2)["frames"] == sent and arrow(page, 2)["way"] == "up"
-    assert arrow(page, 3)["frames"] == [b"answer"] and arrow(page, 3)["way"] == "down"
+    opening, up, down = arrows.after(0, 3)
+    assert opening.text == "opened: DEALER to ROUTER"
+    assert (up.piece.frames, up.way) == (sent, "up") and (down.piece.frames, down.way) == ([b"answer"], "down")
+    publisher, listener, endpoint, arrows = pair(context, line, (zmq.XPUB, zmq.SUB))
+    with publisher, listener:
+        listener.subscribe(b"a")
+        listener.connect(endpoint)
+        assert publisher.recv() == b"\1a"
+        publisher.send(b"b1")
+        publisher.send(b"a2")
+        assert listener.recv() == b"a2"
+        assert [each.piece.frames for each in arrows.after(0, 10) if each.way == "down"] == [[b"a2"]]
 
 
 @pytest.mark.skipif(not zmq.has("curve"), reason="this libzmq has no CURVE")
-def test_what_is_encrypted_stays_so(context, tap):
+def test_what_is_encrypted_stays_so(context, line):
     with context.socket(zmq.REP) as replier, context.socket(zmq.REQ) as asker:
         public, secret = zmq.curve_keypair()
         replier.linger = asker.linger = 0
-        replier.rcvtimeo = asker.rcvtimeo = 20_000
+        replier.rcvtimeo = 100_000
         replier.curve_secretkey, replier.curve_server = secret, True
-        _, endpoint, page = tap(f"tcp://127.0.0.1:{replier.bind_to_random_port('tcp://127.0.0.1')}")
+        endpoint, arrows = line(f"tcp://127.0.0.1:{replier.bind_to_random_port('tcp://127.0.0.1')}")
         asker.curve_publickey, asker.curve_secretkey = zmq.curve_keypair()
         asker.curve_serverkey = public
         asker.connect(endpoint)
         asker.send(b"a secret")
         assert replier.recv() == b"a secret"
-    assert arrow(page, 1)["text"] == "opened: CURVE"
-    seen = []
-    with contextlib.suppress(urllib.error.HTTPError):
-        while True:
-            seen.append(arrow(page, len(seen) + 1))
-    assert not [each for each in seen if b"secret" in b"".join(each["frames"])]
-    assert [each for each in seen if each["frames"] and each["frames"][-1].startswith(b"\x07MESSAGE")]
+    first, *seen = arrows.after(0, 100)
+    assert first.text == "opened: CURVE"
+    seen = [each.piece for each in seen if each.piece]
+    assert not [each for each in seen if b"secret" in each.raw]
+    assert [each for each in seen if each.frames[-1].startswith(b"\x07MESSAGE")]
 
 
-def test_heartbeats_pass_byte_by_byte_and_make_no_arrow(tap):
+def test_heartbeats_pass_byte_by_byte_and_make_no_arrow(line):
     """Between two sockets of this test, which see the very bytes: a greeting, commands, a message."""
     said = b"\xff" + bytes(8) + b"\x7f\x03\x01NULL".ljust(GREETING - 9, b"\0")
     said += (
         b"\x04\x19\x05READY\x0bSocket-Type\0\0\0\x03REQ" + b"\x04\x07\x04PING\0\x0a" + frame(b"", 1) + frame(b"Hello")
     )
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        _, endpoint, page = tap(f"tcp://127.0.0.1:{listener.getsockname()[1]}")
-        listener.settimeout(20)
+        endpoint, arrows = line(f"tcp://127.0.0.1:{listener.getsockname()[1]}")
+        listener.settimeout(LIMIT)
         with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as client:
             behind, _ = listener.accept()
             with behind:
-                behind.settimeout(20)
+                behind.settimeout(LIMIT)
                 client.sendall(said)
                 seen = b""
                 while len(seen) < len(said):
                     seen += behind.recv(len(said))
-    assert seen == said
-    assert arrow(page, 1)["frames"] == [b"", b"Hello"]
-
-
-def test_where_no_server_is_the_client_is_told_what_it_always_is(tap, client_command, start, tmp_path):
-    port = free_port()
-    program, endpoint, page = tap(f"tcp://127.0.0.1:{port}")
-    words = ["--count", "1", "--tries", "2", "--timeout", "0.2"]
-    client = start(*client_command("python", "02_lazy_pirate", endpoint, *words), folder=tmp_path)
-    assert client.wait() == 1 and "gave up: 2 tries" in client.output
-    assert arrow(page, 1)["text"] == f"no server at 127.0.0.1:{port}"
-    assert program.process.poll() is None
-
-
-@pytest.mark.parametrize("what", [b"GET / HTTP/1.1\r\n" + b"x" * 100, b"\xff" + bytes(8) + b"\x7f\x01" + bytes(90)])
-def test_what_is_no_zeromq_is_let_go_and_said(what, serve, tap):
-    _, endpoint = serve("01_request_reply")
-    _, endpoint, page = tap(endpoint)
-    with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as stranger:
-        stranger.settimeout(20)
-        with contextlib.suppress(ConnectionError):
-            stranger.sendall(what)
-            while stranger.recv(4096):
-                pass
-    assert arrow(page, 1)["text"].startswith("closed by the tap: this is no ZeroMQ")
+                # One side may stop to speak, and still hear the other.
+                client.shutdown(socket.SHUT_WR)
+                assert behind.recv(1) == b""
+                behind.sendall(said[:GREETING])
+                assert client.recv(GREETING) == said[:GREETING]
+        assert seen == said
+        assert arrows.find(1).piece.frames == [b"", b"Hello"]
+        until(arrows, "closed")
 
 
 @pytest.mark.parametrize(
-    "headers", [{"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "http://127.0.0.1:1"}]
+    "what", [b"GET / HTTP/1.1\r\n" + b"x" * 100, b"\xff" + bytes(8) + b"\x7f\x01" + bytes(90), b""]
 )
-def test_another_web_page_gets_nothing(headers, tap):
+def test_what_is_no_zeromq_or_has_no_server_is_let_go_and_said(what, line):
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        server = f"127.0.0.1:{listener.getsockname()[1] if what else free_port()}"
+        endpoint, arrows = line(f"tcp://{server}")
+        with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as stranger:
+            stranger.settimeout(LIMIT)
+            with contextlib.suppress(ConnectionError):
+                stranger.sendall(what)
+                while stranger.recv(4096):
+                    pass
+    until(arrows, "closed by the tap: this is no ZeroMQ" if what else f"no server at {server}")
+
+
+def test_another_web_page_gets_nothing_and_a_slow_one_is_kept(tap):
+    """It draws for seconds, or the browser has put it to sleep: the tap has not ended, and must not seem so."""
     _, _, page = tap(f"tcp://127.0.0.1:{free_port()}")
-    for path in ("", "live", "arrow/1", "recording.html"):
-        with pytest.raises(urllib.error.HTTPError) as refused:
-            urllib.request.urlopen(urllib.request.Request(f"{page}/{path}", headers=headers), timeout=20)
-        assert refused.value.code == 403
+    for headers in {"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "http://127.0.0.1:1"}:
+        for path in ("", "live", "arrow/1", "recording.html"):
+            with pytest.raises(urllib.error.HTTPError) as refused:
+                urllib.request.urlopen(urllib.request.Request(f"{page}/{path}", headers=headers), timeout=20)
+            assert refused.value.code == 403
+
+    async def look(page):
+        async with aiohttp.ClientSession() as session, session.ws_connect(f"{page}/live", autoping=False) as live:
+            asleep = time.monotonic() + 9
+            while time.monotonic() < asleep:
+                kind = (await live.receive(timeout=20)).type
+                assert kind in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.PING), kind
+
+    asyncio.run(look(page))
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["tcp://127.0.0.1:99999"], "bad endpoint 'tcp://127.0.0.1:99999': write it like tcp://127.0.0.1:5552"),
-        (["ipc://x"], "bad endpoint 'ipc://x'"),
-        (["tcp://127.0.0.1:1", "--endpoint", "tcp://0.0.0.0:0"], ": the tap listens on this machine only"),
-        (["tcp://127.0.0.1:1", "--page", "70000"], "--page: it takes a whole number from 0 to 65535, not 70000"),
-        (["tcp://127.0.0.1:1", "--slow", "nan"], "--slow: it takes seconds, 0 or more and at most a day, not nan"),
-        (["x=tcp://127.0.0.1:1"], "one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots="),
-        (["tcp://127.0.0.1:1", "--record", "no/where.html"], "cannot write 'no/where.html': "),
-        ([], "the following arguments are required: SERVER"),
-    ],
-)
-def test_wrong_words_are_named(words, said, start):
-    program = start(PYTHON, LESSON / "tap.py", *words)
-    assert program.wait() == 2
-    assert said in program.lines[-1]
-
-
-def test_a_taken_port_is_named_with_its_cure(start):
+def test_wrong_words_and_a_taken_port_are_named():
+    server = "tcp://127.0.0.1:1"
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        program = start(PYTHON, LESSON / "tap.py", "tcp://127.0.0.1:1", "--endpoint", f"tcp://127.0.0.1:{port}")
-        assert program.wait() == 1
-    assert re.match(rf"cannot listen on 127.0.0.1:{port}: .+; try port 0, which takes a free one", program.lines[-1])
+        table = [
+            ("tcp://127.0.0.1:99999", "bad endpoint 'tcp://127.0.0.1:99999': write it like tcp://127.0.0.1:5552"),
+            ("ipc://x", "bad endpoint 'ipc://x'"),
+            (f"{server} --endpoint tcp://0.0.0.0:0", ": the tap listens on this machine only"),
+            (f"{server} --endpoint tcp://127.0.0.1:65536", ": the tap listens on this machine only"),
+            (f"{server} --page 70000", "--page: it takes a whole number from 0 to 65535, not 70000"),
+            (f"{server} --slow nan", "--slow: it takes seconds, 0 or more and at most a day, not nan"),
+            (f"{server} --slow 60", "--slow: it takes seconds, less than 60, not '60'"),
+            (f"{server} --drop 0", "--drop"),
+            (f"x={server}", "one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots="),
+            (f"x-y={server}", "bad name 'x-y': write it like snapshots="),
+            (f"{server} --record no/where.html", "cannot write 'no/where.html': "),
+            ("", "the following arguments are required: SERVER"),
+            (f"{server} --endpoint tcp://127.0.0.1:{port}", "; try port 0, which takes a free one"),
+        ]
+        found = python_runs(LESSON / "tap.py", [words.split() for words, _ in table])
+    for (words, said), run in zip(table, found, strict=True):
+        assert said in run.lines[-1] and run.code == (1 if str(port) in words else 2), (words, run)
+    assert re.match(rf"cannot listen on 127.0.0.1:{port}: ", found[-1].lines[-1])
 
 
 # ---- Its parts ----
