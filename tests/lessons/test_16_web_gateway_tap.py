@@ -84,16 +84,11 @@ def test_trouble_is_what_lesson_02_is_made_for(serve, tap, client_command, start
     assert BEGIN + END not in (tmp_path / "seen.html").read_text(encoding="utf-8")
 
 
-@pytest.fixture
-def line():
-    """line(server, {3: "drop"}): a tap in this process: an endpoint for clients, and the arrows."""
-    listeners = []
-
-    def line(server, planned=None, slow=0):
-        arrows, trouble = Arrows(), Trouble(planned or {}, slow=slow)
-        listener = socket.create_server(("127.0.0.1", 0))
-        listeners.append(listener)
-        host, port = server.removeprefix("tcp://").split(":")
+@contextlib.contextmanager
+def tapped(server, arrows, trouble):
+    """A tap in this process: its endpoint for clients."""
+    host, port = server.removeprefix("tcp://").split(":")
+    with socket.create_server(("127.0.0.1", 0)) as listener:
 
         def accept():
             with contextlib.suppress(OSError):
@@ -102,13 +97,21 @@ def line():
                     threading.Thread(target=run, args=(listener.accept()[0], host, int(port)), daemon=True).start()
 
         threading.Thread(target=accept, daemon=True).start()
-        return f"tcp://127.0.0.1:{listener.getsockname()[1]}", arrows
-
-    yield line
-    for each in listeners:
+        yield f"tcp://127.0.0.1:{listener.getsockname()[1]}"
         with contextlib.suppress(OSError):
-            each.shutdown(socket.SHUT_RDWR)
-        each.close()
+            listener.shutdown(socket.SHUT_RDWR)
+
+
+@pytest.fixture
+def line():
+    """line(server, {3: "drop"}): a tap in this process: an endpoint for clients, and the arrows."""
+    with contextlib.ExitStack() as taps:
+
+        def line(server, planned=None, slow=0):
+            arrows = Arrows()
+            return taps.enter_context(tapped(server, arrows, Trouble(planned or {}, slow=slow))), arrows
+
+        yield line
 
 
 def until(arrows, text):

@@ -12,15 +12,19 @@ import json
 import re
 import shutil
 import subprocess
-import time
 
 import pytest
 import zmq
 
+from kitlib.lessons import Lesson
 from kitlib.setup import dotnet
 from tests.bad_peers import web_server
-from tests.programs import PATIENT, ROOT
+from tests.conftest import PYTHON
+from tests.lessons.test_16_web_gateway import opened
+from tests.programs import PATIENT, ROOT, Program
 
+# One browser for all.
+pytestmark = pytest.mark.xdist_group("chromium")
 KEY = "16_web_gateway"
 POSE = "document.querySelector('#pose').innerText"
 NEWEST = "document.querySelector('#replies li')?.innerText"
@@ -42,17 +46,47 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-@pytest.fixture
-def elsewhere(tmp_path):
-    """A web server of a stranger: its address, and its folder."""
-    with web_server(functools.partial(Quiet, directory=tmp_path)) as port:
-        (tmp_path / "index.html").write_text("<!doctype html><title>a stranger's page</title>")
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory):
+    """A web server of a stranger: its address."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    with web_server(functools.partial(Quiet, directory=folder)) as port:
+        (folder / "index.html").write_text("<!doctype html><title>a stranger's page</title>")
         yield f"http://127.0.0.1:{port}"
 
 
-def test_the_page_asks_and_listens(serve, open_page):
-    _, endpoint = serve(KEY)
-    page = open_page(endpoint)
+@pytest.fixture(scope="module")
+def camera():
+    """A publisher of pictures, and where it is."""
+    with zmq.Context() as context, context.socket(zmq.PUB) as publisher:
+        publisher.linger = 0
+        yield publisher, f"tcp://127.0.0.1:{publisher.bind_to_random_port('tcp://127.0.0.1')}"
+
+
+@pytest.fixture(scope="module")
+def behind(camera):
+    """The words for a gateway in front of a server of each lesson."""
+    words, programs = ["--pictures", camera[1]], []
+    try:
+        for name, key in Lesson(KEY).behind:
+            programs.append(
+                Program([PYTHON, ROOT / "python" / key.key / "server.py", "--endpoint", "tcp://127.0.0.1:0"])
+            )
+            words += [name, programs[-1].wait_for(r"^listening on (\S+)")[1]]
+        yield words
+    finally:
+        for program in programs:
+            program.kill()
+
+
+@pytest.fixture(scope="module")
+def gateway(behind):
+    with opened(*behind) as (_, endpoint):
+        yield endpoint
+
+
+def test_the_page_asks_and_listens(gateway, open_page):
+    page = open_page(gateway)
     page.wait_for(f"{state('hello')} === 'connected'")
     say(page, "hello", "Hello")
     page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
@@ -64,68 +98,29 @@ def test_the_page_asks_and_listens(serve, open_page):
     page.wait_for(f"{POSE} !== {json.dumps(first)}")
     drawn = "document.querySelector('#cube').getContext('2d').getImageData(0, 0, 320, 200).data.some(value => value)"
     assert page.evaluate(drawn)
-    # Nobody publishes pictures.
-    page.wait_for(f"{state('pictures')}.includes('nothing new')")
     assert page.errors == [] and page.said == []
 
 
-def test_the_page_shows_pictures_in_their_own_colours(serve, open_page, tmp_path):
+def test_the_page_shows_pictures_in_their_own_colours(gateway, camera, open_page, tmp_path):
     """Those of lesson 08's bridge to LeRobot, in which red and blue have changed places."""
     image = pytest.importorskip("PIL.Image", reason="lesson 08's pictures need Pillow: pip install pillow")
     image.new("RGB", (64, 48), (0, 0, 255)).save(tmp_path / "red.jpg")
     text = json.dumps({"images": {"center": base64.b64encode((tmp_path / "red.jpg").read_bytes()).decode()}})
-    with zmq.Context() as context, context.socket(zmq.PUB) as camera:
-        camera.linger = 0
-        port = camera.bind_to_random_port("tcp://127.0.0.1")
-        page = open_page(serve(KEY, "--pictures", f"tcp://127.0.0.1:{port}")[1])
-        seen = "document.querySelector('#picture').naturalWidth"
-        while page.evaluate(seen) != 64:
-            camera.send_string(text)
-        assert "feColorMatrix" in page.evaluate("document.querySelector('#red-and-blue').innerHTML")
-        page.evaluate("document.querySelector('#picture').scrollIntoView()")
-        page.picture(tmp_path / "page.png")
+    page = open_page(gateway)
+    seen = "document.querySelector('#picture').naturalWidth"
+    while page.evaluate(seen) != 64:
+        camera[0].send_string(text)
+    assert "feColorMatrix" in page.evaluate("document.querySelector('#red-and-blue').innerHTML")
+    page.evaluate("document.querySelector('#picture').scrollIntoView()")
+    page.picture(tmp_path / "page.png")
     colours = image.open(tmp_path / "page.png").convert("RGB").getcolors(1 << 24)
     red = sum(count for count, (r, g, b) in colours if r > 200 and g < 60 and b < 60)
     assert red > 10_000, "no red picture on the page"
 
 
-def test_a_gateway_that_is_killed(serve, open_page):
-    gateway, endpoint = serve(KEY)
-    page = open_page(endpoint)
-    page.wait_for(f"{state('hello')} === 'connected' && {POSE}")
-    gateway.kill()
-    for name in ("hello", "poses"):
-        page.wait_for(f"{state(name)} === 'the gateway is away; trying again'")
-    say(page, "hello", "Hello")
-    before = page.text("#pose")
-    serve(KEY, endpoint=endpoint)
-    back = time.monotonic()
-    page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
-    # Two seconds are the goal; on a busy machine the time is only printed.
-    print(f"{time.monotonic() - back:.2f} s after the gateway was back the page goes on")
-    page.wait_for(f"{POSE} !== {json.dumps(before)} && {state('poses')} === 'connected'")
-    assert page.errors == []
-
-
-def test_a_server_that_is_killed(serve, open_page):
-    server, behind = serve("01_request_reply")
-    page = open_page(serve(KEY, "--hello", behind)[1])
-    page.wait_for(f"{state('hello')} === 'connected'")
-    server.kill()
-    say(page, "hello", "Hello")
-    page.wait_for(f"{state('hello')} === 'no reply from {behind} within 1 s; is the server running?'")
-    # Who asks the others does not wait for it.
-    say(page, "background", "hello")
-    page.wait_for(f"{NEWEST} === 'sent hello, received world'")
-    serve("01_request_reply", endpoint=behind)
-    back = time.monotonic()
-    page.wait_for(f"{NEWEST} === 'sent Hello, received World' && {state('hello')} === 'connected'")
-    print(f"{time.monotonic() - back:.2f} s after the server was back the page goes on")
-
-
 @pytest.mark.parametrize("dark", [False, True])
-def test_the_page_on_a_phone_and_by_keyboard(dark, serve, open_page):
-    page = open_page(serve(KEY)[1], width=390, dark=dark)
+def test_the_page_on_a_phone_and_by_keyboard(dark, gateway, open_page):
+    page = open_page(gateway, width=390, dark=dark)
     page.wait_for(f"{state('hello')} === 'connected'")
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     for field in ("hello-text", None, "background-text", None, "replies"):
@@ -140,23 +135,46 @@ def test_the_page_on_a_phone_and_by_keyboard(dark, serve, open_page):
     assert colours == ["rgb(255, 255, 255)" if dark else "rgb(0, 0, 0)", "light dark"]
 
 
-def test_the_page_with_a_token(serve, open_page):
-    _, endpoint = serve(KEY, "--token", "grün & 7")
+def test_a_server_and_a_gateway_that_are_killed_and_a_page_from_elsewhere_that_may_come_in(
+    serve, behind, open_page, elsewhere
+):
+    server, hello = serve("01_request_reply")
+    words = [*behind, "--hello", hello, "--origin", elsewhere]
+    gateway, endpoint = serve(KEY, *words)
     page = open_page(endpoint)
-    page.wait_for(f"{state('hello')}.startsWith('the token is missing or wrong')")
-    page.go(f"{endpoint}/?token=gr%C3%BCn%20%26%207")
-    page.wait_for(f"{state('hello')} === 'connected'")
+    page.wait_for(f"{state('hello')} === 'connected' && {POSE}")
+    server.kill()
     say(page, "hello", "Hello")
-    page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
+    page.wait_for(f"{state('hello')} === 'no reply from {hello} within 1 s; is the server running?'")
+    # Whoever asks the others does not wait for it. Nobody publishes pictures.
+    say(page, "background", "hello")
+    page.wait_for(f"{NEWEST} === 'sent hello, received world' && {state('pictures')}.includes('nothing new')")
+    serve("01_request_reply", endpoint=hello)
+    page.wait_for(f"{NEWEST} === 'sent Hello, received World' && {state('hello')} === 'connected'")
+    gateway.kill()
+    for name in ("hello", "poses"):
+        page.wait_for(f"{state(name)} === 'the gateway is away; trying again'")
+    say(page, "background", "hello")
+    before = page.text("#pose")
+    serve(KEY, *words, *PATIENT, endpoint=endpoint)
+    page.wait_for(f"{NEWEST} === 'sent hello, received world'")
+    page.wait_for(f"{POSE} !== {json.dumps(before)} && {state('poses')} === 'connected'")
+    assert page.errors == []
+    page = open_page(elsewhere)
+    address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
+    assert page.evaluate(STRANGER.format(address=address)) == '["World"]'
 
 
-def test_its_own_page_comes_in_by_any_name_of_the_machine(serve, open_page):
+def test_its_own_page_with_a_token_and_by_any_name_of_the_machine(behind, open_page):
     """At 0.0.0.0 the gateway does not know what it is called by those who come."""
-    _, endpoint = serve(KEY, "--token", "secret", endpoint="http://0.0.0.0:0")
-    page = open_page(endpoint.replace("0.0.0.0", "127.0.0.1") + "/?token=secret")
-    page.wait_for(f"{state('hello')} === 'connected'")
-    say(page, "hello", "Hello")
-    page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
+    with opened(*behind, "--token", "grün & 7", "--endpoint", "http://0.0.0.0:0") as (_, endpoint):
+        own = endpoint.replace("0.0.0.0", "127.0.0.1")
+        page = open_page(own)
+        page.wait_for(f"{state('hello')}.startsWith('the token is missing or wrong')")
+        page.go(f"{own}/?token=gr%C3%BCn%20%26%207")
+        page.wait_for(f"{state('hello')} === 'connected'")
+        say(page, "hello", "Hello")
+        page.wait_for(f"{NEWEST} === 'sent Hello, received World'")
 
 
 # What a page of any address may do: open a WebSocket to this machine, and ask.
@@ -168,18 +186,13 @@ STRANGER = """new Promise(resolve => {{
 }})"""
 
 
-def test_the_page_of_a_stranger_does_not_come_in(serve, open_page, elsewhere):
-    _, endpoint = serve(KEY)
+def test_the_page_of_a_stranger_does_not_come_in(gateway, open_page, elsewhere):
     page = open_page(elsewhere)
-    address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
+    address = json.dumps(f"{gateway}/ws/hello".replace("http", "ws"))
     assert page.evaluate(STRANGER.format(address=address)) == "refused"
     # It may be the reader's own, which says why.
-    why = page.evaluate(f"fetch('{endpoint}/ws/hello').then(said => said.text(), String)")
+    why = page.evaluate(f"fetch('{gateway}/ws/hello').then(said => said.text(), String)")
     assert why == f"the page of '{elsewhere}' may not come in; if it is yours, start with --origin and its address"
-    # And his who may come in does.
-    _, endpoint = serve(KEY, "--origin", elsewhere, *PATIENT)
-    address = json.dumps(f"{endpoint}/ws/hello".replace("http", "ws"))
-    assert page.evaluate(STRANGER.format(address=address)) == '["World"]'
 
 
 # As Emscripten does it, but that a text's address is its number in a list.
@@ -205,12 +218,12 @@ var until = async (what, limit = 20000) => {{
 """
 
 
-def test_the_webgl_half_of_the_client_in_a_browser(serve, open_page):
+def test_the_webgl_half_of_the_client_in_a_browser(behind, serve, open_page):
     """The very file that Unity compiles in, and each function that BrowserConnection.cs calls."""
     folder = ROOT / "unity/Assets/NetMQExample/16_web_gateway"
     jslib = (folder / "BrowserConnection.jslib").read_text(encoding="utf-8")
     called = set(re.findall(r"extern \w+ (\w+)\(", (folder / "BrowserConnection.cs").read_text(encoding="utf-8")))
-    gateway, endpoint = serve(KEY, *PATIENT)
+    gateway, endpoint = serve(KEY, *behind, *PATIENT)
     page = open_page(endpoint)
     page.evaluate(f"(0, eval)({json.dumps(EMSCRIPTEN.format(jslib=jslib))})")
     there = page.evaluate("Object.keys(library).filter(name => !/^\\$|__deps$/.test(name))")
