@@ -299,6 +299,7 @@ def test_a_beacon_says_once_a_second_where_the_hub_is():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
         ear.bind(("127.0.0.1", 0))
         ear.settimeout(LIMIT)
+        assert Beacon("255.255.255.255:65535", "tcp://127.0.0.1:1").where == ("255.255.255.255", 65535)
         beacon = Beacon(f"127.0.0.1:{ear.getsockname()[1]}", "tcp://0.0.0.0:5567", b"x" * 40)
         beacon.tell()
         beacon.tell()
@@ -395,7 +396,7 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
         ("timeout", lambda: Hub(NoSocket(), timeout=float("nan"))),
         ("idle", lambda: Hub(NoSocket(), idle=None)),
         ("where", lambda: Beacon("255.255.255.256:5567", "tcp://127.0.0.1:5567")),
-        ("where", lambda: Beacon("", "tcp://127.0.0.1:5567")),
+        *(("where", lambda it=it: Beacon(f"127.0.0.1{it}", "tcp://127.0.0.1:5567")) for it in ("", ":0", ":65536")),
         ("endpoint", lambda: Beacon(None, "tcp://127.0.0.1:0")),
         ("key", lambda: fingerprint("")),
         ("key", lambda: find(5567, None, 1)),

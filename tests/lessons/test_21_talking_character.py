@@ -9,6 +9,7 @@ import json
 import re
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from http.server import BaseHTTPRequestHandler
 from typing import ClassVar
 
@@ -17,10 +18,11 @@ import zmq
 
 from kitlib.setup import dotnet
 from netmq_example.jobs.client import JobClient
+from netmq_example.jobs.work import WorkError
 from netmq_example.talk.ollama import ollama_talk
 from netmq_example.talk.speech import Speech, ask
 from tests.bad_peers import web_server
-from tests.conftest import CLIENTS, PYTHON
+from tests.conftest import CLIENTS
 from tests.lessons.long_jobs.peers import Message, Peer, read
 from tests.programs import LIMIT, ROOT, free_port, steady_endpoint
 
@@ -40,57 +42,60 @@ def sentences(text):
 @pytest.fixture
 def talk(start, client_command):
     def talk(kind, endpoint, *options):
-        # On a busy machine a second without a word comes by itself.
-        return start(*client_command(kind, KEY, endpoint, "--timeout", "25", *options))
+        return start(*client_command(kind, KEY, endpoint, *options))
 
     return talk
 
 
 @each_client
-@pytest.mark.parametrize(("seed", "prompt"), [(0, PROMPT), (7, "Größe? \U0001f600 And: why. Now!")], ids=["0", "7"])
-def test_what_is_said_is_heard_whole(kind, seed, prompt, serve, talk):
+def test_what_is_said_is_heard_whole(kind, serve, runs):
     """Each sentence is a line, whatever pieces it came in; the same for every client."""
-    server, endpoint = serve(KEY, "--delay", "0.01", "--seed", str(seed))
-    client = talk(kind, endpoint, "--prompt", prompt)
-    assert client.wait() == 0, client.output
-    said = small_talk.reply(prompt, seed)
-    assert client.lines == [f"asking {endpoint}: {prompt}", *sentences(said), f"done: {len(said.split())} words"]
-    server.wait_for(r"succeeded at (\d+) of \1$")
+    server, endpoint = serve(KEY, "--delay", "0.01", "--seed", "7")
+    strange = "Größe? \U0001f600 And: why. Now!"
+    wrong = [["--prompt="], ["--prompt=" + "x" * 1001]]
+    table = [[], ["--prompt", strange], ["--count", "6"], *wrong]
+    *found, empty, long = runs(kind, KEY, [["--endpoint", endpoint, "--timeout", "60", *words] for words in table])
+    whole, other = small_talk.reply(PROMPT, 7), small_talk.reply(strange, 7)
+    six = " ".join(whole.split()[:6])
+    for prompt, said, run in zip((PROMPT, strange, PROMPT), (whole, other, six), found, strict=True):
+        assert run == (0, [f"asking {endpoint}: {prompt}", *sentences(said), f"done: {len(said.split())} words"])
+    for run in empty, long:
+        assert run.code == (1 if kind == "unity" else 2)
+        assert re.search("prompt.* 1 to 1000 characters", "\n".join(run.lines))
+    for words in whole, other, six:
+        server.wait_for(rf"succeeded at {len(words.split())} of {len(words.split())}$")
 
 
-def test_no_more_is_said_than_one_listens_to(serve, talk):
-    _, endpoint = serve(KEY, "--delay", "0")
-    client = talk("python", endpoint, "--count", "6")
-    assert client.wait() == 0, client.output
-    assert client.lines[1:] == [*sentences(" ".join(small_talk.reply(PROMPT, 0).split()[:6])), "done: 6 words"]
-
-
-@each_client
-def test_who_walks_away_ends_it(kind, serve, talk):
+def test_who_walks_away_ends_it(serve, talk):
     # On a busy machine it takes seconds until the server hears of it, and then there must be words left.
-    server, endpoint = serve(KEY, "--delay", "0.5")
-    client = talk(kind, endpoint, "--leave-after", "5")
-    assert client.wait() == 0, client.output
-    heard = int(re.fullmatch(r"done: (\d+) words, and you walked away", client.lines[-1])[1])
+    server, endpoint = serve(KEY, "--delay", "0.5", "--workers", "3")
+    clients = [talk(kind, endpoint, "--leave-after", "5", "--timeout", "60") for kind in CLIENTS]
     whole = small_talk.reply(PROMPT, 0).split()
-    assert 5 <= heard < len(whole)
-    assert client.lines[1:-1] == sentences(" ".join(whole[:heard]))
-    made = int(server.wait_for(rf"canceled at (\d+) of {len(whole)}$")[1])
-    assert heard <= made < len(whole), "the work ended too"
+    for client in clients:
+        assert client.wait() == 0, client.output
+        heard = int(re.fullmatch(r"done: (\d+) words, and you walked away", client.lines[-1])[1])
+        assert 5 <= heard < len(whole)
+        assert client.lines[1:-1] == sentences(" ".join(whole[:heard]))
+    begin = 0
+    for _ in clients:
+        made = int(server.wait_for(rf"canceled at (\d+) of {len(whole)}$", start=begin)[1])
+        assert 5 <= made < len(whole), "the work ended too"
+        begin = next(i for i, line in enumerate(server.lines) if i >= begin and "canceled at" in line) + 1
 
 
-@each_client
-def test_a_server_that_is_started_again_has_no_half_answer(kind, serve, talk, tmp_path):
+def test_a_server_that_is_started_again_has_no_half_answer(serve, talk):
     """It could not go on in the middle, and says so: what was said stays, and the rest is not waited for."""
     endpoint = steady_endpoint()
-    server, _ = serve(KEY, "--delay", "0.2", endpoint=endpoint)
-    client = talk(kind, endpoint)
-    client.wait_for("^she: Mind the third plank!$")
+    server, _ = serve(KEY, "--delay", "0.3", "--workers", "3", endpoint=endpoint)
+    clients = [talk(kind, endpoint, "--timeout", "25") for kind in CLIENTS]
+    for client in clients:
+        client.wait_for("^she: Mind the third plank!$")
     server.kill()
     serve(KEY, endpoint=endpoint)
-    assert client.wait() == 1, client.output
     why = "the answer broke off: the server was restarted; ask again"
-    assert any(line.endswith(f"gave up: {why}") for line in client.lines), client.output
+    for client in clients:
+        assert client.wait() == 1, client.output
+        assert any(line.endswith(f"gave up: {why}") for line in client.lines), client.output
 
 
 WALKER = """using System.Reflection;
@@ -204,14 +209,17 @@ SPOKEN = [
 
 @pytest.fixture
 def stage(context):
-    """stage(client, *news): answers its goal with these messages, and returns the goal."""
+    """stage(*news): answers the next goal with these messages, and returns the goal."""
     with context.socket(zmq.ROUTER) as router:
-        router.linger = 0
+        router.linger, played = 0, set()
 
-        def play(client, *news):
-            assert router.poll(LIMIT * 1000), client.output
-            way, *frames = router.recv_multipart()
-            goal = read(frames)
+        def play(*news):
+            goal = None
+            while not goal or goal.kind != "goal" or goal.values["job"] in played:
+                assert router.poll(LIMIT * 1000)
+                way, *frames = router.recv_multipart()
+                goal = read(frames)
+            played.add(goal.values["job"])
             for seq, (kind, text) in enumerate(news):
                 facts = {"job": goal.values["job"], "seq": seq, "done": 1, "total": 9, "text": text}
                 status = {} if kind == "feedback" else {"status": kind}
@@ -223,32 +231,23 @@ def stage(context):
 
 
 @each_client
-@pytest.mark.parametrize(
-    ("end", "last"),
-    [
-        (("succeeded", SPOKEN[-1][1]), "done: 11 words"),
-        (("canceled", "it did not listen, and was killed"), "done: 11 words, and you walked away"),
-        (("aborted", "no \x1b[2Jwords"), "gave up: the answer broke off: no ?[2Jwords; ask again"),
-    ],
-    ids=["succeeded", "canceled", "aborted"],
-)
-def test_what_was_lost_is_in_the_next_one(kind, end, last, stage, talk):
+def test_what_was_lost_is_in_the_next_one(kind, stage, runs):
     play, endpoint = stage
-    client = talk(kind, endpoint)
-    goal = play(client, *SPOKEN, end)
-    assert goal.values == {"job": goal.values["job"], "kind": "talk", "count": 200, "text": PROMPT}
-    assert client.wait() == (end[0] == "aborted"), client.output
-    assert client.lines[1:4] == ["she: A dog ?[2Jbarks.", "she: At the ?moon?", "she: Yes, \U0001f600 e.g."]
-    assert client.lines[4] == "she: this one."
-    assert [line.removeprefix("error: ") for line in client.lines[5:] if line and not line.startswith("   ")] == [last]
-
-
-@each_client
-@pytest.mark.parametrize("prompt", ["", "x" * 1001], ids=["empty", "long"])
-def test_a_prompt_that_is_none_is_wrong_usage(kind, prompt, talk):
-    client = talk(kind, "tcp://127.0.0.1:1", f"--prompt={prompt}")
-    assert client.wait() == (1 if kind == "unity" else 2), client.output
-    assert re.search("prompt.* 1 to 1000 characters", client.output)
+    ends = {
+        ("succeeded", SPOKEN[-1][1]): "done: 11 words",
+        ("canceled", "it did not listen, and was killed"): "done: 11 words, and you walked away",
+        ("aborted", "no \x1b[2Jwords"): "gave up: the answer broke off: no ?[2Jwords; ask again",
+    }
+    with ThreadPoolExecutor() as pool:
+        talks = pool.submit(runs, kind, KEY, [["--endpoint", endpoint, "--timeout", "60"]] * len(ends))
+        for end in ends:
+            goal = play(*SPOKEN, end)
+            assert goal.values == {"job": goal.values["job"], "kind": "talk", "count": 200, "text": PROMPT}
+    for run, (end, last) in zip(talks.result(), ends.items(), strict=True):
+        assert run.code == (end[0] == "aborted"), run
+        assert run.lines[1:4] == ["she: A dog ?[2Jbarks.", "she: At the ?moon?", "she: Yes, \U0001f600 e.g."]
+        assert run.lines[4] == "she: this one."
+        assert [line.removeprefix("error: ") for line in run.lines[5:] if line and not line.startswith("   ")] == [last]
 
 
 # Ollama, by a small server that speaks as its documentation says
@@ -360,20 +359,18 @@ def test_walking_away_stops_the_model(what, ollama):
     assert "Traceback" not in server.output
 
 
-def test_an_ollama_that_is_away_is_named_with_the_cure(serve, talk):
+def test_an_ollama_that_is_away_is_named_with_the_cure():
     url = f"http://127.0.0.1:{free_port()}"
-    _, endpoint = serve(KEY, "--ollama", url)
-    client = talk("python", endpoint)
-    assert client.wait() == 1
-    why = f"no connection with {url} (Connection refused): start Ollama: ollama serve"
-    assert client.lines[-1] == f"gave up: the answer broke off: {why}; ask again"
+    with pytest.raises(WorkError) as error:
+        next(ollama_talk(1, b"", "?", url=url, model="x"))
+    assert str(error.value) == f"no connection with {url} (Connection refused): start Ollama: ollama serve"
 
 
-@pytest.mark.parametrize("url", ["127.0.0.1:11434", "ftp://x", "http://", "http://x:99999"])
-def test_an_address_that_is_none_is_wrong_usage(url, start):
-    server = start(PYTHON, ROOT / "python" / KEY / "server.py", "--ollama", url)
-    assert server.wait() == 2
-    assert server.lines[-1].endswith(f"bad address '{url}': write it like http://127.0.0.1:11434")
+def test_an_address_that_is_none_is_wrong_usage(runs):
+    urls = ["127.0.0.1:11434", "ftp://x", "http://", "http://x:99999"]
+    for url, run in zip(urls, runs("server", KEY, [["--ollama", url] for url in urls]), strict=True):
+        assert run.code == 2
+        assert run.lines[-1].endswith(f"bad address '{url}': write it like http://127.0.0.1:11434")
 
 
 # What a method cannot use
