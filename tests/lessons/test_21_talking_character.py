@@ -98,85 +98,37 @@ def test_a_server_that_is_started_again_has_no_half_answer(serve, talk):
         assert any(line.endswith(f"gave up: {why}") for line in client.lines), client.output
 
 
-WALKER = """using System.Reflection;
-using NetMQExample;
+VISITOR = """using NetMQExample;
 using UnityEngine;
 
-// The player: far away at first, then near, and away again after the first sentence.
-public class Walker : MonoBehaviour
+// A game that asks for itself, from far away, comes near, asks something else in the middle, and walks away.
+public class Visitor : TalkingCharacter
 {
-    [SerializeField] private string endpoint = "";
-    private TalkingCharacter character;
+    private readonly string[] questions = { "What is your name?", "Who are you?", "Who built this bridge?" };
     private Transform eyes;
-    private int frames;
-
-    public bool Done => character != null && character.Done;
-
-    void OnEnable()
-    {
-        Application.logMessageReceived += Hear;
-        var player = new GameObject("player") { tag = "MainCamera" };
-        player.AddComponent<Camera>();
-        eyes = player.transform;
-        eyes.position = new Vector3(0, 0, 16);
-        var thing = new GameObject("character");
-        thing.SetActive(false);
-        character = (TalkingCharacter)thing.AddComponent(typeof(TalkingCharacter));
-        foreach (var (name, value) in new (string, object)[] { ("endpoint", endpoint), ("timeout", 25f) })
-            typeof(TalkingCharacter).GetField(name, BindingFlags.NonPublic | BindingFlags.Instance)
-                .SetValue(character, value);
-        thing.SetActive(true);
-    }
-
-    void OnDisable() { Application.logMessageReceived -= Hear; }
-
-    void Update()
-    {
-        if (++frames != 30) return;
-        Debug.Log("comes near");
-        eyes.position = new Vector3(0, 0, 14);
-    }
-
-    void Hear(string line, string stack, LogType type)
-    {
-        if (line.StartsWith("she: ")) eyes.position = new Vector3(0, 0, 16);
-    }
-}
-"""
-
-
-def test_in_unity_to_walk_away_is_a_distance(serve, start, console, netmq, tmp_path):
-    (tmp_path / "Walker.cs").write_text(WALKER, encoding="utf-8")
-    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Walker.cs"])
-    server, endpoint = serve(KEY, "--delay", "0.5")
-    player = start(*console, scripts, "--unity", "--endpoint", endpoint)
-    assert player.wait() == 0, player.output
-    assert player.lines[:2] == ["comes near", f"asking {endpoint}: {PROMPT}"], player.output
-    assert player.lines[2] == "she: Mind the third plank!"
-    assert re.fullmatch(r"done: (\d+) words, and you walked away", player.lines[-1]), player.output
-    server.wait_for("canceled at")
-
-
-ASKER = """using NetMQExample;
-using UnityEngine;
-
-// A game that asks for itself, reads what was said, asks something else in the middle, and then has enough of it.
-public class Asker : TalkingCharacter
-{
-    private int asked;
+    private int frames, asked;
 
     protected override void Update()
     {
+        if (eyes == null)
+        {
+            var player = new GameObject("player") { tag = "MainCamera" };
+            player.AddComponent<Camera>();
+            eyes = player.transform;
+            eyes.position = new Vector3(0, 0, 16);
+        }
         base.Update();
-        if (asked == 0 || (asked == 1 && Text.Contains("your name?")))
+        if (++frames == 30)
         {
-            Ask(++asked == 1 ? "What is your name?" : "Who are you?");
+            Debug.Log("comes near");
+            eyes.position = new Vector3(0, 0, 14);
         }
-        else if (asked == 2 && Text.Contains("are you?"))
+        if (asked < 3 && (asked == 0 || Text.Contains(questions[asked - 1])))
         {
-            Debug.Log($"heard {Text}");
-            enabled = false;
+            if (asked > 0) Debug.Log($"heard {Text}");
+            Ask(questions[asked++]);
         }
+        if (asked == 3 && Text.Contains("plank!")) eyes.position = new Vector3(0, 0, 16);
     }
 
     protected override void OnGUI() { }
@@ -184,17 +136,27 @@ public class Asker : TalkingCharacter
 """
 
 
-def test_a_game_asks_what_it_likes_and_to_disable_the_character_ends_the_work(serve, start, console, netmq, tmp_path):
-    (tmp_path / "Asker.cs").write_text(ASKER, encoding="utf-8")
-    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Asker.cs"])
-    server, endpoint = serve(KEY)
-    player = start(*console, scripts, "--unity", "--endpoint", endpoint)
-    heard = player.wait_for("^heard (.*)$")[1]
-    assert small_talk.reply("Who are you?", 0).startswith(heard)
+def test_in_unity_a_game_asks_what_it_likes_and_to_walk_away_is_a_distance(serve, start, console, netmq, tmp_path):
+    """What it asks next ends what was asked before."""
+    (tmp_path / "Visitor.cs").write_text(VISITOR, encoding="utf-8")
+    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, [tmp_path / "Visitor.cs"])
+    server, endpoint = serve(KEY, "--delay", "0.2")
+    player = start(*console, scripts, "--unity", "--endpoint", endpoint, "--timeout", "25")
     assert player.wait() == 0, player.output
-    begun = [re.match(r"(job \w+): talk from 0", line) for line in server.lines]
-    for job in filter(None, begun):
-        server.wait_for(f"{job[1]}: canceled at")
+    questions = ["What is your name?", "Who are you?", PROMPT]
+    assert player.lines[0] == "comes near"
+    assert [line for line in player.lines if line.startswith("asking")] == [
+        f"asking {endpoint}: {it}" for it in questions
+    ]
+    heard = [line.removeprefix("heard ") for line in player.lines if line.startswith("heard ")]
+    for question, text in zip(questions, heard, strict=False):
+        assert small_talk.reply(question, 0).startswith(text)
+    assert "she: Mind the third plank!" in player.lines
+    assert re.fullmatch(r"done: (\d+) words, and you walked away", player.lines[-1]), player.output
+    jobs = [begun[1] for line in server.lines if (begun := re.match(r"(job \w+): talk from 0", line))]
+    assert len(jobs) == 3
+    for job in jobs:
+        server.wait_for(f"{job}: canceled at")
 
 
 # A server that the test decides for
