@@ -74,31 +74,18 @@ def echo():
     thread.join(LIMIT)
 
 
+@contextlib.contextmanager
 def opened(*words, change=""):
-    """A gateway, as a context: its program and its endpoint. It may change a number of the package."""
-    command = [PYTHON, FOLDER / "server.py"]
-    if change:
-        command = [PYTHON, "-c", f"from netmq_example.web import door; {change}; import server; server.main()"]
-    return Gateway([*command, "--endpoint", "http://127.0.0.1:0", *PATIENT, *words])
-
-
-class Gateway:
-    def __init__(self, command):
-        self.command = command
-
-    def __enter__(self):
-        self.program = Program(self.command, PYTHONPATH=PATH)
-        try:
-            return self.program, self.program.wait_for(r"^listening on (\S+)")[1]
-        except AssertionError:
-            self.program.kill()
-            raise
-
-    def __exit__(self, *_):
-        code = self.program.stop() if self.program.process.poll() is None else 0
-        print(self.program.output)
-        # Strangers make no noise, whatever they do.
-        assert code == 0 and "Traceback" not in self.program.output and "Error" not in self.program.output
+    """A gateway: its program and its endpoint. It may change a number of the package, and strangers make it no noise."""
+    changed = f"from netmq_example.web import door; {change}; import server; server.main()"
+    command = ["-c", changed] if change else [str(FOLDER / "server.py")]
+    program = Program([PYTHON, *command, "--endpoint", "http://127.0.0.1:0", *PATIENT, *words], PYTHONPATH=PATH)
+    try:
+        yield program, program.wait_for(r"^listening on (\S+)")[1]
+        assert program.process.poll() is not None or program.stop() == 0
+        assert "Traceback" not in program.output and "Error" not in program.output, program.output
+    finally:
+        program.kill()
 
 
 @pytest.fixture(scope="module")
