@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable
 
 VERSION = "1.0.0"
-# tests/unity/test_unity_rules.py compares these types with the sources of Unity that declare them.
+# tests/unity/test_unity_project.py compares these types with the sources of Unity that declare them.
 TYPES = {
     "com.unity.modules.animation": {"Animator", "HumanBodyBones"},
     # EncodeToJPG is called on the texture, and so without the name of its class.

@@ -1,4 +1,5 @@
-"""The tests' Unity editor: the package's folder Editor against a stand-in, in a process that does what it is told."""
+"""The tests' Unity: the player, and the package's folder Editor against a stand-in, in programs that do what they are
+told."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,6 +18,8 @@ from kitlib.setup import dotnet
 from tests.programs import LIMIT, ROOT, Program
 
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
+# Mono is the runtime nearest to Unity's.
+NEAREST = "mono" if shutil.which("mono") else "dotnet"
 # What is wrong below us, and by what it is known. Wine, while it still notes the end of one thread's send, refuses
 # another thread's on the same socket (server/sock.c, send_socket): NetMQ's reaper, which writes to itself, ends of that
 # once in 3,000 Plays. Mono 6.8, when it frees an AppDomain, aborts if an old copy of its table of compiled methods,
@@ -35,8 +39,34 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool:
     return True
 
 
+def needs_mono() -> None:
+    mono = shutil.which("mono")
+    if not mono:
+        pytest.skip("no mono here (on Debian: apt install mono-devel)")
+    libraries = Path(mono).resolve().parent.parent / "lib" / "mono"
+    if not any(libraries.glob("4.5/Facades/netstandard.dll")):
+        pytest.skip("this mono cannot run .NET Standard libraries (on Debian: apt install mono-devel)")
+
+
+@pytest.fixture(scope="session")
+def harness(netmq: dotnet.NetMQ) -> Path:
+    return dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
+
+
+@pytest.fixture
+def play(harness: Path, start: Callable[..., Program]) -> Callable[..., Program]:
+    """play("drive", "count=60", …) starts tests/unity/play."""
+
+    def start_play(*words: str, runtime: str = "dotnet", **more: Any) -> Program:
+        if runtime == "mono":
+            needs_mono()
+        return start(runtime, harness, *words, **more)
+
+    return start_play
+
+
 class Editor:
-    """tests/unity/editor in a process of its own, in the folder of a Unity project."""
+    """tests/unity/play/EditorProgram.cs in a process of its own, in the folder of a Unity project."""
 
     def __init__(self, command: list[str], project: Path, **environment: str) -> None:
         self.program = Program(
@@ -72,11 +102,6 @@ class Editor:
         raise AssertionError(f"never logged: {line}; printed:\n{self.program.output}")
 
 
-@pytest.fixture(scope="session")
-def editor_dll(netmq: dotnet.NetMQ) -> Path:
-    return dotnet.build(netmq, ROOT / "tests" / "unity" / "editor")
-
-
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """A game with the package in it, and without the servers."""
@@ -86,14 +111,12 @@ def project(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def editor(editor_dll: Path) -> Iterator[Callable[..., Editor]]:
-    """Opens a project, in an editor that runs on .NET or on Mono."""
+def editor(harness: Path) -> Iterator[Callable[..., Editor]]:
+    """Opens a project, in an editor that runs on Mono where that is there."""
     opened = []
 
-    def open_project(project: Path, runtime: str = "dotnet", words: Sequence[str] = (), **environment: str) -> Editor:
-        if not shutil.which(runtime):
-            pytest.skip(f"there is no {runtime}")
-        opened.append(Editor([runtime, str(editor_dll), *words], project, **environment))
+    def open_project(project: Path, runtime: str = NEAREST, words: Sequence[str] = (), **environment: str) -> Editor:
+        opened.append(Editor([runtime, str(harness), "editor", *words], project, **environment))
         opened[-1].do("load")
         return opened[-1]
 

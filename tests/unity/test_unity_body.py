@@ -11,35 +11,16 @@ from typing import Any
 import pytest
 import zmq
 
-from kitlib.setup import dotnet
 from netmq_example.body import listener as body_listener
 from netmq_example.body import people
 from tests.programs import ROOT, Program, leaves_nothing_to_collect
-from tests.unity.test_unity_play import RUNTIMES, needs_mono
+from tests.unity.conftest import NEAREST
 
 LESSON = ROOT / "python" / "20_body_tracking"
 SCRIPTS = ROOT / "unity" / "Assets" / "NetMQExample" / "20_body_tracking"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
-on_each_runtime = pytest.mark.parametrize("runtime", RUNTIMES)
 # As in OneEuroFilter.cs.
 CUTOFF, BETA, FASTEST = 1.5, 5.0, 6.0
-
-
-@pytest.fixture(scope="session")
-def harness(netmq: dotnet.NetMQ) -> Path:
-    return dotnet.build(netmq, ROOT / "tests" / "unity" / "play")
-
-
-@pytest.fixture
-def play(netmq: dotnet.NetMQ, harness: Path, start: Callable[..., Program]) -> Callable[..., Program]:
-    """play(".net", "count=60", …) starts tests/unity/play/Bodies.cs."""
-
-    def start_play(runtime: str, *words: str, **environment: str) -> Program:
-        if runtime == "mono":
-            needs_mono()
-        return start({"mono": "mono", ".net": "dotnet"}[runtime], harness, "body", *words, **environment)
-
-    return start_play
 
 
 def message(number: int, body: Any, person: int = 0) -> str:
@@ -74,7 +55,7 @@ def share(frequency: float, dt: float) -> float:
     return turned / (turned + 1)
 
 
-@on_each_runtime
+@pytest.mark.parametrize("runtime", ["mono", "dotnet"])
 def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
     runtime: str, play: Callable[..., Program], tmp_path: Path
 ) -> None:
@@ -95,7 +76,7 @@ def test_axes_angles_and_smoothing_are_the_same_numbers_everywhere(
     file = tmp_path / "messages.txt"
     said = [*odd, "pose/0/ 8 0.2", *(message(i, body) for i, body in enumerate(bodies, 1))]
     file.write_text("\n".join(said), encoding="utf-8")
-    program = play(runtime, f"numbers={file}", **GERMAN)
+    program = play("body", f"numbers={file}", runtime=runtime, **GERMAN)
     assert program.wait() == 0, program.output
     lines = [(line.split()[0], [float(word) for word in line.split()[1:]]) for line in program.lines]
     assert lines[: len(odd)] == [("pose", [])] * len(odd)
@@ -141,16 +122,15 @@ def publish(stream: zmq.Socket[bytes], bodies: list[Any], first: int, program: P
         program.wait_for(f"^person 0: pose {number}, ", start=begin)
 
 
-@on_each_runtime
 def test_an_avatar_does_what_the_person_does(
-    runtime: str, play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
+    play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]
 ) -> None:
     """Each limb points where its landmarks say; hips, chest and face look where the person's do, and the knees too."""
     stream, endpoint = stage
     # Turned half to the side in mid-step, and as it comes.
     body = walk()[7]
     # The smoothing needs some frames to get there: it stands still meanwhile.
-    program = play(runtime, endpoint, "count=40", "every=1", "timeout=60")
+    program = play("body", endpoint, "count=40", "every=1", "timeout=60", runtime=NEAREST)
     assert stream.poll(20_000) and stream.recv() == b"\x01pose/0/"
     publish(stream, [body] * 40, 1, program)
     assert program.wait() == 0, program.output
@@ -181,7 +161,7 @@ def test_an_avatar_does_what_the_person_does(
 
 def test_a_character_whose_bones_are_hidden_is_named_with_its_cure(play: Callable[..., Program]) -> None:
     """Unity hides them where Optimize Game Objects is ticked: it is human, and has no Transform for any bone."""
-    program = play(".net", "endpoint=tcp://127.0.0.1:9", "bones=hidden", "timeout=0.3", "tries=1")
+    program = play("body", "endpoint=tcp://127.0.0.1:9", "bones=hidden", "timeout=0.3", "tries=1")
     program.wait_for("character has no bones in the scene: in its import settings untick Rig, Optimize Game Objects$")
     assert program.wait() == 1
     assert "NullReference" not in program.output
@@ -189,7 +169,7 @@ def test_a_character_whose_bones_are_hidden_is_named_with_its_cure(play: Callabl
 
 def test_an_avatar_without_a_character_says_so(play: Callable[..., Program]) -> None:
     """Once, and where one can drag a character into the field: in the editor."""
-    program = play(".net", "endpoint=tcp://127.0.0.1:9", "character=none", "timeout=0.3", "tries=1")
+    program = play("body", "endpoint=tcp://127.0.0.1:9", "character=none", "timeout=0.3", "tries=1")
     assert program.wait() == 1
     assert program.lines.count("PoseAvatar: drag a character into its field") == 1, program.output
 
@@ -200,7 +180,7 @@ def test_a_restart_of_the_server_makes_no_jump(
     """After it the person stands two metres away: the body gets there, and no joint is faster than the limit."""
     stream, endpoint = stage
     body = walk()[0]
-    program = play(".net", endpoint, "count=60", "every=1", "timeout=60")
+    program = play("body", endpoint, "count=60", "every=1", "timeout=60")
     assert stream.poll(20_000)
     publish(stream, [body] * 10, 1, program)
     publish(stream, [[(x + 2, y, z, v) for x, y, z, v in body]] * 50, 1, program)
@@ -215,7 +195,7 @@ def test_a_server_that_is_away_is_waited_for(
 ) -> None:
     """And when it is back, the body moves on."""
     stream, endpoint = stage
-    program = play(".net", endpoint, "count=2", "every=1", "timeout=0.3", "tries=200")
+    program = play("body", endpoint, "count=2", "every=1", "timeout=0.3", "tries=200")
     assert stream.poll(20_000)
     publish(stream, [walk()[0]], 1, program)
     for _ in range(2):
@@ -229,15 +209,11 @@ def test_a_server_that_is_away_is_waited_for(
 
 @pytest.mark.xdist_group("times")
 def test_what_a_frame_costs(
-    play: Callable[..., Program],
-    serve: Callable[..., Any],
-    capsys: pytest.CaptureFixture[str],
-    pytestconfig: pytest.Config,
+    play: Callable[..., Program], serve: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Two seconds of a person as avatar and skeleton at once, 60 frames a second; with --long a minute."""
-    frames = 3600 if pytestconfig.getoption("--long") else 120
+    """A second of a person as avatar and skeleton at once."""
     _, endpoint = serve("20_body_tracking")
-    program = play(".net", f"endpoint={endpoint}", "count=0", "every=0", f"frames={frames}")
+    program = play("body", f"endpoint={endpoint}", "count=0", "every=0", "frames=60")
     assert program.wait(120) == 0, program.output
     cost = program.wait_for("^cost: .*")[0]
     with capsys.disabled():
@@ -248,7 +224,7 @@ def test_what_a_frame_costs(
 def test_a_skeleton_shows_a_hand(play: Callable[..., Program], stage: tuple[zmq.Socket[bytes], str]) -> None:
     """21 spheres, and lines that reach each of them from the wrist; the avatar says that it wants a person."""
     stream, endpoint = stage
-    program = play(".net", endpoint, "hand=right", "count=1", "every=1", "timeout=60")
+    program = play("body", endpoint, "hand=right", "count=1", "every=1", "timeout=60")
     assert stream.poll(20_000) and stream.recv() == b"\x01hand/right/"
     marks = [(0.01 * i, 0.0, 0.0, 0.9) for i in range(21)]
     stream.send_string(message(1, marks).replace("pose/0/", "hand/right/"))

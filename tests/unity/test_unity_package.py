@@ -16,32 +16,34 @@ from kitlib.setup import dotnet
 from kitlib.unity import install as unity_install
 from kitlib.unity import package
 from tests.conftest import PYTHON
-from tests.programs import ROOT, Program
+from tests.programs import ROOT, Program, finished
 
 TREE = ROOT / "unity" / "Assets" / "NetMQExample"
 ENTRY = re.compile(r"([0-9a-f]{32})/(asset|asset\.meta|pathname)")
 Start = Callable[..., Program]
+# They share a package.
+pytestmark = pytest.mark.xdist_group("package")
 
 
-@pytest.fixture
-def dlls(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def dlls(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Stand-ins: what is packed does not depend on what is in them."""
-    folder = tmp_path / "dlls"
-    folder.mkdir()
+    folder = tmp_path_factory.mktemp("dlls")
     for _, _, inside in unity_install.LIBRARIES:
         (folder / Path(inside).name).write_bytes(b"MZ " + inside.encode())
     return folder
 
 
-@pytest.fixture
-def pack(start: Start, dlls: Path, tmp_path: Path) -> Callable[..., Path]:
-    def pack(*words: str, name: str = "Kit.unitypackage") -> Path:
-        program = start(PYTHON, ROOT / "kit.py", "unity", "--package", tmp_path / name, "--dlls", dlls, *words)
-        assert program.wait() == 0, program.output
-        assert program.lines[-1].endswith("next, in Unity: Assets, Import Package, Custom Package")
-        return tmp_path / name
+def pack(file: Path, dlls: Path, *words: str) -> Path:
+    done = finished([PYTHON, ROOT / "kit.py", "unity", "--package", file, "--dlls", dlls, *words])
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.rstrip().endswith("next, in Unity: Assets, Import Package, Custom Package")
+    return file
 
-    return pack
+
+@pytest.fixture(scope="module")
+def packed(dlls: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return pack(tmp_path_factory.mktemp("package") / "Kit.unitypackage", dlls)
 
 
 def read(file: Path) -> dict[str, dict[str, bytes]]:
@@ -71,8 +73,8 @@ def tree() -> dict[str, Path]:
     return {f"Assets/{path.relative_to(TREE.parent).as_posix()}": path for path in [TREE, *here]}
 
 
-def test_it_holds_the_package_the_dlls_and_the_licences(pack: Callable[..., Path], dlls: Path) -> None:
-    found = read(pack())
+def test_it_holds_the_package_the_dlls_and_the_licences(packed: Path, dlls: Path) -> None:
+    found = read(packed)
     for name, path in tree().items():
         parts = found.pop(name)
         assert parts["asset.meta"] == path.with_name(f"{path.name}.meta").read_bytes(), name
@@ -85,8 +87,8 @@ def test_it_holds_the_package_the_dlls_and_the_licences(pack: Callable[..., Path
     assert all(b"Exclude WebGL: 1" in parts["asset.meta"] for parts in found.values())
 
 
-def test_no_guid_in_it_is_unknown(pack: Callable[..., Path]) -> None:
-    found = read(pack())
+def test_no_guid_in_it_is_unknown(packed: Path) -> None:
+    found = read(packed)
     known = {re.findall(rb"^guid: (\w+)", parts["asset.meta"], re.MULTILINE)[0] for parts in found.values()}
     for name, parts in found.items():
         if name.endswith((".unity", ".prefab", ".asset")):
@@ -95,20 +97,20 @@ def test_no_guid_in_it_is_unknown(pack: Callable[..., Path]) -> None:
             assert {one for one in named if not one.startswith(b"0" * 16)} <= known, name
 
 
-def test_equal_input_makes_an_equal_file(pack: Callable[..., Path]) -> None:
+def test_equal_input_makes_an_equal_file(packed: Path, dlls: Path, tmp_path: Path) -> None:
     """Whenever it is made, and whatever it is called."""
-    assert pack().read_bytes() == pack(name="Other.unitypackage").read_bytes()
+    assert pack(tmp_path / "Other.unitypackage", dlls).read_bytes() == packed.read_bytes()
 
 
-def test_an_import_brings_unitys_packages(pack: Callable[..., Path]) -> None:
-    with tarfile.open(pack()) as archive:
+def test_an_import_brings_unitys_packages(packed: Path) -> None:
+    with tarfile.open(packed) as archive:
         manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))  # type: ignore[arg-type]
     own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["dependencies"] and manifest["dependencies"].items() <= own["dependencies"].items()
 
 
-def test_one_lesson_takes_only_what_it_uses(pack: Callable[..., Path]) -> None:
-    file = pack("--lesson", "1")
+def test_one_lesson_takes_only_what_it_uses(dlls: Path, tmp_path: Path) -> None:
+    file = pack(tmp_path / "Kit.unitypackage", dlls, "--lesson", "1")
     found = read(file)
     assert "Assets/NetMQExample/01_request_reply/HelloClient.cs" in found
     assert not [name for name in found if "/02_" in name or name.endswith(".unity")]

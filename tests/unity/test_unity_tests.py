@@ -11,15 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from kitlib.lessons import KitError
+from kitlib.lessons import PACKAGE, KitError
 from kitlib.setup import dotnet
 from kitlib.unity.install import nuget_folder
-from kitlib.unity.meta import PACKAGE, behaviours
+from kitlib.unity.meta import behaviours
 from tests.programs import ROOT, Program
-from tests.unity.test_unity_play import RUNTIMES, needs_mono
+from tests.unity.conftest import NEAREST
 
 RUNNER = ROOT / "tests" / "unity" / "runner"
-WORKFLOW = ROOT / ".github" / "workflows" / "unity.yml"
 
 
 @pytest.fixture(scope="session")
@@ -32,13 +31,8 @@ def runner(netmq: dotnet.NetMQ) -> Path:
         pytest.skip(f"NUnit comes from NuGet: {error}")
 
 
-@pytest.mark.parametrize("runtime", RUNTIMES)
-def test_they_pass(
-    runtime: str, runner: Path, netmq: dotnet.NetMQ, start: Callable[..., Program], tmp_path: Path
-) -> None:
-    if runtime == "mono":
-        needs_mono()
-    program = start({"mono": "mono", ".net": "dotnet"}[runtime], runner, folder=tmp_path)
+def test_they_pass(runner: Path, start: Callable[..., Program], tmp_path: Path) -> None:
+    program = start(NEAREST, runner, folder=tmp_path)
     code = program.wait(120)
     assert [line for line in program.lines if line.startswith("FAILED")] == []
     assert code == 0, program.output
@@ -49,19 +43,3 @@ def test_they_pass(
     replied = {re.sub(r"ClientsTests\.GetsItsFirstReply\((\w+)\)|Tests\..*", r"\1", name) for name in passed}
     for lesson in sorted(PACKAGE.glob("[0-9][0-9]_*/")):
         assert replied & {path.stem for path in behaviours(lesson)}, f"{lesson.name} has no test in Play mode"
-
-
-def test_the_workflow_runs_them_in_an_editor_where_there_is_a_licence() -> None:
-    yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
-    text = WORKFLOW.read_text(encoding="utf-8")
-    jobs = yaml.safe_load(text)["jobs"]
-    test = jobs["test"]
-    assert test["needs"] == "licence" and test["if"] == "needs.licence.outputs.there == 'yes'"
-    (look,) = jobs["licence"]["steps"]
-    assert look["id"] == "look" and "UNITY_LICENSE" in look["env"] and "there=" in look["run"]
-    uses = [step["uses"] for step in test["steps"]]
-    assert all(re.fullmatch(r"[\w-]+/[\w-]+@v\d+", one) for one in uses), "each action has its version"
-    (unity,) = [step for step in test["steps"] if step["uses"].startswith("game-ci/unity-test-runner@")]
-    assert (ROOT / unity["with"]["projectPath"] / "ProjectSettings" / "ProjectVersion.txt").exists()
-    assert unity["with"]["testMode"] == "all" and "UNITY_LICENSE" in unity["env"]
-    assert test["strategy"]["matrix"]["unity"][0] == "auto"

@@ -1,8 +1,9 @@
-// Prints what a stand-in of Unity has for scripts to use, one line each, in the words of C#.
+// Prints what the stand-ins of Unity have for scripts to use, one line each, in the words of C#.
 using System;
 using System.Collections.Generic;
 using System.Linq;
 using System.Reflection;
+using System.Text.RegularExpressions;
 
 namespace NetMQExample.PlayTest
 {
@@ -24,11 +25,11 @@ namespace NetMQExample.PlayTest
             [typeof(double)] = "double",
         };
 
-        public static void Print(Assembly standIn)
+        public static void Print(params Assembly[] standIns)
         {
-            // A delegate stands where it is used. Beside the stand-in is the program that uses it.
-            var types = standIn.GetExportedTypes().Where(type => !typeof(Delegate).IsAssignableFrom(type)
-                && (type.FullName.StartsWith("UnityEngine.") || type.FullName.StartsWith("UnityEditor.")));
+            // A delegate stands where it is used. Beside a stand-in is the program that uses it.
+            var types = standIns.SelectMany(standIn => standIn.GetExportedTypes()).Where(type =>
+                !typeof(Delegate).IsAssignableFrom(type) && Regex.IsMatch(type.FullName, @"^Unity(Engine|Editor)?\."));
             foreach (var type in types.OrderBy(type => type.FullName, StringComparer.Ordinal))
             {
                 var plain = type.IsValueType || type.BaseType == typeof(object) || type.BaseType == null;

@@ -1,10 +1,9 @@
 // What a camera sees, and what is left of it:
 //
-//     … play.dll cameras                       with topfirst, noreadback: another graphics card
+//     … play.dll cameras                       on each of four graphics cards
 //
 // The upper half of what it looks at is red, the rest blue, and it sees one layer only.
 using System;
-using System.Linq;
 using System.Reflection;
 using UnityEngine;
 using UnityPlayer;
@@ -16,9 +15,16 @@ namespace NetMQExample.PlayTest
     {
         private const BindingFlags Hidden = BindingFlags.Instance | BindingFlags.NonPublic;
 
-        public static int Run(string[] words)
+        public static int Run()
         {
-            (Player.TopRowFirst, Player.NoReadback) = (words.Contains("topfirst"), words.Contains("noreadback"));
+            foreach (var noReadback in new[] { false, true })
+                foreach (var topRowFirst in new[] { false, true }) Look(topRowFirst, noReadback);
+            return 0;
+        }
+
+        private static void Look(bool topRowFirst, bool noReadback)
+        {
+            (Player.TopRowFirst, Player.NoReadback) = (topRowFirst, noReadback);
             var player = new Player(typeof(NetMQLifetime).Assembly);
             Camera camera = null;
             player.Begin(() =>
@@ -36,7 +42,6 @@ namespace NetMQExample.PlayTest
             Measure(player, camera);
             Start(player);
             player.Stop();
-            return 0;
         }
 
         private static void Show(Camera camera, bool grey)
@@ -52,9 +57,9 @@ namespace NetMQExample.PlayTest
 
         private static void Measure(Player player, Camera camera)
         {
-            using var view = new CameraView(camera, 640, 480, false);
+            using var view = new CameraView(camera, 64, 48, false);
             var picture = new byte[view.Size];
-            var cost = new FrameCost(50);
+            var cost = new FrameCost(10);
             while (!cost.Done)
             {
                 player.Frame();

@@ -1,8 +1,8 @@
-// One Play of lesson 08 to its end, with what may happen to it:
+// Plays of lesson 08 to their end, with what may happen to it; a word -- begins the next one:
 //
 //     topfirst, noreadback, nographics       another graphics card, or none
 //     fail=20                                three readbacks end with an error after so many steps
-//     press=20                               somebody takes over after so many steps, and gives back 100 later
+//     press=20                               somebody takes over after so many steps, and gives back 40 later
 //     disable=20                             the sender is switched off after so many steps, and on 10 later
 //     eye                                    another camera is the driver's eye: it looks at the sky, which is red
 //     numbered                               the sky's colour is the number of the step
@@ -10,6 +10,7 @@
 //     frames=1000                            prints what so many frames cost, but for what the graphics card does
 //     endpoint=tcp://127.0.0.1:5558 …        and the serialized fields
 using System;
+using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
 using System.Linq;
@@ -25,6 +26,12 @@ namespace NetMQExample.PlayTest
         private const BindingFlags Hidden = BindingFlags.Instance | BindingFlags.NonPublic;
 
         public static int Run(string[] words)
+        {
+            var next = Array.IndexOf(words, "--");
+            return next < 0 ? PlayOne(words) : PlayOne(words.Take(next)) | Run(words.Skip(next + 1).ToArray());
+        }
+
+        private static int PlayOne(IEnumerable<string> words)
         {
             var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
             int At(string name) => told.Remove(name, out var text) ? int.Parse(text, CultureInfo.InvariantCulture) : -1;
@@ -71,8 +78,8 @@ namespace NetMQExample.PlayTest
                 if (positions && now != step) Console.WriteLine(FormattableString.Invariant($"at {now} {car.Car.X:R} {car.Car.Y:R} {Stands(car)}"));
                 if (step < fail && now >= fail) Player.ReadbacksToFail = 3;
                 if (step < press && now >= press) Player.Press(-0.5f, 1);
-                if (press >= 0 && step < press + 50 && now >= press + 50) Player.Press(0, 0);
-                if (press >= 0 && step < press + 100 && now >= press + 100) Player.Press(0, 0, KeyCode.Return);
+                if (press >= 0 && step < press + 20 && now >= press + 20) Player.Press(0, 0);
+                if (press >= 0 && step < press + 40 && now >= press + 40) Player.Press(0, 0, KeyCode.Return);
                 if (step < disable && now >= disable) sender.enabled = false;
                 if (disable >= 0 && step < disable + 10 && now >= disable + 10)
                 {

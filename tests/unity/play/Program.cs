@@ -1,30 +1,28 @@
-// Presses Play and Stop. The test says when, by lines on the standard input: play, destroy, stop, end.
+// Presses Play and Stop. The test says when, by lines on the standard input: play, destroy, stop, …
 //
-//     mono play.dll reload 1 tcp://127.0.0.1:5551 2      each Play in a fresh AppDomain, two clients in the scene
-//     dotnet play.dll reload …                           each Play in a fresh load context
-//     … play.dll keep …                                  every Play on the same statics, as with domain reload off
-//     … play.dll api                                     no Play: what the stand-in of UnityEngine has
-//     … play.dll events                                  one Play, which prints its events in their order
+//     mono play.dll reload                               each Play in a fresh AppDomain
+//     … play.dll keep                                    every Play on the same statics, as with domain reload off
+//     … play.dll editor                                  the package's folder Editor; see EditorProgram.cs
 //     … play.dll habits                                  one Play, in which scripts do what they may do in Unity
-//     … play.dll flood 1 tcp://127.0.0.1:5551 10000      a Play in which each line of the log costs 0.3 ms
-//     … play.dll wrong 4 tries 0                         a Play of ten frames with a field that is wrong
+//     … play.dll flood 1 tcp://127.0.0.1:5551 400        a Play in which each line of the log costs 0.3 ms
+//     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
 //     … play.dll views front front                       a Play of lesson 12 with cameras of these names
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
-//     … play.dll cameras noreadback …                    what a camera sees, and what it leaves; see Cameras.cs
+//     … play.dll cameras                                what a camera sees, and what it leaves; see Cameras.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
+//     … play.dll keys                                    what ArrowKeys makes of the package Input System; see Keys.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
-//     … play.dll listeners                               no Play: how many classes a reload of the scripts tells of it
 //
-// It prints "ready", "playing", what the scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms".
-// Threads and sockets are counted by the test, from outside.
+// "play 1 tcp://127.0.0.1:5551 2" has two of lesson 1's clients in the scene. It prints "ready", "playing", what the
+// scripts log, "stopped in 12.3 ms" and, after a reload, "unloaded in 45.6 ms". Threads and sockets are counted by the
+// test, from outside.
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
-using System.IO;
 using System.Linq;
 using System.Reflection;
 using System.Runtime.CompilerServices;
@@ -47,30 +45,27 @@ namespace NetMQExample.PlayTest
             _ = Console.Out;
             switch (words[0])
             {
-                case "api": Api.Print(typeof(Object).Assembly); return 0;
-                case "events": Events.Print(); return 0;
-                case "habits": Habits.Print(); return 0;
+                case "editor": return EditorTest.EditorProgram.Run();
+                case "habits": return Habits.Print();
+                case "keys": return Keys.Print();
                 case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
-                case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2], words.Skip(3).ToArray());
-                case "cameras": return Cameras.Run(words);
+                case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
+                case "cameras": return Cameras.Run();
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();
-                case "listeners": return Listeners();
                 case "flood": return Flood(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
                 case "views": return Views(words.Skip(1).ToArray());
-                case "wrong": return Wrong(words[1], words[2], words[3]);
+                case "wrong": return Wrong(words);
+                case "play": return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
             }
-            if (words[0] == "inside") return Play(words[1], words[2], int.Parse(words[3], CultureInfo.InvariantCulture));
-            var inside = words.Skip(1).Prepend("inside").ToArray();
             using var plays = new BlockingCollection<string>();
             new Thread(() => Listen(plays)) { IsBackground = true }.Start();
             Console.WriteLine("ready");
-            foreach (var _ in plays.GetConsumingEnumerable())
+            foreach (var play in plays.GetConsumingEnumerable())
             {
-                if (words[0] == "keep") Main(inside);
-                else if (Type.GetType("Mono.Runtime") != null) PlayInDomain(inside);
-                else PlayInContext(inside);
+                if (words[0] == "keep") Main(play.Split(' '));
+                else PlayInDomain(play.Split(' '));
                 Console.WriteLine("ready");
             }
             return 0;
@@ -81,7 +76,7 @@ namespace NetMQExample.PlayTest
         {
             for (var line = Console.ReadLine(); line != null && line != "end"; line = Console.ReadLine())
             {
-                if (line == "play") plays.Add(line);
+                if (line.StartsWith("play ", StringComparison.Ordinal)) plays.Add(line);
                 else Tell(line);
             }
             plays.CompleteAdding();
@@ -139,20 +134,13 @@ namespace NetMQExample.PlayTest
             return 0;
         }
 
-        private static int Listeners()
-        {
-            foreach (var type in new[] { typeof(NetMQLifetime), typeof(DotNetConnection) })
-                RuntimeHelpers.RunClassConstructor(type.TypeHandle);
-            var field = typeof(AppDomain).GetField("DomainUnload", BindingFlags.Instance | BindingFlags.NonPublic);
-            var all = (Delegate)field.GetValue(AppDomain.CurrentDomain);
-            Console.WriteLine($"{all?.GetInvocationList().Length ?? 0} listen to the end of their domain");
-            return 0;
-        }
-
         private static int Forget()
         {
             ForgetfulClient.Forget("tcp://127.0.0.1:9");
-            Console.WriteLine("done");
+            RuntimeHelpers.RunClassConstructor(typeof(DotNetConnection).TypeHandle);
+            var field = typeof(AppDomain).GetField("DomainUnload", BindingFlags.Instance | BindingFlags.NonPublic);
+            var all = (Delegate)field.GetValue(AppDomain.CurrentDomain);
+            Console.WriteLine($"{all?.GetInvocationList().Length ?? 0} listen to the end of their domain");
             return 0;
         }
 
@@ -177,21 +165,25 @@ namespace NetMQExample.PlayTest
             return 0;
         }
 
-        private static int Wrong(string script, string name, string value)
+        private static int Wrong(string[] words)
         {
             var lessons = typeof(NetMQLifetime).Assembly;
-            var player = new Player(lessons);
-            GameObject thing = null;
-            player.Begin(() =>
+            for (var at = 1; at < words.Length; at += 3)
             {
-                thing = MakeObject("wrong", Scripts.Of(lessons, script), "tcp://127.0.0.1:9", 3, false);
-                Console.WriteLine($"done before it was enabled: {player.Done}");
-                foreach (var part in Scripts.Of(lessons, script).Select(type => thing.GetComponent(type)))
-                    foreach (var field in Inspector.Fields(part.GetType()).Where(field => field.Name == name))
-                        field.SetValue(part, Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
-                thing.SetActive(true);
-            });
-            return UntilDone(player);
+                var (script, name, value) = (words[at], words[at + 1], words[at + 2]);
+                var player = new Player(lessons);
+                player.Begin(() =>
+                {
+                    var thing = MakeObject("wrong", Scripts.Of(lessons, script), "tcp://127.0.0.1:9", 3, false);
+                    Console.WriteLine($"done before it was enabled: {player.Done}");
+                    foreach (var part in Scripts.Of(lessons, script).Select(type => thing.GetComponent(type)))
+                        foreach (var field in Inspector.Fields(part.GetType()).Where(field => field.Name == name))
+                            field.SetValue(part, Convert.ChangeType(value, field.FieldType, CultureInfo.InvariantCulture));
+                    thing.SetActive(true);
+                });
+                UntilDone(player);
+            }
+            return 0;
         }
 
         private static int Views(string[] names)
@@ -249,35 +241,6 @@ namespace NetMQExample.PlayTest
             var busy = Stopwatch.StartNew();
             AppDomain.Unload(domain);
             Say("unloaded", busy.Elapsed);
-        }
-
-        private static void PlayInContext(string[] inside)
-        {
-            var context = PlayIn(inside);
-            var busy = Stopwatch.StartNew();
-            for (var i = 0; i < 10 && context.IsAlive; i++)
-            {
-                GC.Collect();
-                GC.WaitForPendingFinalizers();
-            }
-            // NetMQ keeps a handle that .NET does not let go of: reported, and no error.
-            if (context.IsAlive) Console.WriteLine("not collected");
-            else Say("unloaded", busy.Elapsed);
-        }
-
-        // By reflection, because netstandard2.1 has no load contexts.
-        [MethodImpl(MethodImplOptions.NoInlining)]
-        private static WeakReference PlayIn(string[] inside)
-        {
-            var type = Type.GetType("System.Runtime.Loader.AssemblyLoadContext, System.Runtime.Loader", true);
-            var context = Activator.CreateInstance(type, "Play", true);
-            var load = type.GetMethod("LoadFromAssemblyPath");
-            foreach (var path in Directory.GetFiles(Path.GetDirectoryName(Self), "*.dll").Where(path => path != Self))
-                load.Invoke(context, new object[] { path });
-            var play = (Assembly)load.Invoke(context, new object[] { Self });
-            play.EntryPoint.Invoke(null, new object[] { inside });
-            type.GetMethod("Unload").Invoke(context, null);
-            return new WeakReference(context);
         }
 
         private static void Say(string what, TimeSpan time) =>

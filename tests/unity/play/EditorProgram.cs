@@ -1,6 +1,7 @@
 // Does in the editor what a line of the standard input says, and prints what is drawn then.
 //
-//     api                     what the stand-in of UnityEditor has
+//     api                     what the stand-ins of UnityEngine and UnityEditor have
+//     references DLL          which assemblies it names
 //     package PATH            where the package lies; folder PATH: what is chosen when a folder is asked for
 //     load                    what Unity does after each reload of the scripts
 //     menu ITEM               such as Tools/NetMQ Example/Lessons
@@ -14,7 +15,6 @@
 //     forget 2                so many clients of a script's that are never disposed; remember: they are after all
 //     threads                 which the Profiler shows
 //     counted                 whether a program that is not compiled for the editor shows its messages
-//     calls DLL               how often a build of the lessons shows a message
 //     quit                    the end of the editor
 //
 // What calls NetMQConnection.Show here is compiled as in a build; the folder Editor beside it is not.
@@ -38,7 +38,7 @@ using Object = UnityEngine.Object;
 
 namespace NetMQExample.EditorTest
 {
-    internal static class Program
+    internal static class EditorProgram
     {
         private const BindingFlags Any = BindingFlags.Instance | BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic;
         private static readonly Assembly Package = typeof(LessonServer).Assembly;
@@ -50,7 +50,7 @@ namespace NetMQExample.EditorTest
         private static VisualElement drawn;
         private static TextMesh shown;
 
-        private static int Main()
+        public static int Run()
         {
             Console.WriteLine("ready");
             for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
@@ -67,7 +67,8 @@ namespace NetMQExample.EditorTest
         {
             switch (what)
             {
-                case "api": Api.Print(typeof(EditorWindow).Assembly); break;
+                case "api": Api.Print(typeof(Object).Assembly, typeof(EditorWindow).Assembly); break;
+                case "references": foreach (var one in Assembly.LoadFile(with).GetReferencedAssemblies()) Console.WriteLine(one.Name); break;
                 case "package": AssetDatabase.Package = with; break;
                 case "folder": EditorUtility.Chosen = with; break;
                 case "load": Call<InitializeOnLoadMethodAttribute>(_ => true); break;
@@ -89,7 +90,6 @@ namespace NetMQExample.EditorTest
                 case "remember": while (Forgotten.Count > 0) Forgotten.Pop().Dispose(); break;
                 case "threads": foreach (var thread in Profiler.Threads) Console.WriteLine(thread); break;
                 case "counted": Count(); break;
-                case "calls": Console.WriteLine($"calls: {CallsOfShow(Assembly.LoadFile(with))}"); break;
                 case "quit": EditorApplication.SayQuitting(); break;
                 default: throw new ArgumentException(what);
             }
@@ -181,16 +181,6 @@ namespace NetMQExample.EditorTest
             foreach (var line in Drawing.Lines) Console.WriteLine(line);
             Drawing.Lines.Clear();
             Console.WriteLine($"link: {guards.GenerateAdditionalLinkXmlFile(report, null)}");
-        }
-
-        // In the bytes of its methods: call or callvirt, and the number that Show has in it.
-        private static int CallsOfShow(Assembly lessons)
-        {
-            var show = BitConverter.GetBytes(lessons.GetType("NetMQExample.NetMQConnection").GetMethod("Show").MetadataToken);
-            return lessons.GetTypes().SelectMany(type => type.GetMethods(Any | BindingFlags.DeclaredOnly))
-                .Select(method => method.GetMethodBody()?.GetILAsByteArray() ?? new byte[0])
-                .Sum(code => Enumerable.Range(0, Math.Max(0, code.Length - 4))
-                    .Count(at => (code[at] == 0x28 || code[at] == 0x6F) && code.Skip(at + 1).Take(4).SequenceEqual(show)));
         }
 
         private static void Flood()
