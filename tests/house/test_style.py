@@ -72,6 +72,13 @@ def test_dotnet_format(console, netmq, tmp_path):
     check("dotnet", "format", tmp_path, "--verify-no-changes", "--no-restore", env=env)
 
 
+@pytest.mark.timeout(1200)
+def test_the_kits_own_scripts_have_no_warning(netmq, tmp_path):
+    """A reader's own, which is built with them, may have some."""
+    words = [*netmq.properties, "-p:Strict=true", f"-p:ArtifactsPath={tmp_path}", "-v:quiet"]
+    check("dotnet", "build", "csharp-support/lessons", *words, env={**os.environ, **dotnet.ENVIRONMENT})
+
+
 def python_lines(text):
     """The numbers of the lines that hold code: no blank ones, comments or docstrings."""
     quiet = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
