@@ -8,32 +8,9 @@ namespace UnityPlayer
 {
     internal sealed class FrameContext : SynchronizationContext
     {
-        private readonly Thread main = Thread.CurrentThread;
         private readonly ConcurrentQueue<(SendOrPostCallback Call, object State)> queue = new ConcurrentQueue<(SendOrPostCallback, object)>();
 
         public override void Post(SendOrPostCallback d, object state) => queue.Enqueue((d, state));
-
-        public override void Send(SendOrPostCallback d, object state)
-        {
-            if (main == Thread.CurrentThread)
-            {
-                d(state);
-                return;
-            }
-            using var done = new ManualResetEventSlim();
-            Post(_ =>
-            {
-                try
-                {
-                    d(state);
-                }
-                finally
-                {
-                    done.Set();
-                }
-            }, null);
-            done.Wait();
-        }
 
         public override SynchronizationContext CreateCopy() => this;
 

@@ -22,9 +22,7 @@ namespace UnityEngine
 
     public class GUI
     {
-        internal static string Drawn { get; private set; } = "";
-
-        public static void Label(Rect position, string text) => Drawn = text;
+        public static void Label(Rect position, string text) { }
 
         public static void DrawTexture(Rect position, Texture image) { }
 
