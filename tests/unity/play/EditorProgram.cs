@@ -12,7 +12,7 @@
 //     host ADDRESS            into the asset with the servers' address
 //     flood                   a hundred messages of ten long frames
 //     build TARGET FOLDER     what Unity calls when it builds for a platform; build Android FOLDER 37: for that API level
-//     forget 2                so many clients of a script's that are never disposed; remember: they are after all
+//     forget 2                so many clients of a script's that are never disposed; remember: they are after all; settle: the others are
 //     threads                 which the Profiler shows
 //     counted                 whether a program that is not compiled for the editor shows its messages
 //     quit                    the end of the editor
@@ -24,6 +24,7 @@ using System.Collections.Generic;
 using System.Globalization;
 using System.Linq;
 using System.Reflection;
+using System.Threading;
 using NetMQ.Sockets;
 using NetMQExample.Editor;
 using NetMQExample.PlayTest;
@@ -87,6 +88,7 @@ namespace NetMQExample.EditorTest
                 case "flood": Flood(); break;
                 case "build": Build(with.Split(' ')); break;
                 case "forget": for (var i = int.Parse(with, CultureInfo.InvariantCulture); i > 0; i--) Forgotten.Push(new NetMQLifetime()); break;
+                case "settle": while (NetMQLifetime.Users > Forgotten.Count) Thread.Sleep(5); break;
                 case "remember": while (Forgotten.Count > 0) Forgotten.Pop().Dispose(); break;
                 case "threads": foreach (var thread in Profiler.Threads) Console.WriteLine(thread); break;
                 case "counted": Count(); break;
