@@ -77,11 +77,18 @@ def console(netmq: dotnet.NetMQ) -> list[str]:
     return ["dotnet", str(dotnet.build(netmq))]
 
 
+@pytest.fixture(scope="session")
+def csharp_in_turn(netmq: dotnet.NetMQ, console: list[str]) -> Iterator[InTurn]:
+    """For the terminal clients and the player; the first word of each run is the lesson."""
+    with InTurn(["dotnet", dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks"), "each", console[1]]) as in_turn:
+        yield in_turn
+
+
 @pytest.fixture
 def run(request: pytest.FixtureRequest) -> Iterator[Callable[..., Run]]:
     """run("csharp", "01_request_reply", "--count", "x"): how this run of a client, or of the "server", has ended.
 
-    All runs of a test are in one process, those of a lesson's Python in another. Give --endpoint yourself.
+    C# runs are in one process, a lesson's Python runs of a test in another. Give --endpoint yourself.
     """
     with contextlib.ExitStack() as stack:
 
@@ -89,17 +96,12 @@ def run(request: pytest.FixtureRequest) -> Iterator[Callable[..., Run]]:
         def python(folder: Path) -> InTurn:
             return stack.enter_context(python_in_turn(folder))
 
-        @functools.cache
-        def csharp() -> InTurn:
-            console = request.getfixturevalue("console")
-            checks = dotnet.build(request.getfixturevalue("netmq"), ROOT / "tests" / "lessons" / "checks")
-            return stack.enter_context(InTurn(["dotnet", checks, "each", console[1]]))
-
         def run(kind: str, key: str, *words: str) -> Run:
             if kind in ("python", "server"):
                 program = ROOT / "python" / key / ("client.py" if kind == "python" else "server.py")
                 return python(program.parent)(program, *words)
-            return csharp()(key, *(["--unity"] if kind == "unity" else []), *words)
+            csharp: InTurn = request.getfixturevalue("csharp_in_turn")
+            return csharp(key, *(["--unity"] if kind == "unity" else []), *words)
 
         yield run
 

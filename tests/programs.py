@@ -154,9 +154,13 @@ class InTurn:
     """
 
     def __init__(self, command: Sequence[str | Path], folder: Path = ROOT) -> None:
+        self.command, self.folder = command, folder
+        self.begin()
+
+    def begin(self) -> None:
         self.process = subprocess.Popen(
-            command,
-            cwd=folder,
+            self.command,
+            cwd=self.folder,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -167,6 +171,8 @@ class InTurn:
         return self
 
     def __call__(self, *words: str | Path) -> Run:
+        if self.process.poll() is not None:
+            self.begin()
         self.process.stdin.write(json.dumps([*map(str, words)]).encode() + b"\n")
         self.process.stdin.flush()
         limit = threading.Timer(LIMIT, self.process.kill)

@@ -52,10 +52,15 @@ SHORTER = {
     ("03_publish_subscribe", "server"): ["--interval", "0.004"],
     ("07_catch_up", "server"): ["--interval", "0.004"],
     ("12_video", "server"): ["--seconds", "0.2"],
+    ("14_long_jobs", "server"): ["--workers", "1"],
     ("17_many_machines", "server"): ["--idle", "1"],
+    ("21_talking_character", "server"): ["--workers", "1", "--delay", "0.01"],
     ("08_see_and_steer", "client"): ["--count", "10"],
     ("09_environment", "client"): ["--count", "1"],
+    ("10_many_agents", "client"): ["--count", "1"],
+    ("11_observations", "client"): ["--count", "1"],
     ("12_video", "client"): ["--count", "10"],
+    ("14_long_jobs", "client"): ["--count", "10"],
     ("20_body_tracking", "client"): ["--count", "10"],
 }
 
@@ -255,8 +260,11 @@ class Side:
 
 
 @each_lesson
-def test_a_server_names_what_it_cannot_do(key, run, tmp_path):
-    server = Side(run, "server", key, tmp_path)
+def test_python_programs_say_why_they_end(key, run, serve, tmp_path, monkeypatch):
+    with monkeypatch.context() as watched:
+        (tmp_path / "sitecustomize.py").write_text(WATCHED, encoding="utf-8")
+        watched.setenv("PYTHONPATH", str(tmp_path))
+        server = Side(run, "server", key, tmp_path)
     server.refuses()
     server.names_bad_endpoints(BAD, 2, f"write it like tcp://127.0.0.1:{port(key)}")
     with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -276,13 +284,7 @@ def test_a_server_names_what_it_cannot_do(key, run, tmp_path):
                 elif key not in KEYED:
                     server.ends(words, 2, "lets anyone in: lesson 15 has keys, --open-to-anyone has none")
 
-
-@each_lesson
-def test_a_python_client_says_why_it_ends(key, run, serve, tmp_path, monkeypatch):
-    with monkeypatch.context() as watched:
-        (tmp_path / "sitecustomize.py").write_text(WATCHED, encoding="utf-8")
-        watched.setenv("PYTHONPATH", str(tmp_path))
-        client = Side(run, "python", key, tmp_path)
+    client = Side(run, "python", key, tmp_path)
     client.refuses()
     client.names_bad_endpoints([*BAD, *NO_HOST], 2, f"write it like tcp://127.0.0.1:{port(key)}")
     client.prints_what_it_is_sent(serve)
@@ -325,6 +327,8 @@ def kinds(request):
 @each_lesson
 def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(key, kinds, serve, start, client_command, tmp_path):
     own = [*secrets(key, tmp_path), *SHORTER.get((key, "server"), [])]
+    for name, other in Lesson(key).behind:
+        own += [name, serve(other.key)[1]]
     server, endpoint = serve(key, *own, endpoint="tcp://127.0.0.1:*")
     assert re.fullmatch(at(key, r"tcp://127\.0\.0\.1:[1-9]\d+"), endpoint)
 
@@ -384,6 +388,7 @@ def fits_a_terminal(server):
 def test_a_server_takes_windows_ctrl_break_for_ctrl_c(key, serve, tmp_path):
     """It is what one program can send another there. Here another signal has its name."""
     (tmp_path / "sitecustomize.py").write_text("import signal\nsignal.SIGBREAK = signal.SIGUSR1\n", encoding="utf-8")
-    server, _ = serve(key, PYTHONPATH=str(tmp_path), endpoint="tcp://127.0.0.1:0")
+    behind = [word for name, _ in Lesson(key).behind for word in (name, "tcp://127.0.0.1:1")]
+    server, _ = serve(key, *behind, endpoint="tcp://127.0.0.1:0", PYTHONPATH=str(tmp_path))
     assert server.stop(signal.SIGUSR1) == 0, server.output
     assert "Traceback" not in server.output

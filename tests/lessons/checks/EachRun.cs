@@ -23,6 +23,8 @@ namespace NetMQExample.Tests
                 var both = TextWriter.Synchronized(said);
                 Console.SetOut(both);
                 Console.SetError(both);
+                // What --with-keys of a run before has set.
+                NetMQConnection.Prepare = null;
                 object code;
                 try
                 {
