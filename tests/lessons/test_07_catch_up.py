@@ -385,13 +385,16 @@ def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, context, runs):
 @pytest.mark.parametrize("kind", TERMINAL)
 def test_a_publisher_that_repeats_itself_holds_nobody(kind, fake, follow):
     """Such as a frozen robot that sends its last pose again and again."""
-    client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", "2", "--count", "9", "--timeout", "30")
-    fake.subscribed()
-    for number in while_running(client):
-        fake.stream.send(pose("one", 4 + number % 2))
-        if fake.router.poll(10):
-            fake.asked_for_a_snapshot(b"7 " + pose("one", 5))
-    assert client.wait() == 0, client.output
+    # On a busy machine two seconds may be over before it has begun.
+    for limit in ("2", "40"):
+        client = follow(kind, fake.endpoint, fake.snapshots, "--seconds", limit, "--count", "9", *PATIENT)
+        for number in while_running(client):
+            fake.stream.send(pose("one", 4 + number % 2))
+            if fake.router.poll(10):
+                fake.asked_for_a_snapshot(b"7 " + pose("one", 5))
+        assert client.wait() == 0, client.output
+        if len(client.lines) > 2:
+            break
     assert client.lines[-1] == "done: received 0, missed 0; run one at 5, checksum 7"
 
 
