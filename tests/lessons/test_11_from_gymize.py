@@ -111,4 +111,5 @@ def test_a_script_names_the_agents_that_it_makes(run):
 def test_agents_without_a_manager_say_so_at_once(scene):
     player = scene(f"tcp://127.0.0.1:{free_port()}", "alone")
     player.wait_for("^trouble: agent waits for a GymManager: put one on any game object of the scene")
+    player.wait_for("^the sensor's camera draws: False")
     assert player.output.count("GymManager") == 1

@@ -167,32 +167,33 @@ def test_pictures_are_equal_to_the_byte(kind, filmer, start, client_command):
 
 @each_terminal
 def test_two_pictures_are_on_the_way_and_the_game_goes_on(kind, filmer, start, client_command):
-    client = start(*client_command(kind, KEY, filmer.endpoint, "--count", "300"))
+    start(*client_command(kind, KEY, filmer.endpoint, "--count", "0"))
     filmer.greet()
-    begun = filmer.begin("front")
-    first, second = (filmer.next("frame", "ended") for _ in range(2))
-    assert [first.kind, second.kind] == ["frame", "frame"]
-    # What never came is not taken by saying so.
-    for number in range(100, 120):
-        filmer.say("took", begun.id, view="front", number=number)
-    # Nothing is taken: neither a third one nor anything else comes until the drive is over, six seconds later.
-    assert not filmer.socket.poll(600), "a third picture"
-    filmer.say("took", begun.id, view="front", number=first.values["number"])
-    third = filmer.next("frame")
-    assert third.values["number"] > second.values["number"]
-    end = filmer.say("end", view="front")
-    for frame in (second, third):
-        filmer.say("took", begun.id, view="front", number=frame.values["number"])
-    while (message := filmer.next("frame", "ended")).kind == "frame":
-        last = message.values["number"]
-    values = message.values
-    assert message.id == end
-    assert values["frames"] <= 7 and values["skipped"] >= 10, "two sent, one more, and four that waited"
-    assert values["frames"] + values["skipped"] >= last
-    assert values["time"] > 0.5
-    assert client.wait() == 0, client.output
-    # Some more where the film was not made by then.
-    assert int(client.wait_for(r"^done: (\d+) steps$")[1]) >= 300
+    # In the first pause a busy machine may see too few pictures.
+    for pause in (600, 6_000, 60_000):
+        begun = filmer.begin("front")
+        first, second = (filmer.next("frame", "ended") for _ in range(2))
+        assert [first.kind, second.kind] == ["frame", "frame"]
+        # What never came is not taken by saying so.
+        for number in range(100_000, 100_020):
+            filmer.say("took", begun.id, view="front", number=number)
+        assert not filmer.socket.poll(pause), "a third picture"
+        filmer.say("took", begun.id, view="front", number=first.values["number"])
+        third = filmer.next("frame")
+        assert third.values["number"] > second.values["number"]
+        end = filmer.say("end", view="front")
+        for frame in (second, third):
+            filmer.say("took", begun.id, view="front", number=frame.values["number"])
+        while (message := filmer.next("frame", "ended")).kind == "frame":
+            last = message.values["number"]
+        values = message.values
+        assert message.id == end
+        assert values["frames"] <= 7, "two sent, one more, and four that waited"
+        assert values["frames"] + values["skipped"] >= last
+        assert values["time"] > 0.5
+        if values["skipped"] >= 10:
+            break
+    assert values["skipped"] >= 10
 
 
 @each_terminal

@@ -27,7 +27,7 @@ from tests.lessons.test_13_side_channels_bytes import (
     each_runtime,
     each_terminal,
 )
-from tests.programs import PATIENT, ROOT, finished, steady_endpoint
+from tests.programs import LIMIT, PATIENT, ROOT, finished, steady_endpoint
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
@@ -66,7 +66,7 @@ LINES = [
 @each_client
 def test_all_clients_print_the_same(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
-    lines = run(client_command, start, kind, endpoint)
+    lines = run(client_command, start, kind, endpoint, *PATIENT)
     assert sorted(lines) == sorted([f"asking {endpoint}", *LINES])
     server.wait_for("stats: 'mass' 1.3885 average")
     assert "From Unity : 'Error: a fake error in the last round'" in server.lines
@@ -98,7 +98,7 @@ def test_trouble_in_one_conversation_is_not_the_others_business(kind, serve, run
 @each_terminal
 def test_a_server_that_was_started_again_is_told_again(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
-    client = start(*client_command(kind, KEY, endpoint, "--count", "500", "--timeout", "20"))
+    client = start(*client_command(kind, KEY, endpoint, "--count", "500", *PATIENT))
     client.wait_for("^20: ")
     server.kill()
     again, _ = serve(KEY, endpoint=endpoint)
@@ -115,7 +115,7 @@ def test_a_round_that_was_lost_is_told_again(kind, serve, start, client_command)
         dying.linger = 0
         endpoint = steady_endpoint()
         dying.bind(endpoint)
-        client = start(*client_command(kind, KEY, endpoint, "--count", "2", "--timeout", "20"))
+        client = start(*client_command(kind, KEY, endpoint, "--count", "2", *PATIENT))
         assert dying.poll(60_000)
         peer, _ = dying.recv_multipart()
         seen = FloatPropertiesChannel()
@@ -134,14 +134,18 @@ def test_a_server_of_something_else_is_given_up(kind, start, client_command):
     with zmq.Context() as context, context.socket(zmq.ROUTER) as echo:
         echo.linger = 0
         endpoint = f"tcp://127.0.0.1:{echo.bind_to_random_port('tcp://127.0.0.1')}"
-        client = start(*client_command(kind, KEY, endpoint, "--timeout", "3"))
-        while client.process.poll() is None:
-            if echo.poll(50):
-                echo.send_multipart(echo.recv_multipart())
-                # A client that is busy with echoes alone keeps a core busy.
-                time.sleep(0.05)
-        assert client.wait() == 1
-    assert "gave up: round 0 was not seen within 6 s; is that lesson 13's server?" in client.output
+        # A busy machine may not echo within a second.
+        for limit in (1, 10, 60):
+            client = start(*client_command(kind, KEY, endpoint, "--timeout", f"{limit}"))
+            while client.process.poll() is None:
+                if echo.poll(50):
+                    echo.send_multipart(echo.recv_multipart())
+                    # A client that is busy with echoes alone keeps a core busy.
+                    time.sleep(0.05)
+            assert client.wait() == 1
+            if "no word from" not in client.output:
+                break
+    assert f"gave up: round 0 was not seen within {2 * limit} s; is that lesson 13's server?" in client.output
 
 
 def test_python_speaks_whenever_it_likes(start, client_command):
@@ -151,7 +155,7 @@ def test_python_speaks_whenever_it_likes(start, client_command):
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
         log = GameLog()
         carrier = Carrier(socket, lambda: SideChannelManager([log]), print)
-        client = start(*client_command("csharp", KEY, endpoint, "--timeout", "20"))
+        client = start(*client_command("csharp", KEY, endpoint, *PATIENT))
         for number in range(3):
             while not carrier.peers:
                 carrier.exchange()
@@ -242,7 +246,7 @@ def test_pictures_are_raw_bytes_in_their_order(program):
         carrier = Carrier(socket, lambda: SideChannelManager([pictures]), print)
         with subprocess.Popen(["dotnet", program, "sidechannels", "pictures", endpoint, str(count)]) as sender:
             try:
-                end = time.monotonic() + 100
+                end = time.monotonic() + LIMIT
                 while sender.poll() is None:
                     carrier.exchange()
                     for picture in pictures.get_and_clear_received_messages():

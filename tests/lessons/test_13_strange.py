@@ -37,7 +37,7 @@ from tests.lessons.test_13_side_channels_bytes import (
     process,
     program,
 )
-from tests.programs import ROOT, steady_endpoint
+from tests.programs import PATIENT, steady_endpoint
 
 KEY = "13_side_channels"
 
@@ -116,7 +116,7 @@ def test_what_is_no_number_is_printed_in_the_same_way(kind, start, client_comman
         socket.linger, socket.rcvtimeo = 0, 20
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
         carrier = Carrier(socket, lambda: SideChannelManager([parameters]), print)
-        client = start(*client_command(kind, KEY, endpoint, "--timeout", "20"))
+        client = start(*client_command(kind, KEY, endpoint, *PATIENT))
         while not carrier.peers:
             carrier.exchange()
         for value in ("inf", "-inf", "nan"):

@@ -43,10 +43,16 @@ namespace NetMQExample.Tests
             // Before any other agent.
             if (how == "wrong") Add<Speeder>("wrong locator");
             var scripts = new MonoBehaviour[] { thing.AddComponent<Runner>(), thing.AddComponent<GymManager>() };
-            thing.AddComponent<Says>();
+            var says = thing.AddComponent<Says>();
             Inspector.Set(scripts, "endpoint", endpoint);
             Inspector.Set(scripts, "envName", "Runner");
-            if (how == "alone") scripts[1].enabled = false;
+            if (how == "alone")
+            {
+                scripts[1].enabled = false;
+                says.eye = new GameObject("eye").AddComponent<Camera>();
+                says.eye.transform.SetParent(thing.transform);
+                says.eye.gameObject.AddComponent<CameraSensor>().Camera = says.eye;
+            }
             thing.SetActive(true);
             if (how == "gone") scripts[0].enabled = false;
             if (how == "wrong")
@@ -80,9 +86,17 @@ namespace NetMQExample.Tests
 
     internal sealed class Says : MonoBehaviour
     {
+        public Camera eye;
+
         private void Start()
         {
             if (GymManager.Current != null) GymManager.Current.Simulator.OnInfo += info => Debug.Log($"heard {info}");
+        }
+
+        private void LateUpdate()
+        {
+            if (eye != null) Debug.Log($"the sensor's camera draws: {eye.enabled}");
+            eye = null;
         }
     }
 
