@@ -38,7 +38,8 @@ CHECKS = ROOT / "tests" / "lessons" / "checks"
 @pytest.fixture
 def scene(netmq, start):
     """A scene with the page's agent, of tests/lessons/checks/Scenes.cs, as a program."""
-    return lambda endpoint, *how: start("dotnet", dotnet.build(netmq, CHECKS), "scene", "gymize", endpoint, *how)
+    program = dotnet.build(netmq, CHECKS)
+    return lambda endpoint, *how: start("dotnet", program, "scene", "gymize", endpoint, *how)
 
 
 @pytest.fixture
@@ -51,6 +52,8 @@ def run(scene, capsys, monkeypatch):
         text = text.replace("env.close()", f"{before_close}env.close()")
         player = scene(endpoint, *how)
         monkeypatch.setattr(sys, "path", [*sys.path])
+        # That the scene was built.
+        capsys.readouterr()
         try:
             exec(compile(text, "script.py", "exec"), names)
         except MessageError as refusal:

@@ -229,6 +229,8 @@ def test_whose_observation_is_meant(text, named):
 
 def python_program(capsys, *words):
     """How locator.py ends: (exit code, standard output, error output)."""
+    # That C# was built.
+    capsys.readouterr()
     old, sys.argv, code = sys.argv, ["locator.py", *words], 0
     try:
         runpy.run_path(str(ROOT / "python" / KEY / "locator.py"), run_name="__main__")
