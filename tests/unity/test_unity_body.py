@@ -181,7 +181,7 @@ def test_a_restart_of_the_server_makes_no_jump(
     stream, endpoint = stage
     body = walk()[0]
     program = play("body", endpoint, "count=60", "every=1", "timeout=60")
-    assert stream.poll(20_000)
+    assert stream.poll(20_000) and stream.recv() == b"\x01pose/0/"
     publish(stream, [body] * 10, 1, program)
     publish(stream, [[(x + 2, y, z, v) for x, y, z, v in body]] * 50, 1, program)
     assert program.wait() == 0, program.output
@@ -196,7 +196,7 @@ def test_a_server_that_is_away_is_waited_for(
     """And when it is back, the body moves on."""
     stream, endpoint = stage
     program = play("body", endpoint, "count=2", "every=1", "timeout=0.3", "tries=200")
-    assert stream.poll(20_000)
+    assert stream.poll(20_000) and stream.recv() == b"\x01pose/0/"
     publish(stream, [walk()[0]], 1, program)
     for _ in range(2):
         begin = len(program.lines)

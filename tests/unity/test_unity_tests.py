@@ -33,7 +33,7 @@ def runner(netmq: dotnet.NetMQ) -> Path:
 
 def test_they_pass(runner: Path, start: Callable[..., Program], tmp_path: Path) -> None:
     program = start(NEAREST, runner, folder=tmp_path)
-    code = program.wait(120)
+    code = program.wait(300)
     assert [line for line in program.lines if line.startswith("FAILED")] == []
     assert code == 0, program.output
     passed = {line.split(" ", 1)[1] for line in program.lines if line.startswith("passed ")}

@@ -4,7 +4,7 @@
 //     … play.dll keep                                    every Play on the same statics, as with domain reload off
 //     … play.dll editor                                  the package's folder Editor; see EditorProgram.cs
 //     … play.dll habits                                  one Play, in which scripts do what they may do in Unity
-//     … play.dll flood 1 tcp://127.0.0.1:5551 400        a Play in which each line of the log costs 0.3 ms
+//     … play.dll flood 1 tcp://127.0.0.1:5551 150        a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
 //     … play.dll views front front                       a Play of lesson 12 with cameras of these names
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
