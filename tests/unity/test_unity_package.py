@@ -135,6 +135,16 @@ def test_without_nuget_there_is_one_line_and_no_file(tmp_path: Path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_interrupted_run_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*paths: Path) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr(package, "replace", full)
+    with pytest.raises(OSError, match="no space left"):
+        package.write_package(tmp_path / "Kit.unitypackage", "1", False, True, None)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_what_stands_in_the_way_is_named(start: Start, tmp_path: Path) -> None:
     def refused(file: Path, *words: str) -> str:
         program = start(PYTHON, ROOT / "kit.py", "unity", "--package", file, "--scripts-only", *words)
