@@ -1,16 +1,17 @@
-"""Lesson 14 among strangers: what a worker, a journal, a signal or a peer does that nobody expects."""
+"""Lesson 14 among strangers: what a worker, a journal or a peer does that nobody expects."""
 
 # ruff: noqa: F401, F811
 
 from __future__ import annotations
 
 import os
-import re
-import signal
+import shutil
 import sqlite3
 import sys
 import threading
-from contextlib import closing
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, closing
+from typing import Any
 
 import pytest
 import zmq
@@ -23,22 +24,13 @@ from netmq_example.jobs.progress import Progress, share, words
 from netmq_example.jobs.work import Kind, Step
 from netmq_example.jobs.workers import Workers
 from netmq_example.messages import Array
-from tests.conftest import CLIENTS, PYTHON
+from tests.conftest import PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
-from tests.programs import LIMIT, ROOT, Mark, finds_processes
+from tests.programs import LIMIT, ROOT
 
-each_client = pytest.mark.parametrize("kind", CLIENTS)
+each_side = pytest.mark.parametrize("side", ["python", "csharp"])
 
-# A server's workers
-
-
-@pytest.mark.parametrize("key, work", [(KEY, "count"), ("21_talking_character", "talk")])
-def test_workers_find_their_work_from_every_folder(key, work, start, peer, tmp_path):
-    """A worker imports the program again, by the path by which it was started."""
-    words = ["--endpoint", "tcp://127.0.0.1:*", "--journal", tmp_path / "journal.sqlite3"]
-    server = start(PYTHON, f"../python/{key}/server.py", *words, folder=ROOT / "docs")
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    assert peer(endpoint).goal(work, 3).result("succeeded").values["done"] == 3
+# Work of one's own
 
 
 OWN = """
@@ -50,8 +42,12 @@ def own(total, finished, text):
         "part": lambda: Step(1.5, total),
         "huge": lambda: Step(2**53, total),
         "none": lambda: None,
+        "boom": lambda: mistake("my own\\nmistake"),
     }
     yield wrong[text]()
+
+def mistake(text):
+    raise ValueError(text)
 
 KINDS["own"] = Kind(own, 10)
 """
@@ -71,20 +67,21 @@ def own_server(start, tmp_path):
     return own_server
 
 
-@each_client
-def test_every_client_has_a_kind_of_your_own_done_with_its_text(kind, own_server, start, client_command):
+@each_side
+def test_every_client_has_a_kind_of_your_own_done_with_its_text(side, own_server, runs):
     """The one of the page, which it says to put at the end of work.py."""
     page = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
     server = own_server("\n\n" + next(block.body for block in page if "has it done by every client" in block.source))
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    words = ("--count", "3", "--timeout", "20")
-    client = start(*client_command(kind, KEY, endpoint, "--kind", "primes", "--text", "1000000", *words))
-    wrong = start(*client_command(kind, KEY, endpoint, "--kind", "primes", "--text", "zwölf", *words))
-    unknown = start(*client_command(kind, KEY, endpoint, "--kind", "proofs", *words))
-    assert (client.wait(), wrong.wait(), unknown.wait()) == (0, 1, 1), client.output
-    assert client.lines[-2].endswith("succeeded at 3 of 3, 1000037")
-    assert wrong.lines[-2].endswith("the text says where to begin, such as 1000000, and not 'zwölf'")
-    assert unknown.lines[-1].startswith("gave up: bad-goal: 'proofs' with count 3 is none of: count up to 10000")
+    always = ("--endpoint", server.wait_for(r"^listening on (\S+)")[1], "--count", "3", "--timeout", "20", "--kind")
+    kinds = [[], ["--unity"]] if side == "csharp" else [[]]
+    own = (["primes", "--text", "1000000"], ["primes", "--text", "zwölf"], ["proofs"])
+    found = runs(side, KEY, [[*kind, *always, *one] for kind in kinds for one in own])
+    for good, wrong, unknown in (found[i : i + 3] for i in range(0, len(found), 3)):
+        assert (good.code, wrong.code, unknown.code) == (0, 1, 1), (good, wrong, unknown)
+        assert good.lines[-2].endswith("succeeded at 3 of 3, 1000037")
+        assert wrong.lines[-2].endswith("the text says where to begin, such as 1000000, and not 'zwölf'")
+        assert wrong.lines[-1] == "gave up: the job was aborted; see above"
+        assert unknown.lines[-1].startswith("gave up: bad-goal: 'proofs' with count 3 is none of: count up to 10000")
 
 
 def test_a_kind_that_no_process_can_be_handed_is_one_line_at_the_start(own_server):
@@ -100,13 +97,16 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
     server = own_server(OWN)
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     said = {}
-    for text in ("long", "half", "part", "huge", "none"):
+    for text in ("long", "half", "part", "huge", "none", "boom"):
         job = peer(endpoint)
         result = job.ask("goal", kind="own", count=3, text=text).result("aborted").values
         assert result["done"] == 1, "as far as could be told"
         said[text] = result["text"]
     assert "too-big" in said["long"]
     assert "bad-json" in said["half"]
+    # A mistake is shown where it is written.
+    assert said["boom"] == r"ValueError('my own\nmistake')"
+    server.wait_for(r'work\.py", line \d+, in mistake')
     assert "done takes an int, not 1.5" in said["part"]
     assert "done takes a whole number from 0 to 9007199254740991" in said["huge"]
     assert units(peer(endpoint).goal(count=3).result("succeeded")) == 3, "the only worker works on"
@@ -129,96 +129,38 @@ def test_a_worker_that_cannot_be_started_is_waited_for(serve, peer):
     assert len([line for line in server.lines if line.startswith("cannot start")]) == 1
 
 
-@finds_processes
-def test_a_worker_that_was_stopped_does_not_hold_the_server(serve, peer):
-    mark = Mark()
-    server, endpoint = serve(KEY, **mark.environment)
-    job = peer(endpoint).goal("deaf", 10_000)
-    job.hear("feedback")
-    worker = int(server.wait_for(r"in process (\d+)")[1])
-    os.kill(worker, signal.SIGSTOP)
-    try:
-        assert server.stop(limit=LIMIT / 2) == 0
-    finally:
-        for left in mark.processes():
-            os.kill(left, signal.SIGKILL)
+# Options, and journals
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="sends Ctrl-C to one process")
-def test_ctrl_c_in_the_moment_in_which_a_worker_begins(serve, peer):
-    """A terminal sends it to all processes; a worker is there for the server to end."""
-    server, endpoint = serve(KEY)
-    job = peer(endpoint).goal(count=3)
-    os.kill(int(server.wait_for(r"in process (\d+)")[1]), signal.SIGINT)
-    assert units(job.result("succeeded")) == 3
-    assert server.stop(signal.SIGINT) == 0
-    assert "Traceback" not in server.output
-    assert server.output.count("in process") == 1, "it took no notice"
-
-
-@finds_processes
-def test_a_restart_is_no_death_of_a_worker(jobs_server, peer):
-    server, endpoint = jobs_server("--workers", "1")
-    job = peer(endpoint).goal(count=300)
-    job.at(1)
-    server.kill()
-    server, _ = jobs_server("--workers", "1")
-    seen = 0
-    for _ in range(2):
-        worker = server.wait_for(r"in process (\d+)", start=seen)[1]
-        seen = len(server.lines)
-        os.kill(int(worker), signal.SIGKILL)
-    assert units(job.result("succeeded")) == 300
-
-
-def test_a_server_that_was_crashed_on_purpose_goes_on_when_started_in_the_same_way(jobs_server, peer):
-    # It takes eight seconds to get there, and nobody asks meanwhile, so that after five nobody is told any more.
-    server, endpoint = jobs_server("--crash-on", "400")
-    job = peer(endpoint).goal(count=1000)
-    assert server.wait() == 1
-    jobs_server("--crash-on", "400")
-    assert units(job.result("succeeded")) == 1000
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
+def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
+    mine = str(tmp_path / "mine.sqlite3")
+    wrong = [
         ("--grace", "nan"),
         ("--grace", "inf"),
         ("--grace", "-1"),
         ("--crash-on", "-3"),
         ("--workers", "1000000000"),
         ("--queue", "0.5"),
-    ],
-    ids=" ".join,
-)
-def test_numbers_have_limits(words, start, tmp_path):
-    command = [PYTHON, ROOT / "python" / KEY / "server.py", "--endpoint", "tcp://127.0.0.1:0", *words]
-    server = start(*command, folder=tmp_path)
-    assert server.wait() == 2
-    name = words[0].removeprefix("--")
-    assert re.search(rf"error: (argument --{name}: it|{name}) takes .*, not '?{words[1]}", server.lines[-1]), (
-        server.output
-    )
-
-
-# Journals
-
-
-def test_another_programs_file_is_refused_and_left_as_it_is(start, tmp_path):
-    for name, table in (("other", "notes (text)"), ("same_name", "jobs (id, salary)")):
-        path = tmp_path / name
+    ]
+    others = {"notes (text)": tmp_path / "other", "jobs (id, salary)": tmp_path / "same_name"}
+    for table, path in others.items():
         with closing(sqlite3.connect(path)) as other, other:
             other.execute(f"CREATE TABLE {table}")
-        before = path.read_bytes()
-        server = start(
-            PYTHON, ROOT / "python" / KEY / "server.py", "--journal", path, "--endpoint", "tcp://127.0.0.1:0"
-        )
-        assert server.wait() == 2
-        assert server.lines[-1].endswith(
-            f"cannot use the journal {path}: it is another program's; try --journal another.sqlite3"
-        )
-        assert path.read_bytes() == before
+    before = [path.read_bytes() for path in others.values()]
+    # A second server of the same journal would do each job once more.
+    with closing(Journal(mine).db):
+        always = ("--endpoint", "tcp://127.0.0.1:0", "--journal")
+        journals = [(*always, str(path)) for path in (*others.values(), mine)]
+        found = runs("server", KEY, [*((*always, str(tmp_path / "new"), *pair) for pair in wrong), *journals])
+    assert {run.code for run in found} == {2}
+    for (name, value), run in zip(wrong, found, strict=False):
+        what = name.removeprefix("--")
+        assert f"error: argument {name}: it takes " in run.lines[-1] or f"error: {what} takes " in run.lines[-1]
+        assert f", not {value}" in run.lines[-1].replace("'", "")
+    causes = ["it is another program's"] * 2 + ["database is locked"]
+    for path, cause, run in zip([*others.values(), mine], causes, found[len(wrong) :], strict=True):
+        assert run.lines[-1].endswith(f"cannot use the journal {path}: {cause}; try --journal another.sqlite3")
+    assert before == [path.read_bytes() for path in others.values()]
 
 
 def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(jobs_server, peer, tmp_path):
@@ -245,30 +187,31 @@ def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(j
     assert "Traceback" not in server.output
 
 
-RACE = f"""
-import sys
-import threading
-sys.path.insert(0, {str(ROOT / "python")!r})
-from netmq_example.jobs.journal import Journal
-journal = Journal(sys.argv[1])
-threading.Event().wait(600)
-"""
+def test_of_servers_that_begin_together_one_gets_the_journal(tmp_path):
+    """Also one that was left by a server that was killed."""
+    for name, before in (("new", []), ("left", ["a"])):
+        tried = threading.Barrier(3)
+        with ThreadPoolExecutor(3) as pool:
+            opened = [pool.submit(opens, tmp_path / name, tried, tmp_path / "left") for _ in range(3)]
+        assert sorted((one.result() for one in opened), key=str) == [None, None, before]
 
 
-def test_of_servers_that_begin_together_one_gets_the_journal(start, tmp_path):
-    race = tmp_path / "race.py"
-    race.write_text(RACE, encoding="utf-8")
-    # Half of them race for a journal that a killed one has left.
-    for number in range(6):
-        path = str(tmp_path / f"{number // 2}.sqlite3")
-        programs = [start(PYTHON, race, path) for _ in range(3)]
-        said = []
-        for program in programs:
-            program.wait_for("^journal|ValueError: cannot use the journal")
-            said.append(program.lines[0].startswith("journal"))
-        assert sorted(said) == [False, False, True]
-        for program in programs:
-            program.kill()
+def opens(path, tried, left):
+    """The jobs in this journal; nothing for whoever does not get it."""
+    try:
+        journal = Journal(path)
+    except ValueError:
+        tried.wait(LIMIT)
+        return None
+    with closing(journal.db):
+        tried.wait(LIMIT)
+        jobs = [goal.values["job"] for goal, _ in journal.open()]
+        if path != left:
+            goal = Message("goal", values={"job": "a", "kind": "count", "count": 1})
+            assert journal.add(goal, Message("accepted", values={"job": "a", "seq": 0, "position": 1}))
+            for end in ("", "-wal"):
+                shutil.copy(f"{path}{end}", f"{left}{end}")
+        return jobs
 
 
 # Clients, by a server that is not the kit's
@@ -276,6 +219,13 @@ def test_of_servers_that_begin_together_one_gets_the_journal(start, tmp_path):
 
 class Wrong:
     """Answers each message about a job with what `replies` makes of the job's id; a context manager."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.ended.set()
+        self.thread.join()
 
     def __init__(self, context, replies):
         self.replies, self.ended = replies, threading.Event()
@@ -332,38 +282,25 @@ STRANGE = [
 ]
 
 
-@each_client
-def test_what_a_strange_server_says_of_a_job_is_one_line(kind, context, start, client_command):
-    servers = [Wrong(context, replies) for replies, _ in STRANGE]
-    try:
-        clients = [start(*client_command(kind, KEY, server.endpoint, "--timeout", "20")) for server in servers]
-        for client, (_, last) in zip(clients, STRANGE, strict=True):
-            assert client.wait() == (1 if last.startswith("gave up") else 0), client.output
-            assert client.lines[-1] == last
-            assert len(client.lines) < 6
-    finally:
-        for server in servers:
-            server.ended.set()
-            server.thread.join()
-
-
-@each_client
-def test_a_flood_of_what_is_no_message_is_no_flood_of_lines(kind, context, start, client_command):
-    server = Wrong(context, lambda job: [[b"rubbish"]] * 900)
-    try:
-        client = start(*client_command(kind, KEY, server.endpoint, "--timeout", "2", "--tries", "2"))
-        assert client.wait() == 1
-    finally:
-        server.ended.set()
-        server.thread.join()
-    assert 0 < len([line for line in client.lines if line.startswith("dropped: ")]) <= 20, client.output
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_numbers_have_the_same_limits_in_every_client(kind, start, client_command):
-    words = [("--count", "0"), ("--count", "99999999999"), ("--cancel-at", "99999999999")]
-    clients = [start(*client_command(kind, KEY, "tcp://127.0.0.1:1", *pair)) for pair in words]
-    assert [client.wait() for client in clients] == [2, 2, 2], [client.output for client in clients]
+@each_side
+def test_what_a_strange_server_says_of_a_job_is_one_line(side, context, runs):
+    flood = lambda job: [[b"rubbish"]] * 300  # noqa: E731
+    with ExitStack() as stack:
+        servers = [stack.enter_context(Wrong(context, replies)) for replies in (flood, *(one for one, _ in STRANGE))]
+        clients = [["--endpoint", server.endpoint, "--timeout", "20"] for server in servers]
+        clients[0][2:] = ["--timeout", "1", "--tries", "2"]
+        numbers = [("--count", "0"), ("--count", "99999999999"), ("--cancel-at", "99999999999")]
+        nowhere = [["--endpoint", "tcp://127.0.0.1:1", *pair] for pair in numbers]
+        flooded, *found = runs(side, KEY, [*clients, *nowhere])
+    # A flood of what is no message is no flood of lines.
+    assert flooded.code == 1
+    assert 0 < len([line for line in flooded.lines if line.startswith("dropped: ")]) <= 20, flooded.lines
+    for run, (_, last) in zip(found, STRANGE, strict=False):
+        assert run.code == (1 if last.startswith("gave up") else 0), run.lines
+        assert run.lines[-1] == last
+        assert len(run.lines) < 6
+    # Numbers have the same limits in every client.
+    assert [run.code for run in found[len(STRANGE) :]] == [2, 2, 2]
 
 
 # What a method cannot use
@@ -383,7 +320,7 @@ def made(context, tmp_path):
 
 
 NAN = float("nan")
-WRONG = {
+WRONG: dict[str, list[Any]] = {
     "work": [lambda value, made: Kind(value, 1), None, 0, "count"],
     "most": [lambda value, made: Kind(nothing, value), None, 0, -1, NAN, "", 0.5],
     "has_checkpoint": [lambda value, made: Kind(nothing, 1, value), None, 0, ""],
@@ -417,12 +354,9 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "call", "value"),
-    [(name, call, value) for name, (call, *values) in WRONG.items() for value in values],
-    ids=lambda value: None if callable(value) else f"{value!r:.20}",
-)
-def test_what_a_method_cannot_use_is_named(name, call, value, made):
-    with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
-        call(value, made)
-    assert "\n" not in str(caught.value)
+def test_what_a_method_cannot_use_is_named(made):
+    for name, (call, *values) in WRONG.items():
+        for value in values:
+            with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
+                call(value, made)
+            assert "\n" not in str(caught.value)

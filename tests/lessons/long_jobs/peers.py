@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import time
 import uuid
-from pathlib import Path
 
 import pytest
 import zmq
@@ -92,8 +90,3 @@ def units(result):
     found = bytes(result.arrays[0].data) if result.arrays else b""
     assert found == bytes(unit % 256 for unit in range(1, len(found) + 1))
     return len(found)
-
-
-def memory(server):
-    status = Path(f"/proc/{server.process.pid}/status").read_text()
-    return int(re.search(r"VmRSS:\s+(\d+) kB", status)[1]) * 1024
