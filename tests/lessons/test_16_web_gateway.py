@@ -185,7 +185,7 @@ def test_gateway_and_server_are_killed_and_the_clients_go_on(serve, start, clien
     words = ["--hello", behind, *ABSENT[2:]]
     gateway, endpoint = serve(KEY, *words)
     clients = [
-        start(*client_command(kind, KEY, endpoint, "--count", "20", "--timeout", "100", *by(kind, socketio_too)))
+        start(*client_command(kind, KEY, endpoint, "--count", "20", "--timeout", "600", *by(kind, socketio_too)))
         for kind in ("python", "csharp")
         for socketio_too in (False, True)
     ]

@@ -104,6 +104,7 @@ def test_each_message_is_an_arrow_and_one_is_dropped_as_the_page_asks(answering,
     seen.click("[data-fate=drop]")
     seen.wait_for("document.querySelector('[data-fate=drop]').getAttribute('aria-pressed') === 'true'")
     ask(b"again", b"World", lost=True)
+    seen.wait_for(f"{ARROWS}.length === 6")
     ask(b"and again", b"World")
     seen.wait_for(f"{ARROWS}.length === 8")
     classes = seen.evaluate(f"{ARROWS}.map(each => each.className.trim())")
