@@ -111,16 +111,6 @@ class SlowLine(Listener):
                     target.sendall(data) if data else target.shutdown(socket.SHUT_WR)
 
 
-class EndlessPeer(Listener):
-    """Announces more than anybody takes; `cut_off` gets True for each connection on which it is hung up for that."""
-
-    def __init__(self):
-        self.cut_off = queue.SimpleQueue()
-
-    def serve(self, peer):
-        self.cut_off.put(cuts_off_what_is_endless(peer))
-
-
 class ProtocolBreaker(Listener):
     """A REP server by hand that answers one request of each connection, and with the reply comes a frame too many."""
 
