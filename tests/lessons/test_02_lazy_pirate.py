@@ -91,10 +91,10 @@ def test_ten_additions(kind, pirate_server, start, client_command):
 
 
 @clients
-def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, pirate_server, start, client_command):
+def test_a_lost_reply_is_asked_for_again_and_nothing_is_done_twice(kind, pirate_server, run):
     server, endpoint = pirate_server("--drop", "2")
-    client = start(*client_command(kind, KEY, endpoint, "--count", "3"))
-    assert client.wait() == 0, client.output
+    client = run(kind, KEY, "--endpoint", endpoint, "--count", "3")
+    assert client.code == 0, client
     i = fate(server, "dropped")
     assert retry(i, 2) in client.lines
     assert replies(client) == received([1, 2, 3])
@@ -119,10 +119,10 @@ def test_a_crash_between_the_work_and_the_reply(kind, pirate_server, start, clie
 
 
 @clients
-def test_without_a_server_it_gives_up(kind, start, client_command):
+def test_without_a_server_it_gives_up(kind, run):
     endpoint = steady_endpoint()
-    client = start(*client_command(kind, KEY, endpoint, "--timeout", "0.25", "--tries", "3"))
-    assert client.wait() == 1, client.output
+    client = run(kind, KEY, "--endpoint", endpoint, "--timeout", "0.25", "--tries", "3")
+    assert client.code == 1, client
     assert client.lines[1:] == [
         retry(1, 2, tries=3, timeout=0.25),
         retry(1, 3, tries=3, timeout=0.25),
@@ -132,13 +132,13 @@ def test_without_a_server_it_gives_up(kind, start, client_command):
 
 
 @clients
-def test_a_server_that_speaks_otherwise(kind, serve, start, client_command):
+def test_a_server_that_speaks_otherwise(kind, serve, run):
     """Its answer is shown, so that the reader sees what is wrong; and a wrong answer does not use up all tries at once,
     because the right server may be there in a moment."""
     _, endpoint = serve("01_request_reply")
     began = time.monotonic()
-    client = start(*client_command(kind, KEY, endpoint, "--tries", "4", "--timeout", "20"))
-    assert client.wait() == 1, client.output
+    client = run(kind, KEY, "--endpoint", endpoint, "--tries", "4", "--timeout", "20")
+    assert client.code == 1, client
     # A pause before each of the three retries, and no wait for what was answered.
     assert time.monotonic() - began > 3 * 0.25
     wrong = r"dropped a reply to another request \(error: expected Hello, got .*\)"
@@ -150,24 +150,24 @@ def test_a_server_that_speaks_otherwise(kind, serve, start, client_command):
 
 
 @clients
-def test_a_far_server_is_reached_with_the_default_timeout(kind, pirate_server, start, client_command):
+def test_a_far_server_is_reached_with_the_default_timeout(kind, pirate_server, run):
     """A round trip of 400 ms. A new connection takes several of them, so that a try of 0.5 s never succeeds.
 
     One of 2 s does, the third, and on a busy machine one of 4 s.
     """
     _, endpoint = pirate_server()
     with SlowLine(endpoint, 0.4) as line:
-        client = start(*client_command(kind, KEY, line.endpoint, "--count", "2", "--tries", "20"))
-        assert client.wait() == 0, client.output
+        client = run(kind, KEY, "--endpoint", line.endpoint, "--count", "2", "--tries", "20")
+    assert client.code == 0, client
     assert replies(client) == received([1, 2])
 
 
 @clients
-def test_a_client_survives_a_peer_that_breaks_the_protocol(kind, start, client_command):
+def test_a_client_survives_a_peer_that_breaks_the_protocol(kind, run):
     """There may be no connection left to send the next request on, nor to get one again: only a new socket helps."""
     with ProtocolBreaker(lambda frames: [frames[0], b"1"]) as peer:
-        client = start(*client_command(kind, KEY, peer.endpoint, "--count", "5"))
-        assert client.wait() == 0, client.output
+        client = run(kind, KEY, "--endpoint", peer.endpoint, "--count", "5")
+    assert client.code == 0, client
     assert replies(client) == [f"{i}: sent add 1, received 1" for i in range(1, 6)]
 
 
@@ -220,13 +220,15 @@ GARBAGE = {
 }
 
 
-@pytest.mark.parametrize("frames", GARBAGE.values(), ids=GARBAGE.keys())
-def test_a_bad_request_gets_an_error_and_changes_nothing(frames, pirate_server, context):
+def test_a_bad_request_gets_an_error_and_changes_nothing(pirate_server, context):
     server, endpoint = pirate_server()
-    reply = ask(context, endpoint, *frames)
-    assert reply[-1].startswith(b"error: expected ")
     assert ask(context, endpoint, b"first", b"add 2") == [b"first", b"2"]
-    assert balance(context, endpoint) == 2
+    for name, frames in GARBAGE.items():
+        reply = ask(context, endpoint, *frames)
+        assert reply[-1].startswith(b"error: expected "), name
+        assert balance(context, endpoint) == 2, name
+    # The longest id, and the largest addition.
+    assert ask(context, endpoint, b"i" * 100, b"add 999999999") == [b"i" * 100, b"1000000001"]
     assert server.stop() == 0
     assert "Traceback" not in server.output
 
@@ -281,30 +283,18 @@ def test_the_journal_does_not_grow_for_ever(start, journal, context):
     db.close()
 
 
-@pytest.mark.parametrize(
-    "options",
-    [["--crash-on", "x"], ["--journal", ""], ["--journal", ":memory:"]],
-    ids="=".join,
-)
-def test_wrong_usage_of_the_server(options, start, journal):
-    server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", journal, *options)
-    assert server.wait() == 2
-    assert options[0] in server.lines[-1]
-
-
-def test_a_journal_that_is_none_is_named_with_its_cure(start, tmp_path):
+def test_a_journal_that_is_none_is_named_with_its_cure(run, tmp_path):
     text = tmp_path / "notes.txt"
     text.write_text("not a database, but long enough to be taken for the header of one\n" * 20)
     alien = tmp_path / "alien.sqlite3"
     with sqlite3.connect(alien) as db:
         db.execute("CREATE TABLE journal (page TEXT)")
     db.close()
-    for path in (text, alien, tmp_path, tmp_path / "nowhere" / "journal.sqlite3"):
-        server = start(PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:*", "--journal", path)
-        assert server.wait() == 2
-        assert f"cannot use the journal {path}: " in server.lines[-1]
+    for path in text, alien, tmp_path, tmp_path / "nowhere" / "journal.sqlite3", "", ":memory:":
+        server = run("server", KEY, "--endpoint", "tcp://127.0.0.1:*", "--journal", str(path))
+        assert server.code == 2, server
+        assert f"--journal: cannot use the journal {path}: " in server.lines[-1]
         assert server.lines[-1].endswith("; try --journal another.sqlite3")
-        assert "Traceback" not in server.output
     assert text.read_text().startswith("not a database")
 
 
@@ -402,7 +392,7 @@ def test_a_flood_of_bad_requests_is_no_flood_of_lines(pirate_server, context):
     with context.socket(zmq.REQ) as asker:
         asker.linger = 0
         asker.connect(endpoint)
-        for i in range(1000):
+        for i in range(100):
             asker.send_multipart([b"%d" % i, b"rude"])
             assert asker.poll(100_000)
             asker.recv_multipart()
@@ -551,53 +541,24 @@ class Storm:
             except AssertionError:
                 assert client.wait() == 0, client.output
 
-    @property
-    def repeats(self):
-        return sum(line.endswith("from the journal") for server in self.servers for line in server.lines)
 
-    def figures(self):
-        requests = sum(line.startswith("request ") for server in self.servers for line in server.lines)
-        retries = sum(" try " in line for client in self.clients for line in client.lines)
-        return f"{self.kills} kills, {requests} requests, {retries} retries, {self.repeats} answered from the journal"
-
-
-def weather(storm, adds, context):
-    """A storm, and what must hold after it."""
-    storm.rage()
-    for client in storm.clients:
-        assert client.wait() == 0, client.output
-        assert client.lines[-1] == f"done: {adds} replies"
-        balances = [int(line.rpartition(" ")[2]) for line in replies(client)]
-        assert len(balances) == adds
-        assert balances == sorted(set(balances)), "each addition is answered with the balance after it"
-    assert balance(context, storm.endpoint) == adds * len(storm.clients)
-
-
-# Some twenty servers are started, one after the other.
-@pytest.mark.timeout(900)
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_a_sum_stays_exact_while_the_server_is_killed(kind, start, journal, client_command, context):
     kills = 0
     # A fast machine may be done with all additions before it was hit often.
     for number in itertools.count():
         own = journal.with_name(f"{number}.sqlite3")
-        storm = Storm(start, own, lambda *words: client_command(kind, KEY, *words), clients=4, adds=100, mean=20)
-        weather(storm, 100, context)
+        storm = Storm(start, own, lambda *words: client_command(kind, KEY, *words), clients=3, adds=25, mean=10)
+        storm.rage()
+        for client in storm.clients:
+            assert client.wait() == 0, client.output
+            assert client.lines[-1] == "done: 25 replies"
+            balances = [int(line.rpartition(" ")[2]) for line in replies(client)]
+            assert len(balances) == 25
+            assert balances == sorted(set(balances)), "each addition is answered with the balance after it"
+        assert balance(context, storm.endpoint) == 25 * len(storm.clients)
+        kills += storm.kills
         storm.kill()
-        kills += storm.kills - 1
-        if kills >= 5:
+        if kills >= 4:
             return
-        assert number < 10, storm.figures()
-
-
-@pytest.mark.long
-@pytest.mark.timeout(900)
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_long_storm(kind, start, journal, client_command, context, capsys):
-    began = time.monotonic()
-    storm = Storm(start, journal, lambda *words: client_command(kind, KEY, *words), clients=4, adds=2000, mean=35)
-    weather(storm, 2000, context)
-    with capsys.disabled():
-        print(f"\n4 {kind} clients, 8000 additions in {time.monotonic() - began:.0f} s: {storm.figures()}")
-    assert storm.kills >= 100
-    assert storm.repeats, "no kill came between the work and the reply"
+        assert number < 10, storm.kills
