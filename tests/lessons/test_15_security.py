@@ -4,10 +4,12 @@ the wire shows, and a gate under strain."""
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import os
 import re
 import shutil
 import socket
+import threading
 import time
 from pathlib import Path
 
@@ -407,15 +409,58 @@ def test_who_is_revoked_hears_no_more_of_what_was_asked_before(gate, folder, con
     other = zmq.curve_keypair()
     keys.write(folder / "allowed" / "bob.key", other[0])
     alice, bob = (connect(endpoint, pair, zmq.DEALER) for pair in (None, other))
-    alice.send(b"alice's job")
-    job, _ = heard(behind)
+    # Pictures pass as well.
+    alice.send(bytes(100_000))
+    job, passed = heard(behind)
+    assert passed == bytes(100_000)
     keys.revoke(folder, "alice")
     behind.send_multipart([job, b"progress"])
     # When what came later has passed, the progress would have.
     bob.send(b"bob's question")
-    behind.send_multipart([heard(behind)[0], b"bob's answer"])
-    assert bob.poll(LIMIT * 1000) and bob.recv() == b"bob's answer"
+    behind.send_multipart([heard(behind)[0], bytes(100_000)])
+    assert bob.poll(LIMIT * 1000) and bob.recv() == bytes(100_000)
     assert not alice.poll(200)
+
+
+def test_with_too_many_clients_the_one_that_was_silent_longest_is_disconnected(folder, connect, context, monkeypatch):
+    spec = importlib.util.spec_from_file_location("gate_15", FOLDER / "gate.py")
+    gate = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(gate)
+    monkeypatch.setattr(gate, "MOST_CLIENTS", 2)
+    with zmq.Context() as inner, inner.socket(zmq.ROUTER) as door, context.socket(zmq.ROUTER) as behind:
+        door.linger = behind.linger = 0
+        allowed = AllowList(folder)
+        allowed.answer(inner)
+        allowed.guard(door)
+        endpoint = f"tcp://127.0.0.1:{door.bind_to_random_port('tcp://127.0.0.1')}"
+        inside = f"tcp://127.0.0.1:{behind.bind_to_random_port('tcp://127.0.0.1')}"
+        passes = gate.Gate(inner, door, inside, allowed)
+        ended = threading.Event()
+
+        def run():
+            with contextlib.suppress(zmq.ZMQError):
+                passes.pass_on()
+            for socket, _ in passes.inside.values():
+                socket.close(0)
+            ended.set()
+
+        threading.Thread(target=run, daemon=True).start()
+        first, second, third = (connect(endpoint, None, zmq.DEALER) for _ in range(3))
+        places = []
+        for asker in (first, second, first, third):
+            asker.send(b"hello")
+            places.append(heard(behind)[0])
+        assert places[0] == places[2] and len({*places}) == 3, "each has a connection, and keeps it"
+        for place in places[1:]:
+            behind.send_multipart([place, b"news"])
+        for asker in (first, third):
+            assert asker.poll(LIMIT * 1000) and asker.recv() == b"news"
+        assert not second.poll(200)
+        second.send(b"hello again")
+        place, text = heard(behind)
+        assert text == b"hello again" and place not in places
+        door.close()
+        assert ended.wait(LIMIT)
 
 
 def test_an_answer_goes_to_the_key_that_has_asked(gate, folder, connect):
