@@ -21,7 +21,7 @@ namespace NetMQExample
 
         /// <summary>On the road, at its first point.</summary>
         /// <param name="seesPictures">What is seen is the drawn picture, and not five numbers.</param>
-        public RoadCar(bool seesPictures = false)
+        public RoadCar(bool seesPictures)
         {
             this.seesPictures = seesPictures;
             car = new Car(road, 0);
