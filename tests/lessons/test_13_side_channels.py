@@ -151,15 +151,22 @@ def test_a_server_of_something_else_is_given_up(kind, start, client_command):
 def test_python_speaks_whenever_it_likes(start, client_command):
     """Not only when it is spoken to: what is queued between two exchanges leaves with `send`."""
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
-        socket.linger, socket.rcvtimeo = 0, 20
+        socket.linger, socket.rcvtimeo, logs = 0, 20, []
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
-        log = GameLog()
-        carrier = Carrier(socket, lambda: SideChannelManager([log]), print)
+
+        def welcome():
+            # A client that was not answered soon comes again with a new socket.
+            logs.append(GameLog())
+            logs[-1].send_string("welcome")
+            return SideChannelManager([logs[-1]])
+
+        carrier = Carrier(socket, welcome, print)
         client = start(*client_command("csharp", KEY, endpoint, *PATIENT))
+        while "From Python : welcome" not in client.lines:
+            assert client.process.poll() is None, client.output
+            carrier.exchange()
         for number in range(3):
-            while not carrier.peers:
-                carrier.exchange()
-            log.send_string(f"line {number}")
+            logs[-1].send_string(f"line {number}")
             carrier.send()
             client.wait_for(f"From Python : line {number}")
 
@@ -239,21 +246,27 @@ def test_unity_does_what_the_settings_say(runtime, netmq, program):
 
 def test_pictures_are_raw_bytes_in_their_order(program):
     """128 x 128 in colour, from C# to Python, each answered with an empty message."""
-    count, seen, pictures = 30, 0, RawBytesChannel(STRANGER)
+    count, seen, channels = 30, 0, []
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
         socket.linger, socket.rcvtimeo = 0, 20
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
-        carrier = Carrier(socket, lambda: SideChannelManager([pictures]), print)
+
+        def welcome():
+            channels.append(RawBytesChannel(STRANGER))
+            return SideChannelManager([channels[-1]])
+
+        carrier = Carrier(socket, welcome, print)
         with subprocess.Popen(["dotnet", program, "sidechannels", "pictures", endpoint, str(count)]) as sender:
             try:
                 end = time.monotonic() + LIMIT
                 while sender.poll() is None:
-                    carrier.exchange()
-                    for picture in pictures.get_and_clear_received_messages():
-                        assert picture == bytes([seen]) * 49_152
-                        seen += 1
-                        pictures.send_raw_data(b"")
                     assert time.monotonic() < end, f"only {seen} pictures"
+                    carrier.exchange()
+                    for channel in channels:
+                        for picture in channel.get_and_clear_received_messages():
+                            assert picture == bytes([seen]) * 49_152
+                            seen += 1
+                            channel.send_raw_data(b"")
                     carrier.send()
             finally:
                 sender.kill()

@@ -97,30 +97,41 @@ def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_comma
     with zmq.Context() as context, context.socket(zmq.ROUTER) as server:
         server.linger = 0
         endpoint = f"tcp://127.0.0.1:{server.bind_to_random_port('tcp://127.0.0.1')}"
-        # How many more there were is said each second.
-        client = start(*client_command(kind, KEY, endpoint, "--timeout", "4"))
-        while client.process.poll() is None:
-            if server.poll(50):
-                server.send_multipart([server.recv_multipart()[0], wrong])
-                time.sleep(0.2)
-        assert client.wait() == 1
-    lines = [line for line in client.lines if line.startswith("trouble: ")]
-    assert 0 < len(lines) < 20
-    assert re.search(r"\(and \d{3,} more\)$", "\n".join(lines), re.MULTILINE)
+        # How many more there were is said each second. A busy machine may have no word within four seconds.
+        for limit in (4, 20, 60):
+            client = start(*client_command(kind, KEY, endpoint, "--timeout", f"{limit}"))
+            while client.process.poll() is None:
+                if server.poll(50):
+                    server.send_multipart([server.recv_multipart()[0], wrong])
+                    time.sleep(0.2)
+            assert client.wait() == 1
+            lines = [line for line in client.lines if line.startswith("trouble: ")]
+            assert len(lines) < 5 * limit
+            if re.search(r"\(and \d{3,} more\)$", "\n".join(lines), re.MULTILINE):
+                break
+        else:
+            raise AssertionError(client.output)
 
 
 @each_terminal
 def test_what_is_no_number_is_printed_in_the_same_way(kind, start, client_command):
-    parameters = EnvironmentParametersChannel()
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
-        socket.linger, socket.rcvtimeo = 0, 20
+        socket.linger, socket.rcvtimeo, parameters = 0, 20, []
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
-        carrier = Carrier(socket, lambda: SideChannelManager([parameters]), print)
+
+        def welcome():
+            # A client that was not answered soon comes again with a new socket.
+            parameters.append(EnvironmentParametersChannel())
+            parameters[-1].set_float_parameter("gravity", 1)
+            return SideChannelManager([parameters[-1]])
+
+        carrier = Carrier(socket, welcome, print)
         client = start(*client_command(kind, KEY, endpoint, *PATIENT))
-        while not carrier.peers:
+        while "gravity is now 1.00" not in client.lines:
+            assert client.process.poll() is None, client.output
             carrier.exchange()
         for value in ("inf", "-inf", "nan"):
-            parameters.set_float_parameter("gravity", float(value))
+            parameters[-1].set_float_parameter("gravity", float(value))
             carrier.send()
             client.wait_for(f"gravity is now {value}$")
 
