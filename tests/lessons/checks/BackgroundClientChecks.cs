@@ -20,7 +20,7 @@ namespace NetMQExample.Tests
 {
     internal static class BackgroundClientChecks
     {
-        private static readonly TimeSpan Limit = TimeSpan.FromSeconds(30);
+        private static readonly TimeSpan Limit = TimeSpan.FromSeconds(60);
 
         public static int Run(string[] words)
         {
@@ -595,13 +595,15 @@ namespace NetMQExample.Tests
                     Frame();
                     if (shown.Count == 0 || shown[^1].Text != hud.Text)
                         shown.Add((hud.Text, Time.realtimeSinceStartup, hello.Client.Replies));
-                    return shown.Count == 4 && shown[^1].Replies > shown[^2].Replies + 10;
+                    return shown.Count >= 4 && shown[^1].Replies > shown[^2].Replies + 3;
                 });
-                Check(shown[3].Second - shown[2].Second > 0.4, "drawn anew in each frame");
+                var ((_, before, first), (_, now, last)) = (shown[^2], shown[^1]);
+                Check(now - before > 0.4, "drawn anew in each frame");
                 var parts = Regex.Match(hud.Text, @"^Connected\nround trip \d+[.,]\d ms\n(\d+) messages a second\n$");
                 Check(parts.Success, hud.Text);
-                var rate = (shown[3].Replies - shown[2].Replies) / (shown[3].Second - shown[2].Second);
-                Check(Math.Abs(int.Parse(parts.Groups[1].Value) - rate) < 2 + rate / 4, $"{hud.Text}, and it was {rate}");
+                // A reply may have come since the text was made.
+                var rate = (last - first) / (now - before);
+                Check(Math.Abs(int.Parse(parts.Groups[1].Value) - rate) < 5 + rate / 4, $"{hud.Text}, and it was {rate}");
                 Equal(headset, mesh?.text == hud.Text);
                 Equal(!headset, Player.Drawn == hud.Text);
                 Check(Regex.IsMatch(hello.State, @"^Connected, round trip \d+\.\d ms$"), hello.State);
