@@ -73,6 +73,15 @@ def test_rounding_does_not_add_up(tmp_path):
     assert sum(times) == 3000 and set(times) == {30, 40}
 
 
+def test_a_picture_is_shown_as_long_as_its_format_can_say(tmp_path):
+    for end, longest in ((".gif", 655_350), (".png", 65_535), (".webp", 16_777_215)):
+        film = open_film(tmp_path / f"film{end}")
+        film.add(picture(1), 0)
+        film.add(picture(2), 0)
+        film.close(1e6)
+        assert shown(tmp_path / f"film{end}")[1] == pytest.approx([0, longest])
+
+
 @each_format
 def test_a_film_without_a_picture_leaves_no_file(end, tmp_path):
     open_film(tmp_path / f"film{end}").close(1)

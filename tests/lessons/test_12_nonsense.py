@@ -140,6 +140,7 @@ def test_numbers_that_cannot_be_end_a_film_and_not_the_server(serve, context, tm
     peer.end(0.3)
     server.wait_for(r"^film \S+\.gif: 1 frames, 0\.3 s, 0 skipped$")
     assert "Traceback" not in server.output
+    assert all(shown(path)[0] for path in tmp_path.iterdir()), "where no picture came there is no file"
 
 
 def test_what_one_view_refuses_ends_the_films_of_the_others(serve, context):
@@ -150,8 +151,8 @@ def test_what_one_view_refuses_ends_the_films_of_the_others(serve, context):
     peer.frame(1, 0.0)
     peer.say("error", peer.next("begin").id, {"code": "no-light", "text": "it is dark"})
     server.wait_for("^trouble: 'no-light: it is dark'$")
-    peer.end(0.5)
-    server.wait_for(r"^film one_1\.gif: 1 frames, 0\.5 s, 0 skipped$")
+    peer.end(0.5, skipped=3)
+    server.wait_for(r"^film one_1\.gif: 1 frames, 0\.5 s, 3 skipped$")
     peer.socket.close()
 
 
@@ -177,7 +178,7 @@ def test_a_game_that_is_gone_leaves_its_film_at_once(films, peer):
     peer.next("took")
     peer.socket.close()
     film = films.end_render("one")
-    assert film.frames == len(shown(film.path)[0]) == 1
+    assert film.frames == len(shown(film.path)[0]) == 1 and film.skipped == 0
 
 
 def test_the_newest_pictures_are_those_of_the_game_that_is_there(films, game):
