@@ -352,6 +352,7 @@ WRONG = {
         NAN,
         "",
         "ftp://x",
+        "http://x:0",
     ],
     "model": [lambda value, client: next(ollama_talk(1, b"", "?", url="http://x", model=value)), None, 0, NAN, ""],
 }
