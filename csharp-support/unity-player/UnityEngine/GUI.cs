@@ -22,7 +22,9 @@ namespace UnityEngine
 
     public class GUI
     {
-        public static void Label(Rect position, string text) { }
+        internal static string Drawn { get; private set; } = "";
+
+        public static void Label(Rect position, string text) => Drawn = text;
 
         public static void DrawTexture(Rect position, Texture image) { }
 
