@@ -25,6 +25,7 @@ namespace NetMQExample.Tests
                 Console.SetError(both);
                 // What --with-keys of a run before has set.
                 NetMQConnection.Prepare = null;
+                var before = NetMQLifetime.Users;
                 object code;
                 try
                 {
@@ -35,6 +36,8 @@ namespace NetMQExample.Tests
                     both.WriteLine($"Unhandled exception. {e.InnerException}");
                     code = 134;
                 }
+                // In Unity a thread may leave a moment later.
+                if (!line.Contains("\"--unity\"") && NetMQLifetime.Users > before) both.WriteLine("Unhandled: it has not left NetMQ");
                 var text = said.ToString();
                 output.WriteLine($"{text}{(text.Length == 0 || text.EndsWith("\n") ? "" : "\n")}ended {code}");
             }
