@@ -120,18 +120,15 @@ def test_who_is_on_the_list_comes_in_and_nobody_else(side, folder, alice, tmp_pa
     shutil.copy(bad / "no secret" / "client.key", bad / "no secret" / "client.key_secret")
     (bad / "file").write_text("")
     before = {path: path.read_bytes() for path in bad.rglob("*") if path.is_file()}
-    # A key may begin with two dashes, and is no option after the equals sign.
-    given = f"=--{zmq.curve_keypair()[0].decode()[2:]}"
     each = [words(kind, *always, *PATIENT, *options) for kind in kinds(side) for options in cases.values()]
     for kind in kinds(side):
-        nowhere = [*kind, "--endpoint", "tcp://127.0.0.1:1", "--keys"]
-        each += [
-            [*nowhere, str(bad / name), f"{'--serverKey' if kind else '--server-key'}{given}"]
-            for name in ("no secret", "public alone", "file")
-        ]
+        nowhere = [*kind, "--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
+        # A key may begin with two dashes, and is no option after the equals sign.
+        server_key = f"{'--serverKey' if kind else '--server-key'}=--{zmq.curve_keypair()[0].decode()[2:]}"
+        each += [[*nowhere, str(bad / name), server_key] for name in ("no secret", "public alone", "file")]
+        # There it makes them.
+        each.append([*nowhere, str(tmp_path / f"made by {side} {kind}" / "keys"), server_key])
         each.append([*nowhere, str(bad / "own")])
-    # Without a server it is not keys that are to be looked at.
-    each += [["--endpoint", steady_endpoint(), "--keys", str(folder), "--timeout", "0.3", "--tries", "1"]]
     found = runs(side, KEY, each)
     strangers = []
     for _ in kinds(side):
@@ -158,8 +155,14 @@ def test_who_is_on_the_list_comes_in_and_nobody_else(side, folder, alice, tmp_pa
     assert named == [f"refused: key {key} from 127.0.0.1 is not in {folder / 'allowed'}" for key in strangers]
     assert server.lines.count("alice from 127.0.0.1: 'Hello'") == 2 * len(kinds(side))
     for kind in kinds(side):
-        secretless, alone, file, missing = found[:4]
-        del found[:4]
+        secretless, alone, file, made, missing = found[:5]
+        del found[:5]
+        # Without a server it is not keys that are to be looked at.
+        counted = "1 try" if side == "python" else "1 tries"
+        nobody = f"gave up: {counted} to ask tcp://127.0.0.1:1, the last: no reply within 0.3 s; is the server running?"
+        assert made.code == 1 and nobody in made.lines
+        secret = tmp_path / f"made by {side} {kind}" / "keys" / "client.key_secret"
+        assert keys.load(secret)[0] == keys.load(secret.with_name("client.key"))[0]
         assert f"no key in {bad / 'no secret' / 'client.key_secret'}; {NO_KEY}" in "\n".join(secretless.lines)
         assert f"{bad / 'public alone' / 'client.key'} {TAKEN}" in "\n".join(alone.lines)
         assert str(bad / "file") in "\n".join(file.lines)
@@ -169,10 +172,6 @@ def test_who_is_on_the_list_comes_in_and_nobody_else(side, folder, alice, tmp_pa
             assert run.code == (1 if kind else 2), run.lines
             assert not [line for line in run.lines if "Unhandled" in line or "Traceback" in line]
     assert before == {path: path.read_bytes() for path in bad.rglob("*") if path.is_file()}
-    (nobody,) = found
-    counted = "1 try" if side == "python" else "1 tries"
-    assert nobody.code == 1 and f"gave up: {counted} to ask" in nobody.lines[-1]
-    assert nobody.lines[-1].endswith(", the last: no reply within 0.3 s; is the server running?")
 
 
 def test_a_server_that_makes_its_keys_says_where(tmp_path, start):
