@@ -314,14 +314,14 @@ def test_nothing_lost_and_nothing_twice(kind, fake, follow):
 
 @pytest.mark.parametrize("kind", TERMINAL)
 def test_a_lost_last_message_is_noticed_by_the_silence(kind, fake, follow):
-    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4", "--timeout", "30")
+    client = follow(kind, fake.endpoint, fake.snapshots, "--until", "4", "--every", "1", "--timeout", "30")
     fake.subscribed()
     fake.stream.send(pose("one", 2))
     fake.stream.send(pose("one", 3))
     fake.answers(b"1 " + pose("one", 2), client, JOINED)
     fake.answers(b"1 " + pose("one", 4), client)
     assert client.wait() == 0, client.output
-    assert client.lines[-2:] == ["missed 4 to 4", "done: received 1, missed 1; run one at 4, checksum 1"]
+    assert client.lines[-3:] == ["missed 4 to 4", place(4), "done: received 1, missed 1; run one at 4, checksum 1"]
 
 
 @pytest.mark.parametrize("kind", TERMINAL)
