@@ -266,7 +266,7 @@ def test_the_programs_say_the_same(capsys, runs):
         assert streams[0 if code else 1] == ""
         assert len(lines) == 1 and lines[0].isprintable(), text
         assert said in (None, lines[0]), text
-        assert [line.strip() for line in lines if line.strip()] == other.lines, text
+        assert lines == other.lines, text
 
 
 def test_wrong_usage_of_the_program(capsys):
