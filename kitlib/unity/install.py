@@ -5,6 +5,7 @@ Nothing is written before everything is at hand and nothing stands in the way: a
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import io
 import json
@@ -246,6 +247,7 @@ def notices() -> dict[str, bytes]:
     return found
 
 
+@functools.cache
 def types(script: Path) -> list[str]:
     """What a script has for others: PoseSubscriber.cs has PoseMessage as well."""
     declared = r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)"
