@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from kitlib.lessons import lessons
-from kitlib.setup import dotnet
+from kitlib.setup import dotnet, python_setup
 from kitlib.unity.install import NETMQ
 from tests.programs import ROOT, finished
 
@@ -220,6 +220,22 @@ def test_the_drawn_tree_is_there():
     # The last two a reader makes.
     drawn = {*found, "python/", "docs/", "packages/", "keys/"}
     assert {name for name in top if list((ROOT / name).rglob("*.*"))} <= drawn
+
+
+ALONE = """
+import sys, pytest
+for name in sys.argv[1:]:
+    sys.modules[name] = None
+sys.exit(pytest.main(["tests", "--collect-only", "-q", "-p", "no:cacheprovider"]))
+"""
+
+
+def test_the_tests_can_be_read_with_pyzmq_and_pytest_alone():
+    """A test that needs more says so when it is read, and those of lesson 01 run."""
+    others = {python_setup.module(python_setup.name(need)) for need in python_setup.needs(*python_setup.all_extras())}
+    done = finished([sys.executable, "-c", ALONE, *(others - {"zmq", "pytest", "pytest_timeout", "xdist"})], cwd=ROOT)
+    assert done.returncode == 0, done.stdout
+    assert "tests/lessons/test_01_request_reply.py" in done.stdout
 
 
 def tracked():

@@ -1,6 +1,6 @@
 """Lesson 12: what neither a peer nor a script may do to the films. The fixtures are those of test_12_films.py."""
 
-# ruff: noqa: F401, F811
+# ruff: noqa: E402, F401, F811
 from __future__ import annotations
 
 import contextlib
@@ -17,14 +17,17 @@ import zmq
 
 from kitlib.setup import dotnet
 from netmq_example.messages import Array, Message, MessageError, read
+from tests.conftest import CLIENTS, PYTHON
+from tests.programs import LIMIT, ROOT, steady_endpoint
+
+np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
+pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
 from netmq_example.video import film_writer
 from netmq_example.video.films import Films
 from netmq_example.video.view_film import ViewFilm
 from netmq_example.video.view_sender import FilmView, ViewSender
-from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.test_12_films import Game, films, game, np
+from tests.lessons.test_12_films import Game, films, game
 from tests.lessons.test_12_video import KEY, filmer, shown
-from tests.programs import LIMIT, ROOT, steady_endpoint
 
 
 class Peer:
