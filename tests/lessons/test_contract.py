@@ -371,8 +371,12 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
     again, _ = serve(key, *own, *told(key), *everywhere[1:], endpoint=everywhere[0])
     assert {name: place.replace("0.0.0.0", "127.0.0.1") for name, place in places(again).items()} == places(server)
     for kind in csharp_kinds:
-        client = run(kind, key, "--endpoint", endpoint, *words, *(told(key) if Lesson(key).scheme == "http" else []))
+        more = [*(told(key) if Lesson(key).scheme == "http" else []), *(["--heard"] if kind == "unity" else [])]
+        client = run(kind, key, "--endpoint", endpoint, *words, *more)
         assert client.code == 0, client
+        # Each event of a component, and that of a reply in the frame of its line: a frame does more than one thing.
+        for name, times, beside in re.findall(r"heard (\w+) (\d+), (\d+) beside a line", "\n".join(client.lines)):
+            assert int(times) > 0 and (int(beside) > 0 or name != "Replied"), client
     assert again.stop(signal.SIGTERM, limit=30) == 0, again.output
     assert fits_a_terminal(again), again.output
 

@@ -1,9 +1,11 @@
 // One run of a terminal client after the other in one process: `dotnet checks.dll each csharp-console.dll`. It reads one run a
 // line, a JSON list of its words, and prints what each has printed, and then `ended CODE`.
+// With --heard a Play also says what it has told the rest of the game.
 //
 // For what ends by itself: it would take as long to start .NET as all these runs take together.
 using System;
 using System.IO;
+using System.Linq;
 using System.Reflection;
 using Newtonsoft.Json;
 
@@ -26,10 +28,12 @@ namespace NetMQExample.Tests
                 // What --with-keys of a run before has set.
                 NetMQConnection.Prepare = null;
                 var before = NetMQLifetime.Users;
+                var words = JsonConvert.DeserializeObject<string[]>(line);
+                using var heard = words.Contains("--heard") ? new Heard() : null;
                 object code;
                 try
                 {
-                    code = main.Invoke(null, new object[] { JsonConvert.DeserializeObject<string[]>(line) });
+                    code = main.Invoke(null, new object[] { words.Where(word => word != "--heard").ToArray() });
                 }
                 catch (TargetInvocationException e)
                 {
@@ -37,7 +41,8 @@ namespace NetMQExample.Tests
                     code = 134;
                 }
                 // In Unity a thread may leave a moment later.
-                if (!line.Contains("\"--unity\"") && NetMQLifetime.Users > before) both.WriteLine("Unhandled: it has not left NetMQ");
+                if (!words.Contains("--unity") && NetMQLifetime.Users > before) both.WriteLine("Unhandled: it has not left NetMQ");
+                heard?.Print(both);
                 var text = said.ToString();
                 output.WriteLine($"{text}{(text.Length == 0 || text.EndsWith("\n") ? "" : "\n")}ended {code}");
             }

@@ -1,0 +1,60 @@
+// What a Play's events tell the rest of the game, for runs with --heard: how often each was raised, and how often of
+// these in the frame of the line that was logged last.
+using System;
+using System.Collections.Generic;
+using System.IO;
+using System.Linq;
+using System.Reflection;
+using UnityEngine;
+
+namespace NetMQExample.Tests
+{
+    internal sealed class Heard : IDisposable
+    {
+        private readonly List<One> events = new List<One>();
+        private int frame;
+
+        public Heard() => Application.logMessageReceived += Look;
+
+        // The scene is there when its first line is.
+        private void Look(string line, string stack, LogType type)
+        {
+            frame = Time.frameCount;
+            if (events.Count > 0) return;
+            const BindingFlags All = BindingFlags.Static | BindingFlags.Public;
+            var scene = typeof(GameObject).Assembly.GetType("UnityEngine.LoadedScene").GetProperty("Objects", All);
+            foreach (var thing in (List<GameObject>)scene.GetValue(null))
+                foreach (var script in thing.GetComponentsInChildren<MonoBehaviour>(true))
+                    foreach (var one in script.GetType().GetEvents())
+                    {
+                        var told = new One(this, one.Name);
+                        events.Add(told);
+                        one.AddEventHandler(script, typeof(One).GetMethod("Tell")
+                            .MakeGenericMethod(one.EventHandlerType.GetGenericArguments())
+                            .CreateDelegate(one.EventHandlerType, told));
+                    }
+        }
+
+        public void Print(TextWriter output)
+        {
+            foreach (var one in events) output.WriteLine($"heard {one.Name} {one.Times}, {one.Beside} beside a line");
+        }
+
+        public void Dispose() => Application.logMessageReceived -= Look;
+
+        private sealed class One
+        {
+            public readonly string Name;
+            private readonly Heard all;
+            public int Times, Beside;
+
+            public One(Heard all, string name) => (this.all, Name) = (all, name);
+
+            public void Tell<T>(T value)
+            {
+                Times++;
+                if (all.frame == Time.frameCount) Beside++;
+            }
+        }
+    }
+}
