@@ -318,6 +318,10 @@ def test_requests_that_are_no_texts_are_named(context):
         for texts in (None, 5, "echo one", [None], [b"echo one"]):
             with pytest.raises(TypeError, match=r"^texts takes a "):
                 next(requester.request_many(texts))
+        # One that is sent, and left alone.
+        left = requester.request_many(["echo one", "ü" * 32_769])
+        assert next(left)[0] == 2
+        left.close()
         # Nothing is sent of these, and nothing waited for.
         outcomes = list(requester.request_many(["ü" * 32_769] * 100))
     assert [number for number, _, _ in outcomes] == list(range(1, 101))
