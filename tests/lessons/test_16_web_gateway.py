@@ -448,6 +448,23 @@ def test_only_the_newest_of_a_topic(serve, context):
         in_browser(endpoint, talk, name="poses")
 
 
+def test_nothing_is_left_of_the_topic_before(context):
+    async def turn(publisher, port):
+        listener = Listener(zmq.asyncio.Context.shadow(context), f"tcp://127.0.0.1:{port}", 0.1)
+        assert await listener.ask([b"a/"]) == []
+        assert publisher.recv() == b"\x01a/"
+        publisher.send(b"a/ 1")
+        await asyncio.wait_for(listener.came.wait(), LIMIT)
+        assert await listener.ask([b"b/"]) == []
+        # The one before has stopped to listen.
+        assert {publisher.recv(), publisher.recv()} == {b"\x01b/", b"\0a/"}
+        listener.close()
+
+    with context.socket(zmq.XPUB) as publisher:
+        publisher.linger, publisher.rcvtimeo = 0, int(1000 * LIMIT)
+        asyncio.run(turn(publisher, publisher.bind_to_random_port("tcp://127.0.0.1")))
+
+
 def test_a_slow_browser_is_let_go_and_holds_up_nobody(gateway):
     program, endpoint = gateway
 
