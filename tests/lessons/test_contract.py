@@ -331,7 +331,8 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
     own = [*secrets(key, tmp_path), *SHORTER.get((key, "server"), [])]
     for name, other in Lesson(key).behind:
         own += [name, serve(other.key)[1]]
-    server, endpoint = serve(key, *own, endpoint="tcp://127.0.0.1:*")
+    # Its lines are flushed, also where Python is not told to.
+    server, endpoint = serve(key, *own, endpoint="tcp://127.0.0.1:*", PYTHONUNBUFFERED="")
     assert re.fullmatch(at(key, r"tcp://127\.0\.0\.1:[1-9]\d+"), endpoint)
 
     second = [word for name, place in places(server).items() if name != "listening" for word in (f"--{name}", place)]
