@@ -6,6 +6,7 @@ using System.IO;
 using System.Linq;
 using System.Reflection;
 using UnityEngine;
+using UnityEngine.Events;
 
 namespace NetMQExample.Tests
 {
@@ -25,14 +26,23 @@ namespace NetMQExample.Tests
             var scene = typeof(GameObject).Assembly.GetType("UnityEngine.LoadedScene").GetProperty("Objects", All);
             foreach (var thing in (List<GameObject>)scene.GetValue(null))
                 foreach (var script in thing.GetComponentsInChildren<MonoBehaviour>(true))
-                    foreach (var one in script.GetType().GetEvents())
-                    {
-                        var told = new One(this, one.Name);
-                        events.Add(told);
-                        one.AddEventHandler(script, typeof(One).GetMethod("Tell")
-                            .MakeGenericMethod(one.EventHandlerType.GetGenericArguments())
-                            .CreateDelegate(one.EventHandlerType, told));
-                    }
+                {
+                    foreach (var one in script.GetType().GetEvents()) one.AddEventHandler(script, Told(one.Name, one.EventHandlerType));
+                    // And as the inspector wires them.
+                    for (var own = script.GetType(); own != typeof(MonoBehaviour); own = own.BaseType)
+                        foreach (var field in own.GetFields(BindingFlags.Instance | BindingFlags.NonPublic))
+                            if (field.GetValue(script) is UnityEventBase wired)
+                            {
+                                var add = wired.GetType().GetMethod("AddListener");
+                                add.Invoke(wired, new object[] { Told(field.Name, add.GetParameters()[0].ParameterType) });
+                            }
+                }
+        }
+
+        private Delegate Told(string name, Type handler)
+        {
+            events.Add(new One(this, name));
+            return typeof(One).GetMethod("Tell").MakeGenericMethod(handler.GetGenericArguments()).CreateDelegate(handler, events[^1]);
         }
 
         public void Print(TextWriter output)
