@@ -105,3 +105,12 @@ def test_where_there_is_no_pillow_recording_ends_and_driving_goes_on(tmp_path, m
         recorder.add(frame, Message("action", 1, {"throttle": 0, "brake": 0, "steer": 0}))
     assert lines[-1].startswith("trouble: recording has stopped, the car drives on: JPEG needs Pillow")
     assert len(lines) == 2
+
+
+def test_a_try_that_failed_leaves_no_socket():
+    with zmq.Context() as context:
+        one = client(context, log=lambda _: None)
+        one.send(Message("frame", 5))
+        socket = one.socket
+        one.fail("no reply")
+        assert socket.closed and one.socket is None

@@ -389,6 +389,26 @@ def test_what_the_clock_has_seen_is_made_up_for():
     assert shell.judge("hunter_0")["terminated"] and inner.energy["hunter_0"] == 0, "and not after the end"
 
 
+def test_on_the_clock_whoever_is_over_is_judged_no_more():
+    """By one of the two ways; what is judged once stands until it is asked for."""
+
+    class Ends(Pursuit):
+        def judge(self, agent):
+            judged.append(agent)
+            ends = "terminated" if agent == "hunter_0" else "truncated" if agent == "hunter_1" else ""
+            return {"reward": 1.0, "terminated": ends == "terminated", "truncated": ends == "truncated"}
+
+    judged, now = [], [0.0]
+    shell = RealTime(Ends(), lambda: now[0])
+    shell.reset(iter([0.5] * 10), {"real_time": True})
+    shell.apply(dict.fromkeys(shell.agents, 0))
+    now[0] = 0.305
+    shell.catch_up(now[0])
+    assert (judged.count("hunter_0"), judged.count("hunter_1")) == (1, 1)
+    others = [agent for agent in shell.agents if judged.count(agent) != 1]
+    assert others and all(judged.count(agent) == 3 for agent in others), judged
+
+
 # The game by its path
 
 

@@ -23,7 +23,7 @@ from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.progress import Progress, share, words
 from netmq_example.jobs.work import Kind, Step
 from netmq_example.jobs.workers import Workers
-from netmq_example.messages import Array
+from netmq_example.messages import Array, Message
 from tests.conftest import PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT
@@ -360,3 +360,11 @@ def test_what_a_method_cannot_use_is_named(made):
             with pytest.raises((ValueError, TypeError), match=rf"\b{name.strip()}\b") as caught:
                 call(value, made)
             assert "\n" not in str(caught.value)
+
+
+def test_the_share_of_a_job_is_between_0_and_1():
+    def feedback(done, total):
+        return share(Message("feedback", 1, {"done": done, "total": total, "text": ""}))
+
+    assert [feedback(*each) for each in [(0, 4), (1, 4), (1, 1), (0, 0), (9, 4)]] == [0.0, 0.25, 1.0, 0.0, 1.0]
+    assert share(Message("result", 1, {"done": 1, "total": 1})) is None
