@@ -340,8 +340,9 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
     greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
     half = [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, b"\xff" * 64, greeting[:20], greeting, greeting + b"\x04\xff" * 20]
     with zmq.Context() as context, context.socket(zmq.DEALER) as rude:
-        # A PUB socket takes no notice.
+        # A PUB socket takes no notice, and hangs up: then there is nobody to send to, and a send would wait for ever.
         rude.linger = 0
+        rude.sndtimeo = 0 if only_publishes(key) else 100_000
         give_keys(key, tmp_path, rude, server=False)
         for place in places(server).values():
             for noise in half:
@@ -354,7 +355,8 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
         # Without REQ's empty frame, with it, and with an id: each kind of server answers one of them.
         strange = [HARM], [HARM, HARM], [b"", HARM], [b"", HARM, HARM], [HARM[:50], HARM]
         for frames in strange * (1 if only_publishes(key) else 20):
-            rude.send_multipart(frames)
+            with contextlib.suppress(*([zmq.Again] if only_publishes(key) else [])):
+                rude.send_multipart(frames)
         if not only_publishes(key) and Lesson(key).scheme == "tcp":
             assert rude.poll(100_000), "no answer to what is no request"
             assert HARM not in rude.recv_multipart()[-1:]
