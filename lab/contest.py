@@ -169,8 +169,7 @@ class Lab:
         if not self.installed[need]:
             self.skipped[each.label] = f'it needs a package: pip install "{need}"'
         elif each.program not in ("grpc", "trainer") and each.program not in self.builds:
-            why = "this machine has none"
-            self.skipped[each.label] = why
+            self.skipped[each.label] = "this machine has none"
         return each.label in self.skipped
 
     def work(self, title: str, contenders: list[Contender], line: str, *options: str) -> dict[str, Any]:

@@ -7,45 +7,20 @@ from __future__ import annotations
 import hashlib
 import io
 import re
-import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 import zmq
 
-from netmq_example.messages import Message, read
 from tests.programs import Program, leaves_nothing_to_collect
 from tests.unity.conftest import NEAREST
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
 from netmq_example.worlds import road as world  # noqa: E402
+from tests.lessons.test_08_drive import Driver  # noqa: E402
 
-Drive = Callable[..., tuple["Driver", Program]]
-
-
-class Driver(threading.Thread):
-    """Answers each picture as it is told, and keeps what was sent."""
-
-    def __init__(self, context: zmq.Context[Any], answer: Callable[[Any], dict[str, float]]) -> None:
-        super().__init__(daemon=True)
-        self.socket, self.answer = context.socket(zmq.REP), answer
-        self.frames: list[Any] = []
-        self.socket.linger, self.socket.rcvtimeo = 0, 100
-        self.endpoint = f"tcp://127.0.0.1:{self.socket.bind_to_random_port('tcp://127.0.0.1')}"
-        self.over = threading.Event()
-        self.start()
-
-    def run(self) -> None:
-        with self.socket:
-            while not self.over.is_set():
-                try:
-                    frame = read(self.socket.recv_multipart())
-                except zmq.Again:
-                    continue
-                self.frames.append(frame)
-                values = {"frame": frame.id, "throttle": 0.5, "brake": 0.0, "steer": 0.0}
-                self.socket.send_multipart(Message("action", frame.id, values | self.answer(frame)).frames())
+Drive = Callable[..., tuple[Driver, Program]]
 
 
 @pytest.fixture
