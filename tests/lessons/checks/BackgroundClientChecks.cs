@@ -629,12 +629,18 @@ namespace NetMQExample.Tests
             foreach (var what in new[] { "idle", "waiting" })
             {
                 if (what == "waiting") client.Request("hello", null);
-                Thread.Sleep(100);
-                var before = Process.GetCurrentProcess().TotalProcessorTime;
-                Thread.Sleep(1000);
-                var used = Process.GetCurrentProcess().TotalProcessorTime - before;
-                Console.WriteLine($"{what}: {used.TotalMilliseconds:F0} ms of processor time in 1000 ms");
-                Check(used.TotalMilliseconds < 300, "it does not sleep");
+                // .NET may still compile once more what ran before in this process; a client that never sleeps has no such time.
+                TimeSpan used;
+                var left = 20;
+                do
+                {
+                    var before = Process.GetCurrentProcess().TotalProcessorTime;
+                    Thread.Sleep(500);
+                    used = Process.GetCurrentProcess().TotalProcessorTime - before;
+                }
+                while (used.TotalMilliseconds >= 100 && --left > 0);
+                Console.WriteLine($"{what}: {used.TotalMilliseconds:F0} ms of processor time in 500 ms");
+                Check(left > 0, "it does not sleep");
             }
         }
 
