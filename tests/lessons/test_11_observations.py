@@ -203,20 +203,22 @@ TOLD = spaces.Text(40, min_length=0, charset="abcdefghijklmnopqrstuvwxyz01234567
 WHAT = spaces.Dict(ticks=spaces.Discrete(1000), value=spaces.Box(-9, 9, (2,), np.float32), said=spaces.Sequence(TOLD))
 
 
-def told(names="ab", **where):
+def told(names="ab", action=TOLD, **where):
     return {
         "env_name": "World",
         "observation_spaces": dict.fromkeys(names, WHAT),
-        "action_spaces": dict.fromkeys(names, TOLD),
+        "action_spaces": dict.fromkeys(names, action),
         **where,
     }
 
 
 def test_pettingzoos_tests_find_nothing(make, world):
-    env = make(UnityParallelEnv, launch=world, **told())
+    # A random word of letters can be one that an agent obeys.
+    action = spaces.Text(40, min_length=0, charset="0123456789. ")
+    env = make(UnityParallelEnv, launch=world, **told(action=action))
     parallel_api_test(env, num_cycles=10)
     assert env.observation_space("a") is env.observation_space("a")
-    parallel_seed_test(lambda: make(UnityParallelEnv, launch=world, **told("a")), num_cycles=3)
+    parallel_seed_test(lambda: make(UnityParallelEnv, launch=world, **told("a", action)), num_cycles=3)
 
 
 def test_a_step_waits_for_all_who_act(make, world):
