@@ -380,6 +380,10 @@ def test_a_server_serves_on_whatever_comes_and_leaves_its_ports(
         # Each event of a component, and that of a reply in the frame of its line: a frame does more than one thing.
         for name, times, beside in re.findall(r"heard (\w+) (\d+), (\d+) beside a line", "\n".join(client.lines)):
             assert int(times) > 0 and (int(beside) > 0 or name != "Replied"), client
+        # And what the editor's window shows of its messages.
+        if kind == "unity" and Lesson(key).scheme == "tcp":
+            shown = re.search(r"^shown: (\d+) sent, (\d+) received$", client.lines[-1])
+            assert int(shown[2]) > 0 and (int(shown[1]) > 0 or only_publishes(key)), client
     assert again.stop(signal.SIGTERM, limit=30) == 0, again.output
     assert fits_a_terminal(again), again.output
 

@@ -1,10 +1,12 @@
 // What a Play's events tell the rest of the game, for runs with --heard: how often each was raised, and how often of
-// these in the frame of the line that was logged last.
+// these in the frame of the line that was logged last. And how many messages the editor's window could have shown.
 using System;
+using System.Collections;
 using System.Collections.Generic;
 using System.IO;
 using System.Linq;
 using System.Reflection;
+using System.Threading;
 using UnityEngine;
 using UnityEngine.Events;
 
@@ -13,9 +15,15 @@ namespace NetMQExample.Tests
     internal sealed class Heard : IDisposable
     {
         private readonly List<One> events = new List<One>();
-        private int frame;
+        private int frame, sent, received;
 
-        public Heard() => Application.logMessageReceived += Look;
+        public Heard()
+        {
+            Application.logMessageReceived += Look;
+            NetMQConnection.Seen += See;
+        }
+
+        private void See(string endpoint, bool sent, IEnumerable frames) => Interlocked.Increment(ref sent ? ref this.sent : ref received);
 
         // The scene is there when its first line is.
         private void Look(string line, string stack, LogType type)
@@ -48,9 +56,14 @@ namespace NetMQExample.Tests
         public void Print(TextWriter output)
         {
             foreach (var one in events) output.WriteLine($"heard {one.Name} {one.Times}, {one.Beside} beside a line");
+            output.WriteLine($"shown: {sent} sent, {received} received");
         }
 
-        public void Dispose() => Application.logMessageReceived -= Look;
+        public void Dispose()
+        {
+            Application.logMessageReceived -= Look;
+            NetMQConnection.Seen -= See;
+        }
 
         private sealed class One
         {

@@ -72,7 +72,7 @@ namespace NetMQExample
                 // A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
                 Close();
                 if (attempt == tries)
-                    throw new TimeoutException($"{tries} tries to ask {endpoint}, the last: {trouble}; "
+                    throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: {trouble}; "
                         + (trouble == ThrownOut ? Advice() : "is the server running?"));
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
@@ -94,7 +94,11 @@ namespace NetMQExample
             {
                 // Without waiting: where this was refused already there is no connection to send on.
                 sent = sent || connection.TrySend(TimeSpan.Zero, stop, text);
-                if (sent && connection.Socket.TryReceiveFrameString(slice, Encoding.UTF8, out reply)) return true;
+                if (sent && connection.Socket.TryReceiveFrameString(slice, Encoding.UTF8, out reply))
+                {
+                    connection.Show(false, new[] { reply });
+                    return true;
+                }
                 reports.Poll(sent ? TimeSpan.Zero : slice);
                 if (!cutOff) continue;
                 // Most often it is refused again; and if the server was started anew, it is there a moment later.

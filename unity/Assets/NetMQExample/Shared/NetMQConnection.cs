@@ -102,6 +102,9 @@ namespace NetMQExample
             new TimeoutException(FormattableString.Invariant(
                 $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
 
+        /// <summary>How often it was tried, in words.</summary>
+        public static string Tries(int tries) => tries == 1 ? "1 try" : $"{tries} tries";
+
         /// <summary>What to throw after Dispose.</summary>
         /// <param name="endpoint">The server.</param>
         /// <returns>Cause and cure, in one line.</returns>
