@@ -74,8 +74,8 @@ def of_a_lesson(lesson: Lesson, more: list[str]) -> list[str]:
 
 
 def side_by_side(python: Path, words: list[str]) -> list[str]:
-    """What makes pytest use the whole machine. Most tests wait for something: three for each core do well."""
+    """What makes pytest use the whole machine. Most tests wait for something: four for each core do well."""
     alone = any(re.match(r"-n|--dist|--co$|--collect-only|--pdb|-s$", word) for word in words)
     if alone or not python_setup.has(python, ["pytest-xdist"]):
         return []
-    return ["-n", str(3 * (os.cpu_count() or 1)), "--dist", "loadgroup"]
+    return ["-n", str(4 * (os.cpu_count() or 1)), "--dist", "loadgroup"]
