@@ -14,6 +14,7 @@ import sys
 import time
 from collections import Counter
 from contextlib import closing
+from itertools import accumulate
 from pathlib import Path
 
 import pytest
@@ -30,7 +31,7 @@ from tests.programs import LIMIT, ROOT, finds_processes, leaves_nothing_to_colle
 
 # SIGKILL by its name, which Windows has not.
 KILL = getattr(signal, "SIGKILL", signal.SIGTERM)
-SUM = {total: sum(unit % 256 for unit in range(1, total + 1)) for total in range(5001)}
+SUM = dict(enumerate(accumulate(unit % 256 for unit in range(5001))))
 
 
 def process_of(server, job, seen=0):
