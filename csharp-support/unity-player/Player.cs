@@ -108,8 +108,11 @@ namespace UnityPlayer
         public static IEnumerable<string> Left => LoadedScene.Made.Select(thing => thing.GetType().Name + (thing is Material paint
             ? FormattableString.Invariant($":{paint.color.r:F2},{paint.color.g:F2},{paint.color.b:F2}") : ""));
 
-        /// <summary>What OnGUI has drawn last.</summary>
+        /// <summary>The text that OnGUI has drawn last.</summary>
         public static string Drawn => GUI.Drawn;
+
+        /// <summary>The picture that OnGUI has drawn last.</summary>
+        public static Texture Picture => GUI.Picture;
 
         /// <summary>True once a script called Application.Quit, or every component with a Done property says true.</summary>
         public bool Done

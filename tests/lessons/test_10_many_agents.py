@@ -190,6 +190,7 @@ def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, inside):
             ("step", {}, [fine, flat], "no-mask"),
             ("reset", {"seed": 1}, [], r"no-mask: this simulator has 4 areas: make_vec\(…, num_envs=4\)"),
             ("reset", {}, [to_array(np.zeros((AREAS, 2)), np.uint8), seeds], "wrong-areas"),
+            ("reset", {}, [to_array(np.zeros((AREAS, 1)), np.uint8), seeds], "wrong-areas"),
             ("reset", {}, [flat, to_array([np.nan] * AREAS, np.float64)], "wrong-areas|bad-dtype"),
             ("reset", {}, [flat, to_array([1, 2, 3], np.int64)], "wrong-areas"),
             ("reset", {}, [flat, seeds, to_array([1, 2], np.float64)], "bad-state: a state is 4 numbers, not 2"),

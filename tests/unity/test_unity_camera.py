@@ -210,6 +210,8 @@ def test_a_view_is_upright_and_leaves_nothing(play: Callable[..., Program]) -> N
     assert [one.count("Material:0.78,0.00,0.00") for one in left] == [1] * 4
     others = [[part for part in one if not part.startswith("Material:")] for one in left]
     assert others == [[], [], ["Texture2D"], ["Texture2D"]]
+    assert program.lines.count("the camera draws to the screen again: True") == 4
+    assert program.lines.count("it follows: (92.00, 4.00, 7.00) (0.97, -0.26, 0.00)") == 4, program.output
     for frames, count in re.findall(r"^cost: (\d+) frames: .* (\d+) bytes allocated", program.output, re.MULTILINE):
         assert int(count) < 1000 * int(frames)
     assert [line for line in program.lines if line.startswith(("the eye", "sensors"))] == [

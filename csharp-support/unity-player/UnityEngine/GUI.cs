@@ -24,9 +24,11 @@ namespace UnityEngine
     {
         internal static string Drawn { get; private set; } = "";
 
+        internal static Texture Picture { get; private set; }
+
         public static void Label(Rect position, string text) => Drawn = text;
 
-        public static void DrawTexture(Rect position, Texture image) { }
+        public static void DrawTexture(Rect position, Texture image) => Picture = image;
 
         // Nobody clicks in a terminal.
         public static bool Button(Rect position, string text) => false;

@@ -42,6 +42,7 @@ namespace NetMQExample.Tests
             // Unity's textures have the lowest row first.
             var rows = Enumerable.Range(0, 12).Reverse().SelectMany(row => end.Finished.Slice(row * 36, 36).ToArray());
             Check(end.Side == 12 && rows.SequenceEqual(end.Pixels), "the rows");
+            Check(Player.Picture is Texture2D { width: 12 }, "the picture is drawn");
             Textures(1);
 
             // A larger picture takes the place of the first one, and its frames leave nothing to collect; and the button.

@@ -37,10 +37,12 @@ namespace NetMQExample.PlayTest
             });
             // Not square, so that rows and columns are not taken for each other.
             foreach (var grey in new[] { false, true }) Show(camera, grey);
+            Console.WriteLine($"the camera draws to the screen again: {camera.targetTexture == null}");
             player.Frame();
             Console.WriteLine($"left: {string.Join(" ", Player.Left)}");
             Measure(player, camera);
             Start(player);
+            Follow(player, camera);
             player.Stop();
         }
 
@@ -53,6 +55,18 @@ namespace NetMQExample.PlayTest
             view.Look();
             camera.backgroundColor = new Color32(0, 0, 200, 255);
             Console.WriteLine($"[{string.Join(", ", picture.Shape)}]: {string.Join(" ", picture.Data.ToArray())}");
+        }
+
+        // Behind and above what looks to the right, and down by 15 degrees.
+        private static void Follow(Player player, Camera camera)
+        {
+            camera.gameObject.tag = "MainCamera";
+            camera.enabled = true;
+            var car = new GameObject("car").AddComponent<ChaseView>();
+            car.transform.SetPositionAndRotation(new Vector3(100, 0, 7), Quaternion.Euler(0, 90, 0));
+            player.Frame();
+            var view = camera.transform;
+            Console.WriteLine($"it follows: {view.position} {view.forward}");
         }
 
         private static void Measure(Player player, Camera camera)
