@@ -562,6 +562,22 @@ def test_a_flood_of_new_keys_is_no_flood_of_lines(folder):
     assert said[-1] == "refused: other keys, 1020 times"
 
 
+UNCLOSED = """
+import sys
+import zmq
+from netmq_example.security.allow_list import AllowList
+context = zmq.Context()
+AllowList(sys.argv[1]).answer(context)
+raise SystemExit("an end without closing")
+"""
+
+
+def test_a_program_that_closes_nothing_ends_all_the_same(folder, start):
+    program = start(PYTHON, "-c", UNCLOSED, folder, PYTHONPATH=str(ROOT / "python"))
+    assert program.wait() == 1
+    assert program.lines == ["an end without closing"]
+
+
 def test_a_subscriber_too_is_known_by_its_key(folder, context):
     allowed = AllowList(folder)
     with zmq.Context() as servers, servers.socket(zmq.PUB) as publisher, context.socket(zmq.SUB) as subscriber:
