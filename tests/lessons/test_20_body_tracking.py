@@ -1,6 +1,6 @@
 """Application 20: the persons of a recording and of a webcam, the newest pose, a server that is started again.
 
-tests/unity/test_unity_body.py has what only Unity has: the skeleton, the avatar and the smoothing.
+tests/unity/test_20_body.py has what only Unity has: the skeleton, the avatar and the smoothing.
 """
 
 from __future__ import annotations
