@@ -90,6 +90,10 @@ def run(request: pytest.FixtureRequest) -> Iterator[Callable[..., Run]]:
 
     C# runs are in one process, a lesson's Python runs of a test in another. Give --endpoint yourself.
     """
+    # First, and on the test's own thread: it skips the test where there is no C#.
+    callspec = getattr(request.node, "callspec", None)
+    if callspec and {"csharp", "unity"} & {str(value) for value in callspec.params.values()}:
+        request.getfixturevalue("csharp_in_turn")
     with contextlib.ExitStack() as stack:
 
         @functools.cache

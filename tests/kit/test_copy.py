@@ -59,14 +59,14 @@ def test_a_copied_lesson_runs_elsewhere(start, tmp_path):
         assert done.returncode == 0, f"{lesson.key}: {done.stderr}"
 
 
-@pytest.mark.parametrize("number", [9, 16])
-def test_a_copied_lesson_does_its_work_elsewhere(number, start, tmp_path):
+@pytest.mark.parametrize("key", ["09_environment", "16_web_gateway"])
+def test_a_copied_lesson_does_its_work_elsewhere(key, start, tmp_path):
     """Also with what functions import, and with the data beside the modules."""
     folder, other = tmp_path / "my game", tmp_path / "other"
     other.mkdir()
     (other / "sitecustomize.py").write_text(GUARD, encoding="utf-8")
     environment = {"folder": other, "PYTHONPATH": str(other), "PYTHONDONTWRITEBYTECODE": "1"}
-    (lesson,) = [each for each in lessons() if each.number == number]
+    (lesson,) = [each for each in lessons() if each.key == key]
     behind = []
     for name, each in [*lesson.behind, ("", lesson)]:
         copied(each.key, folder)

@@ -425,6 +425,7 @@ def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
     monkeypatch.setattr(python_setup, "CHOICE", tmp_path / "python.json")
     for way in ("from_pip", "from_this_python"):
         monkeypatch.setattr(python_setup, way, lambda *_: None)
+    monkeypatch.setattr(sys, "executable", "/opt/bin/python3")
     with pytest.raises(KitError, match=r"with internet run: \S+ -m pip install pyzmq pytest pytest-timeout$"):
         python_setup.interpreter("tests")
     # Debian's own Python takes nothing from pip.

@@ -450,7 +450,7 @@ def test_only_the_newest_of_a_topic(serve, context):
 
 def test_nothing_is_left_of_the_topic_before(context):
     async def turn(publisher, port):
-        listener = Listener(zmq.asyncio.Context.shadow(context), f"tcp://127.0.0.1:{port}", 0.1)
+        listener = Listener(zmq.asyncio.Context.shadow(context.underlying), f"tcp://127.0.0.1:{port}", 0.1)
         assert await listener.ask([b"a/"]) == []
         assert publisher.recv() == b"\x01a/"
         publisher.send(b"a/ 1")

@@ -199,7 +199,14 @@ def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
         signal.signal(each, lambda *_: os._exit(0))
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
+        runner.get_loop().set_exception_handler(but_gone)
         runner.run(serve)
+
+
+def but_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Until 3.9 aiohttp pings a browser in a task of its own, which nobody waits for, also one that is gone."""
+    if not isinstance(context.get("exception"), ConnectionResetError):
+        loop.default_exception_handler(context)
 
 
 def is_our_own(record: logging.LogRecord) -> bool:
