@@ -329,11 +329,13 @@ namespace NetMQExample.Tests
             Until(() => talk.IsCompleted, client);
             Equal("01234", talk.Result);
 
+            // Where nobody listens.
+            var unanswered = new BackgroundClient("tcp://127.0.0.1:1");
             async Task<string> Interrupted()
             {
                 try
                 {
-                    return await client.RequestAsync("hello");
+                    return await unanswered.RequestAsync("hello");
                 }
                 catch (IOException e)
                 {
@@ -342,9 +344,10 @@ namespace NetMQExample.Tests
                 }
             }
             var interrupted = Interrupted();
-            client.Dispose();
+            unanswered.Dispose();
             Check(interrupted.IsCompleted, "Dispose left an await waiting");
             Equal("the client was disposed", interrupted.Result);
+            client.Dispose();
         }
 
         // An exception of a callback comes out of Poll, and keeps no other callback from running: not in Poll, not in Dispose.
