@@ -69,8 +69,8 @@ namespace NetMQExample
                     ? FormattableString.Invariant($"no reply within {limit.TotalSeconds} s")
                     : $"dropped a reply to another request ({LogText.Printable(string.Join(" ", frames))})";
                 if (attempt == tries)
-                    throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: {trouble}; "
-                        + $"is the right server running, or the line slow? '{text}' may have been done or not");
+                    throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "
+                        + $"{trouble}; is the right server running, or the line slow? '{text}' may have been done or not");
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }

@@ -119,8 +119,8 @@ namespace NetMQExample
                 var limit = FormattableString.Invariant($"{timeout.TotalSeconds} s");
                 silent++;
                 if (silent == tries)
-                    throw new TimeoutException($"no word of it from {endpoint} in {NetMQConnection.Tries(tries)} of {limit}; "
-                        + $"is the server running? Its id is {Job}");
+                    throw new TimeoutException($"no word of it from {endpoint} in {NetMQConnection.Tries(tries)} of "
+                        + $"{limit}; is the server running? Its id is {Job}");
                 report($"no word within {limit}; try {silent + 1} of {tries}");
                 // A new socket helps, whatever was wrong with this one.
                 connection.Close();

@@ -72,8 +72,8 @@ namespace NetMQExample
                 // A REQ socket that waits for a reply refuses to send, and one that was refused is dead.
                 Close();
                 if (attempt == tries)
-                    throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: {trouble}; "
-                        + (trouble == ThrownOut ? Advice() : "is the server running?"));
+                    throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "
+                        + $"{trouble}; " + (trouble == ThrownOut ? Advice() : "is the server running?"));
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
         }
