@@ -34,16 +34,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--long", action="store_true", help="also run the tests that take minutes")
 
 
+@functools.cache
+def lacking() -> dict[str, list[str]]:
+    """The packages that this Python lacks of those that each lesson needs."""
+    needs = {lesson.key: [*map(python_setup.name, python_setup.needs(lesson.key))] for lesson in lessons()}
+    absent = python_setup.not_found(PYTHON, sorted(set().union(*needs.values())))
+    return {key: [name for name in names if name in absent] for key, names in needs.items()}
+
+
 # After pytest-xdist's own.
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    needs = {lesson.key: [*map(python_setup.name, python_setup.needs(lesson.key))] for lesson in lessons()}
-    absent = python_setup.not_found(PYTHON, sorted(set().union(*needs.values())))
-    lacking = {key[:2]: (key, [name for name in names if name in absent]) for key, names in needs.items()}
+    by_number = {key[:2]: (key, names) for key, names in lacking().items()}
     for item in items:
         # A case of the contract, or a block of a page, has its lesson in its name.
         about = re.search(r"\[.*?\b(\d\d)_[a-z]", item.name)
-        key, names = lacking.get(about[1] if about else "", ("", []))
+        key, names = by_number.get(about[1] if about else "", ("", []))
         if names:
             item.add_marker(pytest.mark.skip(reason=f"{key} needs {' '.join(names)}: pip install {' '.join(names)}"))
         if "long" in item.keywords and not config.getoption("--long"):

@@ -15,7 +15,7 @@ from collections.abc import Callable
 import zmq
 
 from netmq_example import check
-from netmq_example.errors import GaveUp
+from netmq_example.errors import GaveUp, tried
 from netmq_example.program import LARGEST_BYTES, Context, Socket, limit, printable
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
@@ -73,9 +73,8 @@ class LazyPirate:
                 seen = printable(b" ".join(frames).decode(errors="replace"))
                 trouble = f"dropped a reply to another request ({seen})"
             if attempt == self.tries:
-                tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
                 raise TimeoutError(
-                    f"{tries} to ask {self.endpoint}, the last: {trouble}; "
+                    f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; "
                     f"is the right server running, or the line slow? '{text}' may have been done or not"
                 )
             attempt += 1

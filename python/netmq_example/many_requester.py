@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import zmq
 
 from netmq_example import check
+from netmq_example.errors import tried
 from netmq_example.program import LARGEST_BYTES, Context, limit
 
 # How often the deadlines are looked at. Shorter would cost more; longer, and Ctrl-C would have to wait on Windows.
@@ -138,8 +139,7 @@ class ManyRequester:
             within = f"{entry.timeout:g} s"
             if entry.attempt == self.tries:
                 del self.pending[request_id]
-                tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
-                why = f"no reply in {tries} of up to {within}; is the server running, or slow?"
+                why = f"no reply in {tried(self.tries)} of up to {within}; is the server running, or slow?"
                 yield entry.number, "", why
                 continue
             entry.attempt += 1

@@ -20,7 +20,7 @@ from kitlib.lessons import find
 from kitlib.setup import python_setup
 from kitlib.terminal import COLOURS
 from lab import report
-from tests.conftest import PYTHON
+from tests.conftest import PYTHON, lacking
 from tests.programs import EACH_RUN, ROOT, InTurn
 
 BLOCKS = [block for page in guide.pages() for block in guide.blocks(page)]
@@ -82,12 +82,8 @@ def test_every_command_is_understood(run):
     """By kit.py, by the programs for which it has words, and by the terminal clients; transcripts run many of them."""
     with InTurn([PYTHON, "-c", PARSE + EACH_RUN]) as parse:
 
-        @functools.cache
-        def runs_here(lesson):
-            return not python_setup.not_found(PYTHON, [*map(python_setup.name, python_setup.needs(lesson))])
-
         def understood(where, program, words):
-            if words and runs_here(program.split("/")[0]):
+            if words and not lacking().get(program.split("/")[0]):
                 done = parse(ROOT / "python" / program, *words)
                 assert done.code == 0, (where, words, done.lines)
 

@@ -21,7 +21,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
-from netmq_example.errors import GaveUp
+from netmq_example.errors import GaveUp, tried
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
 
 STATUSES = ("succeeded", "canceled", "aborted")
@@ -126,8 +126,7 @@ class JobClient:
                 continue
             silent_tries += 1
             if silent_tries == self.tries:
-                tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
-                why = f"no word of it from {self.endpoint} in {tries} of {self.timeout:g} s"
+                why = f"no word of it from {self.endpoint} in {tried(self.tries)} of {self.timeout:g} s"
                 raise TimeoutError(f"{why}; is the server running? Its id is {self.job}")
             self.report(f"no word within {self.timeout:g} s; try {silent_tries + 1} of {self.tries}")
             # A new socket helps, whatever was wrong with this one.

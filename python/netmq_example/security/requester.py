@@ -18,6 +18,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
+from netmq_example.errors import tried
 from netmq_example.program import Context, Socket, limit, option
 from netmq_example.security.keys import checked, checked_path, load, make
 
@@ -86,8 +87,7 @@ class SecureRequester:
             if attempt < self.tries:
                 self.report(f"{self.number}: {trouble}; try {attempt + 1} of {self.tries}")
         cure = self._advice() if trouble == THROWN_OUT else "is the server running?"
-        tries = "1 try" if self.tries == 1 else f"{self.tries} tries"
-        raise TimeoutError(f"{tries} to ask {self.endpoint}, the last: {trouble}; {cure}")
+        raise TimeoutError(f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; {cure}")
 
     def close(self) -> None:
         if self.socket:

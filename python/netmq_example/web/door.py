@@ -166,7 +166,9 @@ async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, 
     """The host and the port at which this gateway is now. It ends the program where it cannot listen."""
     host, _, port = check.endpoint(endpoint, EXAMPLE, lowest_port=0).removeprefix("http://").rpartition(":")
     # Our own mistakes it may print; not the noise of a stranger who does not speak HTTP.
-    logging.getLogger("aiohttp.server").addFilter(is_our_own)
+    # Until 3.9 aiohttp pings also a browser that is gone, in a task of its own, of which asyncio tells.
+    for name in ("aiohttp.server", "asyncio"):
+        logging.getLogger(name).addFilter(is_our_own)
     silence = Silence()
     # Before the door: a connection that is refused has asked.
     app.middlewares.insert(0, silence.hear)
@@ -199,14 +201,7 @@ def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
         signal.signal(each, lambda *_: os._exit(0))
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        runner.get_loop().set_exception_handler(but_gone)
         runner.run(serve)
-
-
-def but_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Until 3.9 aiohttp pings a browser in a task of its own, which nobody waits for, also one that is gone."""
-    if not isinstance(context.get("exception"), ConnectionResetError):
-        loop.default_exception_handler(context)
 
 
 def is_our_own(record: logging.LogRecord) -> bool:
