@@ -802,6 +802,9 @@ def test_where_nuget_gives_no_netmq_the_python_client_runs(monkeypatch, tmp_path
 
 
 def test_a_port_that_nobody_gives_is_named_with_the_reason(monkeypatch):
+    # Somebody may have a lesson's server running meanwhile.
+    monkeypatch.setattr(doctor, "listeners", lambda port: [])
+
     def refuse_with(number):
         def bind(*_):
             raise OSError(number, "no")
