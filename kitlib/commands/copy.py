@@ -64,7 +64,7 @@ def programs(lesson: Lesson, folder: Path) -> tuple[dict[str, bytes], list[str]]
     needs = python_setup.needs(lesson.key)
     others = [need for need in python_setup.imported(found) if need not in needs]
     some = f"; for some of it also {names(others)}" if others else ""
-    python = "py" if lessons.WINDOWS else "python3"
+    python = python_setup.found() or ("py" if lessons.WINDOWS else "python3")
     return sources(found), [
         f"needs: {names(needs)}{some}",
         f"next: {command(python, folder / lesson.key / 'server.py')}",

@@ -7,7 +7,6 @@ import errno
 import glob
 import os
 import re
-import shutil
 import socket
 import sys
 from collections.abc import Iterator
@@ -31,8 +30,6 @@ def do(_: argparse.Namespace) -> int:
     for fine, what, finding in list(rows(python_setup.found())):
         mark = coloured("ok", "kit") if fine else coloured("--", "error")
         print(f"{mark}  {what:10} {finding}", flush=True)
-    if shutil.which("dotnet") is None and sys.platform.startswith("linux"):
-        print("    a distribution may have it as a package: dotnet-sdk-8.0 or later")
     return 0
 
 
@@ -87,7 +84,8 @@ def csharp_rows() -> Iterator[Row]:
     """The .NET SDK, and where NetMQ comes from."""
     sdk = dotnet.sdk()
     if not sdk:
-        yield False, ".NET SDK", f"{dotnet.DOWNLOAD}; until then the Python clients run"
+        package = " (on Linux perhaps the package dotnet-sdk-8.0)" if sys.platform.startswith("linux") else ""
+        yield False, ".NET SDK", f"{dotnet.DOWNLOAD}{package}; until then the Python clients run"
         return
     yield True, ".NET SDK", sdk
     try:

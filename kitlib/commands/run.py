@@ -45,7 +45,7 @@ def add_folder(parser: argparse.ArgumentParser) -> None:
 def add_client(parser: argparse.ArgumentParser) -> None:
     """Which client, and on what."""
     kinds = ("csharp", "python", "unity")
-    parser.add_argument("--client", choices=kinds, default="csharp", help="csharp, if not said")
+    parser.add_argument("--client", choices=kinds, help="csharp, if not said")
 
 
 def do(options: argparse.Namespace) -> int:
@@ -83,13 +83,15 @@ def behind(lesson: Lesson, python: Path, words: list[str]) -> dict[str, list[str
     return {name: [*server_command(other, python), "--endpoint", other.anywhere] for name, other in here}
 
 
-def client_command(kind: str, lesson: Lesson, python: Path | None = None) -> list[str]:
-    """The words that start a client; without a .NET SDK, or NetMQ, it is the Python one, which alone needs a Python."""
+def client_command(kind: str | None, lesson: Lesson, python: Path | None = None) -> list[str]:
+    """The words that start a client. None: in C#, or without a .NET SDK or NetMQ in Python."""
     if kind == "python":
         return [str(python or python_setup.interpreter(lesson.key)), str(lesson.python / "client.py")]
     try:
         netmq = dotnet.find_netmq()
     except dotnet.NoNetMQ as error:
+        if kind:
+            raise KitError(f"{error}; `--client python` runs without it") from None
         say(f"{error}; running the Python client instead")
         return client_command("python", lesson, python)
     unity = ["--unity"] if kind == "unity" else []

@@ -9,6 +9,7 @@ import pytest
 from kitlib import commands, imports
 from kitlib.commands import copy
 from kitlib.lessons import WINDOWS, KitError, UsageError, lessons
+from kitlib.setup import python_setup
 from tests.conftest import PYTHON
 from tests.programs import ROOT, finished, two_ports
 
@@ -149,7 +150,8 @@ def test_of_the_package_just_what_lesson_01_imports_is_copied(tmp_path):
 def test_what_differs_stays_unless_it_is_forced(tmp_path, capsys):
     folder = tmp_path / "game"
     copied("1", folder)
-    assert capsys.readouterr().out.endswith(f"kit    | next: {PY} {folder / '01_request_reply' / 'server.py'}\n")
+    python = python_setup.found() or PY
+    assert capsys.readouterr().out.endswith(f"kit    | next: {python} {folder / '01_request_reply' / 'server.py'}\n")
     server, license = folder / "01_request_reply" / "server.py", folder / copy.LICENCE
     server.write_text("mine", encoding="utf-8")
     # Git may have changed the ends of the lines, which is no change.

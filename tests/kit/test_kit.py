@@ -786,7 +786,7 @@ def without_nuget(monkeypatch, tmp_path, output="error NU1301: Unable to load th
 def test_where_nuget_gives_no_netmq_the_python_client_runs(monkeypatch, tmp_path, capsys):
     without_nuget(monkeypatch, tmp_path)
     for _ in range(2):
-        command = runner.client_command("csharp", lessons.find("1"), PYTHON)
+        command = runner.client_command(None, lessons.find("1"), PYTHON)
         assert command == [str(PYTHON), str(lessons.find("1").python / "client.py")]
         assert capsys.readouterr().out.splitlines()[-1] == (
             "kit    | NuGet cannot be reached; a folder packages from `python3 kit.py pack` serves without internet;"
@@ -794,6 +794,8 @@ def test_where_nuget_gives_no_netmq_the_python_client_runs(monkeypatch, tmp_path
         )
         # Asked again the next time.
         assert not (tmp_path / "netmq.json").exists()
+    with pytest.raises(KitError, match="NuGet cannot be reached; .*; `--client python` runs without it"):
+        runner.client_command("csharp", lessons.find("1"), PYTHON)
     without_nuget(monkeypatch, tmp_path, output="")
     assert dotnet.find_netmq().folder == ""
     # And then it is known.

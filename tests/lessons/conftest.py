@@ -120,7 +120,7 @@ def inside():
 @pytest.fixture
 def make(inside):
     """gymnasium.make, and what it made is closed at the end of the test."""
-    gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
+    gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     import netmq_example.envs  # noqa: F401
 
     made = []

@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 pytest.importorskip("PIL", reason="to record needs Pillow: pip install pillow")
 KEY = "08_see_and_steer"
 from netmq_example.camera.recording import MOST_DRIVES, Recorder, recorded  # noqa: E402

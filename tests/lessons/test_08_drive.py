@@ -21,7 +21,7 @@ from tests.conftest import CLIENTS
 from tests.programs import LIMIT, PATIENT, Program
 
 KEY = "08_see_and_steer"
-world = pytest.importorskip("netmq_example.worlds.road", reason="lesson 08 needs numpy: pip install numpy")
+world = pytest.importorskip("netmq_example.worlds.road", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 TERMINAL = [kind for kind in CLIENTS if kind != "unity"]

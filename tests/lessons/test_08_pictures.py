@@ -13,7 +13,7 @@ from netmq_example.messages import Array, Message, MessageError
 from tests.lessons.test_05_messages import answering, echo
 from tests.programs import finished
 
-np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 from netmq_example.camera import pictures  # noqa: E402
 
 

@@ -7,7 +7,7 @@ import zmq
 
 from netmq_example.errors import GaveUp
 
-np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 from netmq_example.camera import pictures  # noqa: E402
 from netmq_example.camera.client import Action, DriverClient  # noqa: E402
 from netmq_example.camera.recording import Recorder, recorded  # noqa: E402

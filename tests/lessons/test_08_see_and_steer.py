@@ -32,7 +32,7 @@ KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
 # In front: lesson 09 has a train.py, too.
 sys.path.insert(0, str(LESSON))
-np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: pip install numpy")
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 Image = pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
 driver, train = map(importlib.import_module, ("driver", "train"))
 from netmq_example.camera.pictures import encode, pictures  # noqa: E402

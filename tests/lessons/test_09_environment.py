@@ -16,8 +16,8 @@ import pytest
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402

@@ -19,8 +19,8 @@ import zmq
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY

@@ -19,8 +19,8 @@ from kitlib.docs import guide
 from tests.conftest import PYTHON
 from tests.programs import ROOT, Mark, finds_processes, python_runs, steady_endpoint
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 
 KEY = "09_environment"
 LESSON = ROOT / "python" / KEY

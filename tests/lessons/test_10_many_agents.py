@@ -14,9 +14,9 @@ import pytest
 from tests.conftest import CLIENTS
 from tests.programs import ROOT
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install numpy")
-pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: kit.py run 10 installs it")
+np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
+pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.wrappers.vector import RecordEpisodeStatistics  # noqa: E402

@@ -11,9 +11,9 @@ import zmq
 
 from tests.programs import LIMIT, free_port
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install numpy")
-pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: kit.py run 10 installs it")
+np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
+pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
 
 KEY = "10_many_agents"
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402

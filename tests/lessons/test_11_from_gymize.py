@@ -27,8 +27,8 @@ from kitlib.docs import guide
 from kitlib.setup import dotnet
 from tests.programs import ROOT, free_port, steady_endpoint
 
-pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
-pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: pip install pettingzoo")
+pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
+pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
 from netmq_example.messages import MessageError
 
 PARTS = {block.language: block.body for block in guide.blocks(ROOT / "docs" / "guide" / "from_gymize.md")}

@@ -17,9 +17,9 @@ from tests.conftest import CLIENTS
 from tests.lessons.test_11_trees import same
 from tests.programs import LIMIT, ROOT, free_port
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
-pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: pip install pettingzoo")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
+np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
+pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 from pettingzoo.test import parallel_api_test, parallel_seed_test  # noqa: E402

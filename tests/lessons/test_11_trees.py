@@ -14,8 +14,8 @@ from tests.programs import ROOT, finished
 from tests.tables import rows
 from tests.unity.test_unity_play import needs_mono
 
-np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
+np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
 
 from netmq_example import locator, messages  # noqa: E402

@@ -13,9 +13,9 @@ import zmq
 from tests.lessons.test_11_trees import same
 from tests.programs import LIMIT
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: pip install numpy")
-pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: pip install pettingzoo")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
+np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
+pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
 
 from netmq_example import spaces as tree  # noqa: E402

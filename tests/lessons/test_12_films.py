@@ -17,8 +17,8 @@ import zmq
 
 from tests.programs import LIMIT, ROOT
 
-np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
-Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
+np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: kit.py run 12 installs it")
+Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
 from netmq_example.messages import Array, Message, MessageError  # noqa: E402
 from netmq_example.video.film_writer import open_film  # noqa: E402
 from netmq_example.video.films import Films  # noqa: E402
@@ -376,7 +376,7 @@ def test_gymnasiums_render_modes_become_films(mode, make, launch, tmp_path):
 
 def test_a_game_of_hunters_and_rabbits_becomes_a_film(launch, tmp_path):
     """Lesson 10's agents: the pictures of a whole game, in the world's own time, read by Pillow and in its order."""
-    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
+    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
     sys.path.append(str(ROOT / "python" / "10_many_agents"))
     players = importlib.import_module("players")
     from netmq_example.envs.parallel_env import ZmqParallelEnv

@@ -20,8 +20,8 @@ from netmq_example.messages import Array, Message, MessageError, read
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, steady_endpoint
 
-np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
-pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
+np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: kit.py run 12 installs it")
+pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
 from netmq_example.video import film_writer
 from netmq_example.video.films import Films
 from netmq_example.video.view_film import ViewFilm

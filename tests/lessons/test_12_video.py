@@ -15,8 +15,8 @@ import zmq
 from tests.conftest import CLIENTS
 from tests.programs import LIMIT, PATIENT, ROOT, steady_endpoint
 
-np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: pip install numpy")
-Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: pip install pillow")
+np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: kit.py run 12 installs it")
+Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
 
 KEY = "12_video"
 from netmq_example.messages import Array, Message, read  # noqa: E402

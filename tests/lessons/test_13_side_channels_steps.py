@@ -97,7 +97,7 @@ EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], 20).run(simulator)
 @pytest.fixture
 def moon(tmp_path):
     """moon(*words): an environment that launches such a simulator, and its channels."""
-    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     from netmq_example.envs.gym_env import ZmqEnv
     from netmq_example.envs.side_channels import carry
     from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel

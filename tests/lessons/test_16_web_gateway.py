@@ -24,9 +24,9 @@ import zmq.asyncio
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, PATIENT, ROOT, Program, steady_endpoint
 
-aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: pip install aiohttp")
+aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: kit.py run 16 installs it")
 web = pytest.importorskip("aiohttp.web")
-socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: pip install python-socketio")
+socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
 from netmq_example.web.browser_socket import Listener, Requester  # noqa: E402
 from netmq_example.web.door import Door  # noqa: E402
 from netmq_example.web.requester import WebSocketRequester  # noqa: E402

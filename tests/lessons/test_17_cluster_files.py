@@ -19,7 +19,7 @@ from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished, steady_
 FILES = ROOT / "docs" / "guide" / "17_files"
 SCRIPT, MANIFEST = FILES / "slurm.sh", FILES / "kubernetes.yaml"
 posix = pytest.mark.skipif(os.name == "nt", reason="Slurm's machines are not Windows")
-pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: pip install gymnasium")
+pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 
 # As Slurm's: so many tasks of the command, whose processes all end with it.
 SRUN = """#!/bin/bash

@@ -16,8 +16,8 @@ import zmq
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, ROOT, free_port, python_runs, steady_endpoint
 
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: pip install numpy")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
+np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
 
 KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"

@@ -16,8 +16,8 @@ from tests.conftest import PYTHON
 from tests.programs import ROOT, Mark, finds_processes, python_runs
 
 pytest.importorskip("ray", reason="needs Ray: pip install ray")
-gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: pip install gymnasium")
-np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: pip install numpy")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 
 RAY = ROOT / "python" / "17_many_machines" / "ray_train.py"
 CLIENT = ROOT / "python" / "09_environment" / "client.py"
