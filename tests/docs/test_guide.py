@@ -61,9 +61,9 @@ def once(source):
 )
 def test_a_transcript_is_what_a_run_prints(block, netmq, console):
     difference = guide.contradiction(block, once(block.source))
-    if difference:
-        # On a busy machine a client tries once more than the page says; a page that is wrong is so again.
-        difference = guide.contradiction(block, ran(block.source))
+    for _ in range(3):
+        # On a busy machine a client tries once more than the page says; a page that is wrong is so each time.
+        difference = difference and guide.contradiction(block, ran(block.source))
     assert not difference, f"{difference}\npython3 -m kitlib.docs.guide rewrites it"
 
 
@@ -99,13 +99,13 @@ def test_every_command_is_understood(run):
                         if given.client == "python":
                             understood(block.where, f"{lesson}/client.py", shlex.split(given.options))
                         else:
-                            understands(run, given.client, lesson, shlex.split(given.options), block.where)
+                            understands(run, given.client or "csharp", lesson, shlex.split(given.options), block.where)
                     elif words[2] in ("server", "client"):
                         lesson = find(given.lesson).key
                         if words[2] == "server" or given.client == "python":
                             understood(block.where, f"{lesson}/{words[2]}.py", given.words)
                         else:
-                            understands(run, given.client, lesson, given.words, block.where)
+                            understands(run, given.client or "csharp", lesson, given.words, block.where)
                 elif words[0] == "python":
                     assert words[1].startswith("python/"), block.where
                     understood(block.where, words[1].removeprefix("python/"), words[2:])
