@@ -48,7 +48,11 @@ def guarded(work: Callable[[], int]) -> int:
         return 1
     except OSError as error:
         # A full disk, a folder of somebody else's: whatever it is, the system's own words name it.
-        why = UNWRITABLE if isinstance(error, PermissionError) else "free some space, or try another folder"
+        why = "free some space, or try another folder"
+        if isinstance(error, FileExistsError | NotADirectoryError):
+            why = "that is a file: name a folder"
+        elif isinstance(error, PermissionError):
+            why = UNWRITABLE
         print(coloured("kit    |", "error", sys.stderr), f"{error}; {why}", file=sys.stderr)
         return 1
 

@@ -16,6 +16,7 @@ from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, Lesson, find, lesson
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import coloured
+from kitlib.unity.install import command
 
 ABOUT = "Shows what is on this machine and what is missing, each missing thing with its cure."
 EXAMPLES = ["doctor"]
@@ -76,7 +77,7 @@ def optional_rows(python: Path, lesson: Lesson) -> Iterator[Row]:
     for part, needs in python_setup.large_extras(lesson).items():
         packages = [python_setup.name(need) for need in needs]
         missing = python_setup.not_found(python, packages)
-        cure = f"no {', '.join(missing)}; `{python} -m pip install {' '.join(missing)}` installs it"
+        cure = f"no {', '.join(missing)}; `{command(python, '-m', 'pip', 'install', *missing)}` installs it"
         yield not missing, part, f"optional, for lesson {lesson.number:02}: {cure if missing else 'there'}"
 
 

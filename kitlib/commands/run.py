@@ -89,7 +89,7 @@ def client_command(kind: str | None, lesson: Lesson, python: Path | None = None)
         return [str(python or python_setup.interpreter(lesson.key)), str(lesson.python / "client.py")]
     try:
         netmq = dotnet.find_netmq()
-    except dotnet.NoNetMQ as error:
+    except KitError as error:
         if kind:
             raise KitError(f"{error}; `--client python` runs without it") from None
         say(f"{error}; running the Python client instead")

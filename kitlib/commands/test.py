@@ -5,7 +5,7 @@ import os
 import re
 from pathlib import Path
 
-from kitlib.lessons import ROOT, Lesson, find, lessons
+from kitlib.lessons import ROOT, Lesson, UsageError, find, lessons
 from kitlib.programs import end, spawn, wait
 from kitlib.setup import python_setup
 from kitlib.terminal import say
@@ -29,6 +29,7 @@ HOUSE = "tests/house"
 def do(options: argparse.Namespace) -> int:
     """Set up what the tests need, then run them."""
     lesson = lesson_of(options.words)
+    check_paths(options.words[1:] if lesson else options.words)
     house = ["style"] if any(word.startswith(HOUSE) for word in options.words) else []
     python = python_setup.interpreter("tests", *house, optional=optional(lesson))
     say(f"testing with {python}")
@@ -48,9 +49,23 @@ def do(options: argparse.Namespace) -> int:
 
 def lesson_of(words: list[str]) -> Lesson | None:
     """The lesson that the first word names."""
-    if not words or words[0].startswith("-") or Path(words[0].split("::")[0]).exists():
+    if not words or words[0].startswith("-") or file_of(words[0]):
         return None
+    if "/" in words[0] or words[0].endswith(".py"):
+        raise UsageError(f"there is no {words[0]}")
     return find(words[0])
+
+
+def file_of(word: str) -> bool:
+    """Whether it is a file or folder of tests, as seen from the kit's own folder."""
+    return (ROOT / word.split("::")[0]).exists()
+
+
+def check_paths(words: list[str]) -> None:
+    """UsageError: a word is no option, no value of one, and no file. Side by side pytest itself would be silent."""
+    for before, word in zip(["", *words], words, strict=False):
+        if not word.startswith("-") and not before.startswith("-") and not file_of(word):
+            raise UsageError(f"there is no {word}; after the lesson come pytest's options, such as -k")
 
 
 def optional(lesson: Lesson | None) -> tuple[str, ...]:

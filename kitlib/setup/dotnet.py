@@ -23,6 +23,8 @@ BUILD = ROOT / ".build"
 CONSOLE = ROOT / "csharp-console"
 SUPPORT = ROOT / "csharp-support"
 OWN_SCRIPTS = CONSOLE / "own-scripts"
+# What csharp-support builds, and every other project refers to.
+LIBRARIES = ("NetMQExample", "UnityPlayer")
 # Who builds or restores holds it: all projects share what stands in .build.
 LOCK = BUILD / "lock"
 INSTALLER = "https://dotnet.microsoft.com/download"
@@ -105,7 +107,7 @@ def find_netmq(ask_again: bool = False) -> NetMQ:
         except TypeError:
             pass
     if not writable(BUILD):
-        raise KitError(UNWRITABLE)
+        raise NoNetMQ(UNWRITABLE)
     netmq = ask_nuget()
     keep(memory, json.dumps({"key": key, **netmq.__dict__}))
     return netmq
@@ -160,7 +162,9 @@ def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Pa
     now = fingerprint(netmq, sources)
 
     def fresh() -> bool:
-        return dll.exists() and recall(stamp).get("sources") == now
+        # An interrupted build of another project may have taken away what all of them refer to.
+        there = all((BUILD / "bin" / one / "release" / f"{one}.dll").exists() for one in (name, *LIBRARIES))
+        return there and recall(stamp).get("sources") == now
 
     if fresh():
         return dll

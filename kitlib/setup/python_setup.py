@@ -116,7 +116,9 @@ LACKING = """
 import importlib, importlib.metadata, re, sys
 def lacks(package, module, limits):
     try:
-        importlib.import_module(module)
+        # What has lost its files is a folder, and can be imported.
+        if importlib.import_module(module).__file__ is None:
+            return True
         have = numbers(importlib.metadata.version(package)) if limits else []
     except Exception:
         return True
@@ -211,6 +213,8 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
     if not writable(BUILD):
         say(UNWRITABLE)
         return None
+    if VENV.is_file() or (python.exists() and not quietly([python, "-c", ""], limit=60).ok):
+        raise KitError(f"the Python in {VENV} cannot be started: delete {VENV} and run this again")
     made = not python.exists()
     if made and not make_venv():
         return None

@@ -24,8 +24,9 @@ from kitlib import commands, lessons, programs, signals, terminal
 from kitlib.commands import doctor, pack
 from kitlib.commands import run as runner
 from kitlib.commands import server as served
+from kitlib.commands import test as tests_command
 from kitlib.docs import guide
-from kitlib.lessons import KitError
+from kitlib.lessons import KitError, UsageError
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
@@ -92,10 +93,13 @@ def test_a_build_happens_only_after_a_change(netmq, tmp_path, monkeypatch):
 
     def step(what, command, *_):
         built.append(command[-1])
-        dll = tmp_path / "build" / "bin" / "own" / "release" / "own.dll"
-        dll.parent.mkdir(parents=True, exist_ok=True)
-        dll.touch()
+        for name in ("own", *dotnet.LIBRARIES):
+            dll_of(name).parent.mkdir(parents=True, exist_ok=True)
+            dll_of(name).touch()
         return Result(int("fails" in source.read_text()), "x.cs(1,1): error CS1002")
+
+    def dll_of(name):
+        return tmp_path / "build" / "bin" / name / "release" / f"{name}.dll"
 
     source = tmp_path / "own" / "a.cs"
     for path in (source, tmp_path / "own" / "own.csproj", tmp_path / "own" / "obj" / "b.cs"):
@@ -110,11 +114,15 @@ def test_a_build_happens_only_after_a_change(netmq, tmp_path, monkeypatch):
         (tmp_path / "own" / "obj" / "b.cs").write_text(text)
         dotnet.build(netmq, source.parent)
     assert len(built) == 2
+    # Another project's build was interrupted.
+    dll_of("NetMQExample").unlink()
+    dotnet.build(netmq, source.parent)
+    assert len(built) == 3
     source.write_text("fails")
     for _ in range(2):
         with pytest.raises(KitError, match="CS1002"):
             dotnet.build(netmq, source.parent)
-    assert len(built) == 4
+    assert len(built) == 5
 
 
 class Stopped:
@@ -752,17 +760,11 @@ def has_wheels():
 def test_a_folder_that_cannot_be_written_to_is_named_in_one_line(netmq, copy, start):
     """The tests may be root's, who may write anywhere; a file in the folder's place stops even him."""
     (copy / ".build").write_text("", encoding="utf-8")
-    program = start(
-        *own_run(
-            copy,
-            PYTHON,
-        )
-    )
-    assert program.wait(120) == 1, program.output
-    assert program.lines[-1] == f"kit    | {lessons.UNWRITABLE}"
-    python = start(*own_run(copy, PYTHON, "--client", "python"))
-    assert python.wait(120) == 0, python.output
-    assert "Traceback" not in program.output + python.output
+    for words, code in ((["--client", "csharp"], 1), ([], 0), (["--client", "python"], 0)):
+        program = start(*own_run(copy, PYTHON, *words))
+        assert program.wait(120) == code, program.output
+        assert f"kit    | {lessons.UNWRITABLE}" in program.output
+        assert "Traceback" not in program.output
 
 
 def test_a_package_is_there_if_it_can_be_imported_and_is_not_too_old(tmp_path, monkeypatch):
@@ -967,3 +969,22 @@ def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
     assert "--python takes a version of 3.11 or later, such as 3.13, not 3.10" in old.lines[-1]
     assert "for windows, Python 3.13 …" in program.output
     assert code == 0 or "kit    | pip could not fetch them for windows, Python 3.13: " in program.output, program.output
+
+
+def test_words_that_are_no_tests_are_named():
+    for words in (["tests/nix.py"], ["1", "2"], ["1", "-k", "x", "nix"]):
+        with pytest.raises(UsageError, match=r"^there is no (tests/nix\.py|2; after|nix; after)"):
+            tests_command.check_paths(words[1:]) if tests_command.lesson_of(words) else None
+
+
+def test_a_venv_that_cannot_be_started_is_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
+    (tmp_path / ".venv").write_text("no folder", encoding="utf-8")
+    with pytest.raises(KitError, match=r"cannot be started: delete \S+ and run this again$"):
+        python_setup.from_pip(["pyzmq>=1"], ["pyzmq>=1"])
+
+
+def test_a_package_that_has_lost_its_files_is_lacking(tmp_path, monkeypatch):
+    (tmp_path / "emptied").mkdir()
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    assert python_setup.lacking(PYTHON, ["emptied"]) == ["emptied"]
