@@ -50,7 +50,7 @@ def guarded(work: Callable[[], int]) -> int:
         # A full disk, a folder of somebody else's: whatever it is, the system's own words name it.
         why = "free some space, or try another folder"
         if isinstance(error, FileExistsError | NotADirectoryError):
-            why = "that is a file: name a folder"
+            why = "it is in the way: name another place"
         elif isinstance(error, PermissionError):
             why = UNWRITABLE
         print(coloured("kit    |", "error", sys.stderr), f"{error}; {why}", file=sys.stderr)

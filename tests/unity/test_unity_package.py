@@ -157,7 +157,7 @@ def test_what_stands_in_the_way_is_named(start: Start, tmp_path: Path) -> None:
     assert refused(mine).endswith("is there already: nothing was written; --force overwrites it")
     assert mine.read_bytes() == b"mine"
     assert "'Kit.zip' must end in .unitypackage" in refused(tmp_path / "Kit.zip")
-    assert refused(mine / "Kit.unitypackage").endswith("; free some space, or try another folder")
+    assert refused(mine / "Kit.unitypackage").endswith("; it is in the way: name another place")
     assert [path.name for path in tmp_path.iterdir()] == ["mine.unitypackage"]
     forced = start(PYTHON, ROOT / "kit.py", "unity", "--package", mine, "--scripts-only", "--force")
     assert forced.wait() == 0, forced.output
