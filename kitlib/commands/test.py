@@ -48,24 +48,22 @@ def do(options: argparse.Namespace) -> int:
 
 
 def lesson_of(words: list[str]) -> Lesson | None:
-    """The lesson that the first word names."""
-    if not words or words[0].startswith("-") or file_of(words[0]):
+    """The lesson that the first word names, if it is no option and no path."""
+    if not words or words[0].startswith("-") or "/" in words[0] or words[0].endswith(".py") or is_there(words[0]):
         return None
-    if "/" in words[0] or words[0].endswith(".py"):
-        raise UsageError(f"there is no {words[0]}")
     return find(words[0])
 
 
-def file_of(word: str) -> bool:
-    """Whether it is a file or folder of tests, as seen from the kit's own folder."""
+def is_there(word: str) -> bool:
+    """Whether it is a file or folder of tests, as seen from the kit's own folder, where pytest runs."""
     return (ROOT / word.split("::")[0]).exists()
 
 
 def check_paths(words: list[str]) -> None:
     """UsageError: a word is no option, no value of one, and no file. Side by side pytest itself would be silent."""
     for before, word in zip(["", *words], words, strict=False):
-        if not word.startswith("-") and not before.startswith("-") and not file_of(word):
-            raise UsageError(f"there is no {word}; after the lesson come pytest's options, such as -k")
+        if not word.startswith("-") and not before.startswith("-") and not is_there(word):
+            raise UsageError(f"there is no {word}; test takes one lesson, or files, and pytest's options, such as -k")
 
 
 def optional(lesson: Lesson | None) -> tuple[str, ...]:

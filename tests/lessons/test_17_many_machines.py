@@ -170,7 +170,9 @@ def test_a_trainer_says_in_one_line_what_is_wrong(context):
         bad, other, alone = trainers.result()
     assert (bad.code, other.code, alone.code) == (2, 1, 1)
     assert bad.lines[-1].endswith("bad endpoint 'nonsense': write it like tcp://127.0.0.1:5567")
-    assert other.lines[-1] == "gave up: missing-field: there is no 'simulators'"
+    # On a busy machine the hub's answer comes late.
+    said = [line for line in other.lines[1:] if not line.startswith("no answer from a hub at tcp://127.0.0.1:")]
+    assert said == ["gave up: missing-field: there is no 'simulators'"]
     text = f"no answer from a hub at {nobody}: is it there, without keys?"
     assert alone.lines[-2:] == [text, f"gave up: no simulator came to {nobody} within 3 s; {text}"]
 
