@@ -4,7 +4,7 @@
     python python/09_environment/client.py --world Car    lesson 08's car on its road
     python python/09_environment/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: messages of lesson 05, see simulation/simulator.py and spaces.py.
+Bytes: records, see netmq_example/records.py and spaces.py.
 """
 
 import sys

@@ -4,7 +4,7 @@
     python python/10_many_agents/client.py --world CartPole --areas 16    sixteen poles on sixteen carts
     python python/10_many_agents/client.py --count 3                      leave after so many games
 
-Bytes: messages of lesson 05, see simulation/agents.py, simulation/areas.py and infos.py.
+Bytes: records, see records.py, simulation/agents.py and simulation/areas.py.
 """
 
 import sys

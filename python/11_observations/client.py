@@ -3,7 +3,7 @@
     python python/11_observations/client.py                a car collects coins, until the environment closes it
     python python/11_observations/client.py --count 3      leave after so many episodes: the environment has lost it
 
-Bytes: messages of lesson 05, see scene.py and spaces.py.
+Bytes: records, see netmq_example/records.py and simulation/scene.py.
 """
 
 import sys

@@ -19,7 +19,7 @@ from netmq_example.security.requester import client_keys
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
     from netmq_example.fleet.beacon import find
     from netmq_example.fleet.simulator import FleetSimulator
-    from netmq_example.simulation.simulator import EnvironmentClient
+    from netmq_example.simulation.simulator import EnvironmentClient, Simulator
     from netmq_example.worlds.cart_pole import CartPole
 
 
@@ -39,7 +39,7 @@ def main() -> None:
         except ValueError as error:
             parser.error(f"--find: {error}")
     show(f"asking {place}")
-    simulator = FleetSimulator(CartPole(), options.build, options.crash_after, options.delay)
+    simulator = FleetSimulator(Simulator(CartPole()), options.build, options.crash_after, options.delay)
     client = EnvironmentClient(place, options.timeout, show, options.keys.apply if options.keys else None)
     client.run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")

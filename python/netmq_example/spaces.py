@@ -1,234 +1,412 @@
-"""What is seen and what is done, as an environment and its simulator send it: spaces, and values of any space.
+"""Gymnasium's spaces: how a simulator describes them in its hello, and what is in them as bytes.
 
-**Spaces** (lesson 09). A hello names the kinds, `box` or `discrete`, as the values `observation` and `action`. Its
-arrays are the rest: of a box the lowest and the highest numbers, whose dtype and shape are those of the box; of a
-discrete one how many there are, an int64. An observation or an action is then one array. What is not in its space is
-refused. In C# it is GymSpace.cs.
+    description = described(Discrete(2))            ["discrete", 2, 0, "int64"]; space_of(description) is the way back
+    bytes_of = Bytes(Discrete(2))
+    row = bytes_of.write(1)                         8 bytes
+    action = bytes_of.read(row)                     np.int64(1), or MessageError: not-in-space
 
-    kind, arrays = described(Discrete(2))               "discrete" and one array; space_of(kind, arrays) is the way back
-    action = from_array(Discrete(2), [to_array(1, np.int64)])
+Once both sides know a space, what is in it travels without a word: its arrays' numbers, little-endian, in the order of
+the space's parts.
 
-**Trees** (lesson 11) are values of any space: JSON, and the message's arrays. An array whose dtype no message has
-travels as the next larger one, and loses nothing. In C# it is MessageTree.cs.
+    description (a value, trees.py)                             bytes
+    ["box", dtype, low, high]                                   its numbers; low and high are arrays of its shape
+    ["discrete", n, start, dtype]                               one number
+    ["multi_binary", shape]                                     int8, 0 or 1, for each
+    ["multi_discrete", counts, starts, dtype]                   its numbers; counts and starts are arrays of its shape
+    ["text", shortest, longest, characters]                     uint32, how many bytes; then UTF-8
+    ["dict", [[key, space], …]]   ["tuple", [space, …]]         one part after the other
+    ["sequence", space, stacked]                                uint32, how many; then one after the other
+    ["graph", nodes' space, edges' space or null]               uint32 nodes, uint32 edges, or 2**32 - 1 for none; the
+                                                                nodes, the edges, and int32 [edges, 2]
+    ["one_of", [space, …]]                                      uint32, which one; then what is in it
 
-    5   0.5   true   null   "a text"   [1, 2]           as JSON has them; tuples are lists
-    {"array": 0}                                        the first array of the message
-    {"dict": {"speed": 5, "picture": {"array": 0}}}     a dict
-    {"graph": {"nodes": …, "edges": …, "edge_links": …}}        Gymnasium's GraphInstance; without edges both are null
-
-MessageError says what is wrong with what a peer sent, ValueError what cannot be sent. It needs gymnasium.
+In C# it is GymSpace.cs. It needs gymnasium and numpy.
 """
 
-import json
-import math
-from collections.abc import Mapping
+import struct
+from abc import ABC, abstractmethod
+from collections import OrderedDict
+from collections.abc import Sequence as Items
 from typing import Any
 
 import numpy as np
-from gymnasium import logger
-from gymnasium.spaces import Box, Discrete, GraphInstance, Space
+from gymnasium import spaces
+from gymnasium.spaces import GraphInstance, Space
+from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 
-from netmq_example.messages import DECODER, ENCODER, EXACT, Array, Message, MessageError, take
-from netmq_example.messages import read as read_message
+from netmq_example import trees
+from netmq_example.messages import MessageError
 
-# The dtypes that a message has not, and those that they travel as.
-WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", "float16": "float32"}
+SIZE = trees.SIZE
+NO_EDGES = 2**32 - 1
+# Items of a sequence, nodes or edges: more would take a step minutes.
+MOST_ITEMS = 1_000_000
+# What Gymnasium's constructors and numpy raise, and reading past the end.
+REASONS = (*trees.REASONS, AssertionError, ArithmeticError, AttributeError)
 
 
-# Spaces
+def described(space: Space[Any]) -> list[Any]:
+    """For a hello. ValueError names a space that none of Gymnasium's own is."""
+    match space:
+        case spaces.Box():
+            return ["box", space.dtype.name, space.low, space.high]
+        case spaces.Discrete():
+            return ["discrete", int(space.n), int(space.start), np.dtype(space.dtype).name]
+        case spaces.MultiBinary():
+            return ["multi_binary", list(map(int, space.shape))]
+        case spaces.MultiDiscrete():
+            return ["multi_discrete", space.nvec, space.start, space.dtype.name]
+        case spaces.Text():
+            return ["text", space.min_length, space.max_length, "".join(space.character_list)]
+        case spaces.Dict():
+            return ["dict", [[key, described(part)] for key, part in space.items()]]
+        case spaces.Tuple():
+            return ["tuple", [described(part) for part in space]]
+        case spaces.Sequence():
+            return ["sequence", described(space.feature_space), space.stack]
+        case spaces.Graph():
+            edges = None if space.edge_space is None else described(space.edge_space)
+            return ["graph", described(space.node_space), edges]
+        case spaces.OneOf():
+            return ["one_of", [described(part) for part in space.spaces]]
+    raise ValueError(f"{space} has no place in a message; Gymnasium's own spaces have")
 
 
-def space_of(kind: str, arrays: list[Array]) -> Space[Any]:
-    """The space of this kind; what belongs to it is taken from the beginning of `arrays`."""
-    if kind not in ("box", "discrete"):
-        raise MessageError("unknown-space", f"space {kind!a:.40} is none of box, discrete")
+def space_of(description: Any) -> Space[Any]:
+    """MessageError says why a description is of none."""
     try:
-        if kind == "discrete":
-            return Discrete(int(arrays.pop(0).numpy()))
-        low, high = arrays.pop(0).numpy(), arrays.pop(0).numpy()
-        return Box(low, high, dtype=low.dtype.type)
-    except (LookupError, ValueError, TypeError, ArithmeticError, AssertionError) as error:
-        raise MessageError("bad-space", f"its arrays make no {kind}: {error!s:.80}") from None
+        return made(description)
+    except MessageError:
+        raise
+    except REASONS as error:
+        raise MessageError("bad-space", f"{description!s:.60} makes no space: {error!s:.80}") from None
 
 
-def offered(hello: Message, name: str, before: list[Space[Any]] | None) -> list[Space[Any]]:
-    """What a simulator of this name sees and takes; MessageError says why its hello is refused."""
-    found = take(hello.values, "name", str)
-    if found != name:
-        raise MessageError("wrong-name", f"this environment is {name}, the simulator's is {found!a:.40}")
-    arrays = list(hello.arrays)
-    spaces = [space_of(take(hello.values, which, str), arrays) for which in ("observation", "action")]
-    if before and spaces != before:
-        raise MessageError("other-spaces", f"the simulator before this one had {before}, not {spaces}")
-    return spaces
+def made(description: Any) -> Space[Any]:
+    match description:
+        case ["box", str(dtype), np.ndarray() as low, np.ndarray() as high]:
+            kind: Any = np.dtype(dtype).type
+            return spaces.Box(low.astype(kind), high.astype(kind), dtype=kind)
+        case ["discrete", int(count), int(start), str(dtype)]:
+            # Gymnasium before 1.2 has but one dtype.
+            words: dict[str, Any] = {} if dtype == "int64" else {"dtype": np.dtype(dtype).type}
+            return spaces.Discrete(count, start=start, **words)
+        case ["multi_binary", list(shape)]:
+            return spaces.MultiBinary(shape[0] if len(shape) == 1 else shape)
+        case ["multi_discrete", np.ndarray() as counts, np.ndarray() as starts, str(dtype)]:
+            return spaces.MultiDiscrete(counts, dtype=np.dtype(dtype).type, start=starts)
+        case ["text", int(shortest), int(longest), str(characters)]:
+            return spaces.Text(longest, min_length=shortest, charset=characters)
+        case ["dict", list(parts)]:
+            # Of a plain dict Gymnasium sorts the keys.
+            return spaces.Dict(OrderedDict((str(key), made(part)) for key, part in parts))
+        case ["tuple", list(parts)]:
+            return spaces.Tuple([made(part) for part in parts])
+        case ["sequence", list(part), bool(stack)]:
+            return spaces.Sequence(made(part), stack=stack)
+        case ["graph", list(nodes), edges]:
+            node_space: Any = made(nodes)
+            edge_space: Any = None if edges is None else made(edges)
+            return spaces.Graph(node_space, edge_space)
+        case ["one_of", list(parts)]:
+            return spaces.OneOf([made(part) for part in parts])
+    known = "box, discrete, multi_binary, multi_discrete, text, dict, tuple, sequence, graph, one_of"
+    raise MessageError("unknown-space", f"space {description!s:.40} is none of {known}")
 
 
-def described(space: Space[Any]) -> tuple[str, list[Array]]:
-    """The other way round: a space's kind, and its arrays."""
-    if isinstance(space, Discrete) and space.start == 0:
-        return "discrete", [to_array(space.n, np.int64)]
-    if isinstance(space, Box):
-        return "box", [to_array(space.low, space.dtype), to_array(space.high, space.dtype)]
-    raise MessageError("unknown-space", f"{space!s:.40} is none of Box, Discrete from 0")
+class Bytes:
+    """What is in a space, as bytes and back. `size` is how many bytes it always has, or None."""
+
+    def __init__(self, space: Space[Any]) -> None:
+        self.space = space
+        self.codec = codec_of(space)
+        self.size = self.codec.size
+
+    def write(self, value: Any) -> bytes:
+        """ValueError, TypeError or LookupError if it cannot be in the space; whether it is, is not looked at."""
+        parts: list[bytes] = []
+        self.codec.write(value, parts)
+        return b"".join(parts)
+
+    def read(self, row: Any) -> Any:
+        """Fresh and writable. MessageError says what is not in the space."""
+        view = memoryview(row)
+        try:
+            value, end = self.codec.read(view, 0)
+        except REASONS as error:
+            raise MessageError("not-in-space", f"{len(view)} bytes are not in {self.space}: {error!s:.80}") from None
+        if end != len(view):
+            raise MessageError("not-in-space", f"{len(view)} bytes are not in {self.space}, which has {end}")
+        return value
+
+    def write_all(self, count: int, values: Any) -> list[bytes]:
+        """Rows of so many, which are together as Gymnasium batches them."""
+        if self.size is None:
+            return [self.write(value) for value in iterate(batch_space(self.space, count), values)]
+        blocks: list[Any] = []
+        self.codec.write_block(count, values, blocks)
+        data = np.concatenate(blocks, axis=1).tobytes()
+        return [data[at : at + self.size] for at in range(0, len(data), self.size)] or [b""] * count
+
+    def read_all(self, rows: Items[Any]) -> Any:
+        """Together, as Gymnasium batches them."""
+        if self.size is None or any(len(row) != self.size for row in rows):
+            return together(self.space, [self.read(row) for row in rows])
+        block = np.frombuffer(b"".join(rows), np.uint8).reshape(len(rows), self.size)
+        return self.codec.read_block(block, 0)
 
 
-def frames_per_second(hello: Message) -> int:
-    """As many steps as there are in a second of the world's own time."""
-    dt: float = take(hello.values, "dt", float)
-    return round(1 / max(1e-3, dt))
+def together(space: Space[Any], values: list[Any]) -> Any:
+    """A batch, as Gymnasium makes it of single ones."""
+    room: Any = create_empty_array(space, len(values))
+    return concatenate(space, values, room)
 
 
-def to_array(items: Any, dtype: Any) -> Array:
-    items = np.asarray(items, dtype)
-    return Array(str(items.dtype), items.shape, items.tobytes())
+class Codec(ABC):
+    size: Any = None
+
+    @abstractmethod
+    def write(self, value: Any, parts: list[bytes]) -> None: ...
+
+    @abstractmethod
+    def read(self, view: memoryview, at: int) -> tuple[Any, int]:
+        """What begins there, and where it ends."""
+
+    def write_block(self, count: int, values: Any, blocks: list[Any]) -> None:
+        """Of a fixed size: uint8 [count, …] for each part."""
+        raise NotImplementedError
+
+    def read_block(self, block: Any, at: int) -> Any:
+        """Of a fixed size: what is in uint8 [count, size], from this column on."""
+        raise NotImplementedError
 
 
-def from_array(space: Space[Any], arrays: list[Array]) -> Any:
-    """The one array as something of this space, fresh and writable: what was received goes with its message."""
-    if len(arrays) != 1:
-        raise MessageError("not-in-space", f"{len(arrays)} arrays are not one of {space}")
-    # [()] makes a number of an array without dimensions, and changes no other.
-    items = arrays[0].numpy().copy()[()]
-    if (items.dtype, items.shape) != (space.dtype, space.shape) or items not in space:
-        numbers = " ".join(f"{items.tolist()!r:.200}".split())
-        raise MessageError("not-in-space", f"{items.dtype} {items.shape} {numbers} is not in {shown(space)}")
-    return items
+class Numbers(Codec):
+    """An array, or one number, each of its numbers between two."""
+
+    def __init__(self, space: Any, low: Any, high: Any) -> None:
+        self.space = space
+        self.dtype = np.dtype(space.dtype)
+        self.shape: tuple[int, ...] = space.shape
+        self.count = int(np.prod(self.shape))
+        self.size = self.count * self.dtype.itemsize
+        self.low = low
+        self.high = high
+        # One number has no array around it: np.int64(1), as Discrete samples it.
+        self.single = isinstance(space, spaces.Discrete)
+        # Whatever the bytes of a picture are, they are in the space.
+        whole = np.iinfo(self.dtype) if self.dtype.kind in "iu" else None
+        self.checked = not whole or bool(np.any(low > whole.min)) or bool(np.any(high < whole.max))
+
+    def write(self, value: Any, parts: list[bytes]) -> None:
+        parts.append(np.asarray(value, self.dtype).reshape(self.shape).tobytes())
+
+    def read(self, view: memoryview, at: int) -> tuple[Any, int]:
+        if at + self.size > len(view):
+            raise ValueError("it ends too early")
+        items: Any = np.frombuffer(view[at : at + self.size], self.dtype) if self.size else np.empty(0, self.dtype)
+        items = items.reshape(self.shape).copy()
+        self.check(items)
+        return items[()] if self.single else items, at + self.size
+
+    def write_block(self, count: int, values: Any, blocks: list[Any]) -> None:
+        items = np.ascontiguousarray(values, self.dtype)
+        blocks.append(items.reshape(count, self.count).view(np.uint8).reshape(count, self.size))
+
+    def read_block(self, block: Any, at: int) -> Any:
+        part = np.ascontiguousarray(block[:, at : at + self.size]).copy()
+        items = part.view(self.dtype).reshape(len(block), *self.shape)
+        self.check(items)
+        return items
+
+    def check(self, items: Any) -> None:
+        # NaN is not between any two numbers.
+        if self.checked and not ((items >= self.low) & (items <= self.high)).all():
+            raise misfit(items, self.space)
 
 
-def picture(arrays: list[Array]) -> Any:
-    """The one array as a picture, uint8 [height, width, 3]."""
-    if [(array.dtype, array.shape[2:]) for array in arrays] != [("uint8", (3,))]:
-        forms = [(array.dtype, array.shape) for array in arrays]
-        raise MessageError("no-picture", f"{forms!s:.80} is not one array uint8 [height, width, 3]")
-    return arrays[0].numpy().copy()
+class Whole(Codec):
+    """Parts one after the other: those of a Dict or a Tuple."""
+
+    def __init__(self, keys: list[str] | None, parts: list[Codec]) -> None:
+        self.keys = keys
+        self.parts = parts
+        sizes = [part.size for part in parts]
+        self.size = None if None in sizes else sum(sizes)
+
+    def each(self, value: Any) -> Any:
+        if self.keys is None:
+            if len(value) != len(self.parts):
+                raise ValueError(f"{len(value)} parts are not {len(self.parts)}")
+            return value
+        return [value[key] for key in self.keys]
+
+    def whole(self, values: list[Any]) -> Any:
+        return tuple(values) if self.keys is None else dict(zip(self.keys, values, strict=True))
+
+    def write(self, value: Any, parts: list[bytes]) -> None:
+        for part, item in zip(self.parts, self.each(value), strict=True):
+            part.write(item, parts)
+
+    def read(self, view: memoryview, at: int) -> tuple[Any, int]:
+        values = []
+        for part in self.parts:
+            value, at = part.read(view, at)
+            values.append(value)
+        return self.whole(values), at
+
+    def write_block(self, count: int, values: Any, blocks: list[Any]) -> None:
+        for part, items in zip(self.parts, self.each(values), strict=True):
+            part.write_block(count, items, blocks)
+
+    def read_block(self, block: Any, at: int) -> Any:
+        values = []
+        for part in self.parts:
+            values.append(part.read_block(block, at))
+            at += part.size
+        return self.whole(values)
 
 
-def known_render_mode(mode: Any) -> Any:
-    """None, or the one that has pictures."""
-    if mode not in (None, "rgb_array"):
-        raise ValueError(f"render_mode takes 'rgb_array' or None, not {mode!r:.40}; lesson 12 makes films")
-    return mode
+class Text(Codec):
+    def __init__(self, space: spaces.Text) -> None:
+        self.space = space
+
+    def write(self, value: Any, parts: list[bytes]) -> None:
+        parts.append(trees.text_bytes(value))
+
+    def read(self, view: memoryview, at: int) -> tuple[Any, int]:
+        text, at = trees.read_text(view, at)
+        if text not in self.space:
+            raise misfit(text, self.space)
+        return text, at
 
 
-def gives_pictures(mode: Any) -> bool:
-    """Whether render has pictures to give; where it has none it warns, as Gymnasium's own environments do."""
-    if mode is None:
-        logger.warn('render gives no picture: make the environment with render_mode="rgb_array"')
-    return mode is not None
+class Sequence(Codec):
+    def __init__(self, space: spaces.Sequence) -> None:
+        self.space = space
+        self.feature = codec_of(space.feature_space)
+
+    def write(self, value: Any, parts: list[bytes]) -> None:
+        items = list(iterate(self.space.stacked_feature_space, value) if self.space.stack else value)
+        parts.append(SIZE.pack(len(items)))
+        for item in items:
+            self.feature.write(item, parts)
+
+    def read(self, view: memoryview, at: int) -> tuple[Any, int]:
+        count, at = read_size(view, at)
+        items, at = read_items(self.feature, count, view, at)
+        return together(self.space.feature_space, items) if self.space.stack else tuple(items), at
+
+
+class Graph(Codec):
+    def __init__(self, space: spaces.Graph) -> None:
+        self.space = space
+        self.nodes = codec_of(space.node_space)
+        self.edges = None if space.edge_space is None else codec_of(space.edge_space)
+
+    def write(self, value: Any, parts: list[bytes]) -> None:
+        nodes, edges, links = value
+        with_edges = self.edges is not None and edges is not None
+        parts += [SIZE.pack(len(nodes)), SIZE.pack(len(edges) if with_edges else NO_EDGES)]
+        for node in nodes:
+            self.nodes.write(node, parts)
+        if self.edges and with_edges:
+            for edge in edges:
+                self.edges.write(edge, parts)
+            parts.append(np.asarray(links, "<i4").reshape(len(edges), 2).tobytes())
+
+    def read(self, view: memoryview, at: int) -> tuple[Any, int]:
+        nodes, at = read_size(view, at)
+        edges, at = read_size(view, at, NO_EDGES)
+        items, at = read_items(self.nodes, nodes, view, at)
+        all_nodes: Any = together(self.space.node_space, items)
+        if edges == NO_EDGES:
+            return self.checked(GraphInstance(all_nodes, None, None)), at
+        if not self.edges or self.space.edge_space is None:
+            raise ValueError("it has edges, and its space has none")
+        items, at = read_items(self.edges, edges, view, at)
+        end = at + 8 * edges
+        links = np.array(struct.unpack_from(f"<{2 * edges}i", view, at), np.int32).reshape(edges, 2)
+        all_edges: Any = together(self.space.edge_space, items)
+        return self.checked(GraphInstance(all_nodes, all_edges, links)), end
+
+    def checked(self, graph: GraphInstance) -> GraphInstance:
+        if graph not in self.space:
+            raise misfit(graph, self.space)
+        return graph
+
+
+class OneOf(Codec):
+    def __init__(self, space: Any) -> None:
+        self.parts = [codec_of(part) for part in space.spaces]
+
+    def write(self, value: Any, parts: list[bytes]) -> None:
+        which, item = value
+        parts.append(SIZE.pack(which))
+        self.parts[which].write(item, parts)
+
+    def read(self, view: memoryview, at: int) -> tuple[Any, int]:
+        (which,) = SIZE.unpack_from(view, at)
+        value, at = self.parts[which].read(view, at + SIZE.size)
+        # As Gymnasium samples it.
+        return (np.int64(which), value), at
+
+
+def codec_of(space: Space[Any]) -> Codec:
+    match space:
+        case spaces.Box():
+            return Numbers(space, space.low, space.high)
+        case spaces.Discrete():
+            return Numbers(space, space.start, space.start + space.n - 1)
+        case spaces.MultiBinary():
+            return Numbers(space, 0, 1)
+        case spaces.MultiDiscrete():
+            return Numbers(space, space.start, space.start + space.nvec - 1)
+        case spaces.Dict():
+            return Whole(list(space), [codec_of(part) for part in space.values()])
+        case spaces.Tuple():
+            return Whole(None, [codec_of(part) for part in space])
+        case spaces.Text():
+            return Text(space)
+        case spaces.Sequence():
+            return Sequence(space)
+        case spaces.Graph():
+            return Graph(space)
+        case spaces.OneOf():
+            return OneOf(space)
+    raise ValueError(f"{space} has no place in a message; Gymnasium's own spaces have")
+
+
+def read_size(view: memoryview, at: int, none: int = -1) -> tuple[int, int]:
+    (size,) = SIZE.unpack_from(view, at)
+    if size > MOST_ITEMS and size != none:
+        raise ValueError(f"{size} items are more than {MOST_ITEMS}")
+    return size, at + SIZE.size
+
+
+def read_items(codec: Codec, count: int, view: memoryview, at: int) -> tuple[list[Any], int]:
+    """One after the other; of numbers all at once: one by one they would take twenty times as long."""
+    if codec.size:
+        end = at + count * codec.size
+        if end > len(view):
+            raise ValueError("it ends too early")
+        block = np.frombuffer(view[at:end], np.uint8).reshape(count, codec.size) if count else None
+        if isinstance(codec, Numbers) and block is not None:
+            return [item[()] if codec.single else item for item in codec.read_block(block, 0)], end
+    items = []
+    for _ in range(count):
+        item, at = codec.read(view, at)
+        items.append(item)
+    return items, at
+
+
+def misfit(items: Any, space: Space[Any]) -> MessageError:
+    numbers = " ".join(f"{items.tolist() if isinstance(items, np.ndarray) else items!r:.200}".split())[:200]
+    form = f"{items.dtype} {items.shape} " if isinstance(items, np.ndarray) else ""
+    return MessageError("not-in-space", f"{form}{numbers} is not in {shown(space)}")
 
 
 def shown(items: Any) -> str:
     """In one line, with the dtype of an array, which numpy's own text often leaves out."""
     dtype = f"{items.dtype} " if isinstance(items, np.ndarray) else ""
     return dtype + " ".join(f"{items!r:.200}".split())
-
-
-def copied(options: Any) -> dict[str, Any]:
-    """A copy of the options of a reset."""
-    options = {} if options is None else options
-    if not isinstance(options, Mapping) or "seed" in options:
-        raise ValueError(f"options must be a dict, without seed, which is reset's own: {options!r:.80}")
-    return dict(options)
-
-
-def sendable(options: Any, **others: int) -> tuple[dict[str, Any], list[Array]]:
-    """What reset sends: the options, beside these others, and the option `state` as an array.
-
-    ValueError names what no simulator could read, before anything is sent.
-    """
-    values = {**copied(options), **others}
-    try:
-        state = [to_array(values.pop("state"), np.float64)] if "state" in values else []
-    except (ValueError, TypeError) as error:
-        raise ValueError(f"state cannot be sent: {error!s:.80}") from None
-    # One by one, and then together.
-    for some in *({name: value} for name, value in values.items()), values:
-        try:
-            read_message(Message("reset", EXACT - 1, some).frames())
-        except (ValueError, TypeError, RecursionError, MessageError) as error:
-            raise ValueError(f"{', '.join(map(str, some)):.40} cannot be sent: {error!s:.200}") from None
-    return values, state
-
-
-# Trees
-
-
-def write(value: Any, arrays: list[Array]) -> str:
-    """The text of a value, whose arrays are added to those of its message; MessageError says what has no text."""
-    try:
-        return ENCODER.encode(whole(node_of(value, arrays)))
-    except (ValueError, RecursionError) as error:
-        raise MessageError("bad-tree", f"it is no text, or has no end: {error!s:.80}") from None
-
-
-def read(text: str, arrays: list[Array]) -> Any:
-    """The value that a text stands for; MessageError says why it is none. Its arrays are those of the message."""
-    try:
-        return value_of(whole(DECODER.decode(text)), arrays)
-    except (ValueError, RecursionError) as error:
-        raise MessageError("bad-tree", f"it is not JSON: {error!s:.80}") from None
-
-
-def request(kind: str, tree: Any, values: dict[str, Any]) -> tuple[dict[str, Any], list[Array]]:
-    """Values and arrays of a request; ValueError says what no simulator could read, before anything is sent."""
-    arrays = list[Array]()
-    try:
-        values = {**values, "state": write(tree, arrays)}
-        read_message(Message(kind, EXACT - 1, values, arrays).frames())
-    except MessageError as error:
-        raise ValueError(f"{kind} cannot be sent: {error}") from None
-    return values, arrays
-
-
-def node_of(value: Any, arrays: list[Array]) -> Any:
-    match value:
-        case None | bool() | str():
-            return value
-        case int() | float():
-            return exact(value)
-        case np.generic():
-            return node_of(value.item(), arrays)
-        case np.ndarray():
-            arrays.append(to_array(value, WIDER.get(value.dtype.name, value.dtype.newbyteorder("="))))
-            return {"array": len(arrays) - 1}
-        # Before the tuple, which it is as well.
-        case GraphInstance():
-            return {"graph": {name: node_of(part, arrays) for name, part in value._asdict().items()}}
-        case dict():
-            others = [key for key in value if not isinstance(key, str)]
-            if others:
-                raise MessageError("bad-tree", f"the keys of a dict are texts, not {others[0]!a:.40}")
-            return {"dict": {key: node_of(part, arrays) for key, part in value.items()}}
-        case list() | tuple():
-            return [node_of(part, arrays) for part in value]
-    raise MessageError("bad-tree", f"{type(value).__name__} has no place in a message")
-
-
-def value_of(node: Any, arrays: list[Array]) -> Any:
-    match node:
-        case None | bool() | str():
-            return node
-        case int() | float():
-            return exact(node)
-        case list():
-            return [value_of(part, arrays) for part in node]
-        case {"array": at, **others} if not others and type(at) is int and 0 <= at < len(arrays):
-            return arrays[at].numpy()
-        case {"dict": dict(parts), **others} if not others:
-            return {key: value_of(part, arrays) for key, part in parts.items()}
-        case {"graph": dict(parts), **others} if not others and set(parts) == set(GraphInstance._fields):
-            return GraphInstance(**{key: value_of(part, arrays) for key, part in parts.items()})
-    raise MessageError("bad-tree", f"{node!a:.60} is no array of {len(arrays)}, no dict and no graph")
-
-
-def whole(node: Any) -> Any:
-    """ValueError: half a character, such as \\ud800 alone, is none that could be printed."""
-    json.dumps(node, ensure_ascii=False).encode()
-    return node
-
-
-def exact(number: float) -> float:
-    """As in a header: whole numbers nearer to zero than 2**53, and none that is not finite."""
-    if abs(number) < (math.inf if isinstance(number, float) else EXACT):
-        return number
-    raise MessageError("bad-value", f"{number!s:.20} is not finite, or too large to be exact")

@@ -22,6 +22,7 @@ __all__ = [
     "UnityAECEnv",
     "UnityGymEnv",
     "UnityParallelEnv",
+    "UnityVectorEnv",
     "ZmqEnv",
     "ZmqParallelEnv",
     "ZmqVectorEnv",
@@ -33,6 +34,7 @@ MODULES = {
     "UnityAECEnv": "netmq_example.envs.unity_parallel_env",
     "UnityGymEnv": "netmq_example.envs.unity_env",
     "UnityParallelEnv": "netmq_example.envs.unity_parallel_env",
+    "UnityVectorEnv": "netmq_example.envs.unity_vector_env",
     "ZmqEnv": "netmq_example.envs.gym_env",
     "ZmqParallelEnv": "netmq_example.envs.parallel_env",
     "ZmqVectorEnv": "netmq_example.envs.vector_env",
@@ -44,7 +46,10 @@ WORLD = {
 ENVIRONMENTS: dict[str, dict[str, Any]] = {
     "NetMQExample/CartPole-v0": {**WORLD, "kwargs": {"name": "CartPole"}, "max_episode_steps": 500},
     "NetMQExample/Car-v0": {**WORLD, "kwargs": {"name": "Car"}, "max_episode_steps": 1000},
-    "NetMQExample/Unity-v0": {"entry_point": "netmq_example.envs.unity_env:UnityGymEnv"},
+    "NetMQExample/Unity-v0": {
+        "entry_point": "netmq_example.envs.unity_env:UnityGymEnv",
+        "vector_entry_point": "netmq_example.envs.unity_vector_env:UnityVectorEnv",
+    },
 }
 
 

@@ -2,7 +2,7 @@
 
     simulators = Simulators(launch=["Build/Game"])              without launch it waits for Play
     simulators.find(accept)                                     accept(hello) raises MessageError to refuse a simulator
-    state = simulators.connection.ask("step", {}, [action])     a Message, or Lost
+    state = simulators.connection.ask(Record(ASKS, 0, …))       the answer: a Record, to a Message a Message; or Lost
     simulators.close()                                          ends what was launched, and all that it has started
 
 Each request has an id that counts. One that stays without an answer is sent again with the same id, and the simulator
@@ -21,16 +21,17 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import check, records
 from netmq_example.envs.launch import END_SECONDS, end_program, program, start_program
-from netmq_example.messages import LIMIT, Array, Message, MessageError, read
+from netmq_example.messages import LIMIT, Message, MessageError
+from netmq_example.records import Record
 
 ENDPOINT = "tcp://127.0.0.1:5559"
 FREE_PORT = "tcp://127.0.0.1:*"
 # A request without an answer is sent again after so long.
 RESEND_SECONDS = 1.0
-# What Gymnasium's requests are answered with. Other lessons have others.
-ANSWERS = {"reset": "state", "step": "state", "render": "picture"}
+# What requests in words are answered with; those of other lessons are not looked at.
+ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
 Accept = Callable[[Message], None]
 
@@ -75,7 +76,7 @@ class Connection:
         peer, hello = self.receive()
         if hello is None:
             return False
-        if hello.kind != "hello":
+        if not isinstance(hello, Message) or hello.kind != "hello":
             # It was given up, and has not noticed.
             self.refuse(peer, MessageError("unknown-peer", "say hello again"))
             return False
@@ -85,28 +86,34 @@ class Connection:
             self.refuse(peer, error)
             raise
         # One that has said hello and is gone already is none.
-        if self.send(peer, "welcome", hello.id):
+        if self.send(peer, Message("welcome", hello.id).frames()):
             self.peer = peer
         return bool(self.peer)
 
-    def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
-        """The answer to a request; MessageError is the simulator's refusal, or says what is wrong with its answer."""
+    def ask(self, request: Any) -> Any:
+        """The answer to a request; MessageError is the simulator's refusal, or says what is wrong with its answer.
+
+        A Record is answered with a Record, a Message with a Message. The request gets its id here.
+        """
         if self.closed:
             raise ValueError("this environment is closed")
         self.id += 1
+        request.id = self.id
+        frames = request.frames()
+        name = name_of(request)
         end = time.monotonic() + self.timeout
-        why = f"no answer to {kind} within {self.timeout:g} s"
+        why = f"no answer to {name} within {self.timeout:g} s"
         while time.monotonic() < end:
-            if not self.peer or not self.send(self.peer, kind, self.id, values, arrays):
+            if not self.peer or not self.send(self.peer, frames):
                 why = getattr(self.socket, "gone", "the simulator is gone")
                 break
             answer = self.answer(min(end, time.monotonic() + RESEND_SECONDS))
             if answer:
-                return checked(kind, answer)
+                return checked(request, answer)
         self.peer = b""
         raise Lost(why)
 
-    def answer(self, end: float) -> Message | None:
+    def answer(self, end: float) -> Any:
         while time.monotonic() < end:
             peer, message = self.receive()
             # Another id is an answer that came twice, or too late: its request is over.
@@ -116,14 +123,14 @@ class Connection:
                 self.refuse(peer, MessageError("busy", "this environment has its simulator: one at a time"))
         return None
 
-    def receive(self) -> tuple[bytes, Message | None]:
-        """The sender and the message; no message if nothing came, or nothing that is one."""
+    def receive(self) -> tuple[bytes, Any]:
+        """The sender and the message or record; nothing if nothing came, or nothing that is one."""
         try:
             peer, *frames = self.socket.recv_multipart()
         except zmq.Again:
             return b"", None
         try:
-            return peer, read(frames)
+            return peer, records.read_frames(records.ANSWERS, frames)
         except MessageError as error:
             self.refuse(peer, error)
             if peer == self.peer:
@@ -131,27 +138,39 @@ class Connection:
             return peer, None
 
     def refuse(self, peer: bytes, error: MessageError) -> None:
-        self.send(peer, "error", error.id, {"code": error.code, "text": error.text})
+        self.send(peer, error.reply().frames())
 
-    def send(self, peer: bytes, kind: str, id: int, values: Any = None, arrays: Any = None) -> bool:
+    def send(self, peer: bytes, frames: list[bytes]) -> bool:
         """False if the peer is gone, or takes nothing any more."""
         try:
-            self.socket.send_multipart([peer, *Message(kind, id, values or {}, arrays or []).frames()], zmq.NOBLOCK)
+            self.socket.send_multipart([peer, *frames], zmq.NOBLOCK)
         except zmq.ZMQError:
             return False
         return True
 
 
-def checked(kind: str, answer: Message) -> Message:
-    """An answer to a request of this kind."""
-    if answer.kind == "error":
+def name_of(request: Any) -> str:
+    """As a person calls it."""
+    if isinstance(request, Record):
+        return "step" if records.STEP in request.marks else "reset"
+    return str(request.kind)
+
+
+def checked(request: Any, answer: Any) -> Any:
+    """An answer to this request."""
+    if isinstance(answer, Message) and answer.kind == "error":
         code, text = (str(answer.values.get(name, "not said")) for name in ("code", "text"))
         if code == "unknown-peer":
             # Lesson 17's hub knows nobody when it has been started anew.
             raise Lost("the hub is new")
         raise MessageError(code[:40], text[:200])
-    if answer.kind != ANSWERS.get(kind, answer.kind):
-        raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {kind}")
+    if isinstance(request, Record):
+        if not isinstance(answer, Record):
+            raise MessageError("wrong-kind", f"{answer.kind!a:.40} is no answer to {name_of(request)}")
+        if len(answer.marks) != len(request.marks):
+            raise MessageError("wrong-areas", f"an answer for {len(answer.marks)}, but {len(request.marks)} were asked")
+    elif not isinstance(answer, Message) or answer.kind != ANSWERS.get(request.kind, answer.kind):
+        raise MessageError("wrong-kind", f"{getattr(answer, 'kind', 0)!a:.40} is no answer to {request.kind}")
     return answer
 
 
@@ -237,7 +256,7 @@ class Simulators:
         self.connection.timeout = min(END_SECONDS, self.connection.timeout)
         try:
             # It answers: a connection that ends right after a message may take the message with it.
-            self.connection.ask("close", {}, [])
+            self.connection.ask(Message("close"))
         except (Lost, MessageError):
             pass
         finally:

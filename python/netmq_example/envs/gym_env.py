@@ -7,38 +7,44 @@
     env = gymnasium.make("NetMQExample/CartPole-v0", launch=["Build/CartPole.exe"])         starts it by itself
     gymnasium.register("My/Ball-v0", "netmq_example.envs:ZmqEnv", kwargs={"name": "Ball"})
 
-The spaces come from the simulator's hello, see spaces.py. A simulator that is lost ends the episode: `truncated` is
-true, and `info["lost"]` says why; the next reset waits for another one, or launches it. What `options` has goes to the
-simulator as it is, and `options["state"]`, an array, is where its world begins. A picture is uint8
-[height, width, 3]. An environment belongs to one thread.
+The spaces come from the simulator's hello, see spaces.py, and any of Gymnasium's will do. A simulator that is lost ends
+the episode: `truncated` is true, and `info["lost"]` says why; the next reset waits for another one, or launches it.
+What `options` has goes to the simulator as it is, and `options["state"]`, an array, is where its world begins. A
+picture is uint8 [height, width, 3]. An environment belongs to one thread. A copy of it is made anew.
 
 ValueError says what cannot be sent, MessageError what a simulator refuses or answers wrongly, TimeoutError that none
 came. The C# side is Simulator.cs.
 """
 
 import contextlib
+import struct
 from typing import Any
 
 import gymnasium
-import numpy as np
 
 from netmq_example import check
-from netmq_example.envs.connection import Lost, Simulators
-from netmq_example.messages import Array, Message, take
-from netmq_example.spaces import (
+from netmq_example.envs.common import (
+    MadeAnew,
     frames_per_second,
-    from_array,
     gives_pictures,
+    hello_from,
+    info_in,
     known_render_mode,
-    offered,
+    no_picture,
+    observation_and_action,
+    options_as_bytes,
     picture,
-    sendable,
-    shown,
-    to_array,
+    same,
 )
+from netmq_example.envs.connection import Lost, Simulators
+from netmq_example.messages import Message
+from netmq_example.records import ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
+from netmq_example.spaces import Bytes, shown
+
+NO_SEED = seeds([0])
 
 
-class ZmqEnv(gymnasium.Env[Any, Any]):
+class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
     """The world of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
@@ -48,53 +54,53 @@ class ZmqEnv(gymnasium.Env[Any, Any]):
         self.render_mode = known_render_mode(render_mode)
         self.spaces: list[Any] | None = None
         # What was seen last, as it came, and the last picture.
-        self.seen: list[Array] = []
-        self.picture = np.zeros((240, 320, 3), np.uint8)
+        self.seen: Any = None
+        self.picture = no_picture()
         self.simulators = Simulators(**where)
         self.connection = self.simulators.connection
         self.close_once = self.simulators.start(self, self.accept)
 
     def accept(self, hello: Message) -> None:
         """Take the spaces from a simulator's hello; MessageError says why it is refused."""
-        # A trainer has asked for them already: another simulator must have the same ones.
-        self.spaces = offered(hello, self.name, self.spaces)
+        self.spaces = same(observation_and_action(hello_from(hello, self.name)), self.spaces)
         self.observation_space, self.action_space = self.spaces
+        self.observations, self.actions = map(Bytes, self.spaces)
         self.metadata = {**self.metadata, "render_fps": frames_per_second(hello)}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         super().reset(seed=seed)
         # The simulator gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.np_random.integers(2**53)) if seed is None else seed
-        values, arrays = sendable(options, seed=seed)
-        state = self.simulators.begin(self.accept, lambda _: self.connection.ask("reset", values, arrays))
-        seen = from_array(self.observation_space, state.arrays)
-        self.seen = state.arrays
-        return seen, state.values
+        request = Record(ASKS, 0, seeds([seed]), [RESET], [b""], options=options_as_bytes(options))
+        state = self.simulators.begin(self.accept, lambda _: self.connection.ask(request))
+        return self.look(state), info_in(state.infos[0])
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        if not self.seen:
+        if self.seen is None:
             raise gymnasium.error.ResetNeeded("call reset before step")
         if action not in self.action_space:
             raise ValueError(f"action {shown(action)} is not in {shown(self.action_space)}")
         try:
-            state = self.connection.ask("step", {}, [to_array(action, self.action_space.dtype)])
+            state = self.connection.ask(Record(ASKS, 0, NO_SEED, [STEP], [self.actions.write(action)]))
         except Lost as lost:
             # Nobody knows what came after this observation. It is read anew: its user may have changed what he got.
-            return from_array(self.observation_space, self.seen), 0.0, False, True, {"lost": str(lost)}
-        seen = from_array(self.observation_space, state.arrays)
-        self.seen = state.arrays
-        reward = take(state.values, "reward", float)
-        terminated = take(state.values, "terminated", bool)
-        truncated = take(state.values, "truncated", bool)
-        rest = state.values.keys() - {"reward", "terminated", "truncated"}
-        return seen, reward, terminated, truncated, {name: state.values[name] for name in rest}
+            return self.observations.read(self.seen), 0.0, False, True, {"lost": str(lost)}
+        seen = self.look(state)
+        (reward,) = struct.unpack("<d", state.numbers)
+        ends = state.marks[0]
+        return seen, reward, bool(ends & TERMINATED), bool(ends & TRUNCATED), info_in(state.infos[0])
+
+    def look(self, state: Record) -> Any:
+        seen = self.observations.read(state.rows[0])
+        self.seen = bytes(state.rows[0])
+        return seen
 
     def render(self) -> Any:
         if not gives_pictures(self.render_mode):
             return None
         # A film goes on when the simulator is lost, with the picture before; step says that it is.
         with contextlib.suppress(Lost):
-            self.picture = picture(self.connection.ask("render", {}, []).arrays)
+            self.picture = picture(self.connection.ask(Message("render")).arrays)
         return self.picture
 
     def close(self) -> None:

@@ -13,8 +13,8 @@ written, MessageError that the whole does not fit, and where:
 
     'car'@['speed']: float32 [3] … is not in Box(0.0, 1.0, (2,), float32)
 
-It takes all of Gymnasium's fundamental and composite spaces but OneOf; ValueError says where another one is. It needs
-gymnasium and numpy.
+It takes all of Gymnasium's fundamental and composite spaces; ValueError says where another one is. It needs gymnasium
+and numpy.
 """
 
 import warnings
@@ -161,11 +161,13 @@ def empty(space: Space[Any], where: str) -> Any:
             return space.start.copy()
         case spaces.MultiBinary():
             return np.zeros(space.shape, space.dtype)
+        case spaces.OneOf():
+            return np.int64(0), empty(space.spaces[0], where)
     raise no_place(space, where)
 
 
 def no_place(space: Any, where: str) -> ValueError:
-    return ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have, but OneOf")
+    return ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have")
 
 
 def warn(observations: dict[str, Space[Any]], locators: list[Locator]) -> None:
@@ -196,11 +198,14 @@ def fitted(space: Space[Any], value: Any, where: str) -> Any:
             return tuple(fitted(part, value[at], f"{where}[{at}]") for at, part in enumerate(space))
         case spaces.Sequence() if isinstance(value, Iterable) and not isinstance(value, str):
             return sequence(space, value, where)
+        case spaces.OneOf() if isinstance(value, list | tuple) and len(value) == 2 and value[0] in range(len(space.spaces)):
+            which = np.int64(value[0])
+            return which, fitted(space.spaces[int(which)], value[1], f"{where}[{which}]")
         case spaces.Graph() if isinstance(value, GraphInstance):
             fit = graph(space, value, where)
         case spaces.Text() if isinstance(value, str):
             pass
-        case spaces.Dict() | spaces.Tuple() | spaces.Sequence() | spaces.Graph() | spaces.Text():
+        case spaces.Dict() | spaces.Tuple() | spaces.Sequence() | spaces.Graph() | spaces.Text() | spaces.OneOf():
             raise misfit(space, value, where)
         case spaces.Space():
             try:

@@ -14,33 +14,38 @@ It needs pettingzoo.
 """
 
 import contextlib
+import struct
 import time
 from typing import Any
 
-import numpy as np
-from gymnasium.spaces import Box, Space
+from gymnasium.spaces import Space
 from gymnasium.utils import seeding
 from pettingzoo import ParallelEnv
 
-from netmq_example import check
-from netmq_example.envs.connection import Lost, Simulators
-from netmq_example.infos import LONGEST, pack, unpack
-from netmq_example.messages import Array, Message, MessageError, take
-from netmq_example.spaces import (
+from netmq_example import check, trees
+from netmq_example.envs.common import (
+    MadeAnew,
     frames_per_second,
-    from_array,
     gives_pictures,
+    hello_from,
+    info_in,
     known_render_mode,
+    no_picture,
+    observation_and_action,
+    options_as_bytes,
     picture,
-    sendable,
-    shown,
-    space_of,
-    to_array,
+    same,
 )
+from netmq_example.envs.connection import Lost, Simulators
+from netmq_example.messages import Array, Message, MessageError, take
+from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
+from netmq_example.spaces import Bytes, shown
 
 ENDPOINT = "tcp://127.0.0.1:5560"
+# Bytes of an info.
+LONGEST_INFO = 12_000
 
-Spaces = dict[str, tuple[Space[Any], Space[Any]]]
+Spaces = dict[str, list[Space[Any]]]
 
 
 class RemoteAgents:
@@ -54,62 +59,70 @@ class RemoteAgents:
         self.fps = 0
         self.dt = 0.0
         self.spaces: Spaces = {}
+        self.bytes: dict[str, list[Bytes]] = {}
         # What each agent saw last, as it came.
-        self.last: dict[str, Array] = {}
+        self.last: dict[str, bytes] = {}
         self.simulators = Simulators(default=ENDPOINT, **where)
         self.ask = self.simulators.connection.ask
 
     def accept(self, hello: Message) -> None:
-        name = take(hello.values, "name", str)
-        if name != self.name:
-            raise MessageError("wrong-name", f"this environment is {self.name}, the simulator's is {name!a:.40}")
-        arrays = list(hello.arrays)
         spaces: Spaces = {}
-        for agent, kinds in unpack(take(hello.values, "agents", str)):
-            if agent in ("", "env", *spaces):
+        for pair in take(hello_from(hello, self.name), "agents", list):
+            agent, described = pair if type(pair) is list and len(pair) == 2 else (None, None)
+            if not isinstance(agent, str) or agent in ("", "env", *spaces):
                 raise MessageError("bad-agents", f"{agent!a:.40} is another agent, or stands for the environment")
-            observation = space_of(take(kinds, "observation", str), arrays)
-            action = space_of(take(kinds, "action", str), arrays)
-            spaces[agent] = (observation, action)
-        if self.spaces and spaces != self.spaces:
-            raise MessageError("other-spaces", f"the simulator before this one had {self.spaces!s:.80}")
+            spaces[agent] = observation_and_action(described)
+        if not spaces:
+            raise MessageError("bad-agents", f"{self.name} has no agents")
         self.fps = frames_per_second(hello)
         self.dt = take(hello.values, "dt", float)
-        # The same objects for ever: a trainer that draws actions by chance has seeded them.
-        self.spaces = self.spaces or spaces
+        self.spaces = same(spaces, self.spaces)
+        self.bytes = {agent: [Bytes(space) for space in both] for agent, both in self.spaces.items()}
 
-    def read(self, state: Message, living: list[str]) -> tuple[dict[str, Any], ...]:
+    def request(self, order: int, rows: dict[str, bytes], seed: int = 0, options: bytes = b"") -> Record:
+        """For those agents that have a row; the others have no part in it."""
+        orders = [order if agent in rows else NOTHING for agent in self.spaces]
+        each = [rows.get(agent, b"") for agent in self.spaces]
+        return Record(ASKS, 0, seeds([seed] * len(orders)), orders, each, options=options)
+
+    def read(self, state: Record, living: list[str]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminated, truncated and infos, each by agent."""
-        infos = unpack(take(state.values, "infos", str), reserved=("told", "lost"))
-        names = [name for name, _ in infos]
-        if names != living or len(state.arrays) != 3 + len(living):
-            raise MessageError("wrong-agents", f"a state of {names!s:.80}, but those that live are {living}")
-        most = np.finfo(np.float64).max
-        flags = Box(0, 1, (len(living),), np.uint8)
-        rewards = from_array(Box(-most, most, (len(living),), np.float64), state.arrays[:1]).tolist()
-        terminated = from_array(flags, state.arrays[1:2]).astype(bool).tolist()
-        truncated = from_array(flags, state.arrays[2:3]).astype(bool).tolist()
-        last = dict(zip(living, state.arrays[3:], strict=True))
+        at = {agent: number for number, agent in enumerate(self.spaces) if agent in living}
+        rewards = struct.unpack(f"<{len(self.spaces)}d", state.numbers)
+        last = {agent: bytes(state.rows[number]) for agent, number in at.items()}
         seen = self.seen(last)
-        told = told_in(state)
-        added = {"told": told} if told else {}
-        by_agent = [dict(zip(living, each, strict=True)) for each in (rewards, terminated, truncated)]
+        told = told_in(state.options)
+        infos = {}
+        for agent, number in at.items():
+            info = info_in(state.infos[number])
+            if not info.keys().isdisjoint(("told", "lost")):
+                raise MessageError("bad-info", "these names are the environment's own: told, lost")
+            infos[agent] = {**info, "told": told} if told else info
         self.last = last
-        return seen, *by_agent, {agent: {**info, **added} for agent, info in infos}
+        ends = {agent: state.marks[number] for agent, number in at.items()}
+        return (
+            seen,
+            {agent: rewards[number] for agent, number in at.items()},
+            {agent: bool(end & TERMINATED) for agent, end in ends.items()},
+            {agent: bool(end & TRUNCATED) for agent, end in ends.items()},
+            infos,
+        )
 
-    def seen(self, arrays: dict[str, Array]) -> dict[str, Any]:
-        return {agent: from_array(self.spaces[agent][0], [array]) for agent, array in arrays.items()}
+    def seen(self, rows: dict[str, bytes]) -> dict[str, Any]:
+        return {agent: self.bytes[agent][0].read(row) for agent, row in rows.items()}
 
 
-def told_in(answer: Message) -> dict[str, list[Any]]:
+def told_in(data: Any) -> dict[str, list[Any]]:
     """What the game has sent since the answer before: lists of infos by agent, those of the environment as `env`."""
     told: dict[str, list[Any]] = {}
-    for agent, info in unpack(answer.values.get("told", "[]")):
-        told.setdefault(agent or "env", []).append(info)
+    for pair in trees.read(data) if data else []:
+        if type(pair) is not list or len(pair) != 2 or not isinstance(pair[0], str):
+            raise MessageError("bad-info", f"{pair!a:.40} is no agent and its info")
+        told.setdefault(pair[0] or "env", []).append(pair[1])
     return told
 
 
-class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
+class ZmqParallelEnv(MadeAnew, ParallelEnv[str, Any, Any]):  # type: ignore[misc]
     """The game of one simulator. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     def __init__(self, name: str = "Pursuit", render_mode: Any = None, real_time: bool = False, **where: Any) -> None:
@@ -118,40 +131,45 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         self.agents: list[str] = []
         # When the next tick is due, in real time.
         self.next = 0.0
-        self.picture = np.zeros((240, 320, 3), np.uint8)
+        self.picture = no_picture()
         self.random, _ = seeding.np_random()
         self.remote = RemoteAgents(name, **where)
         self.close_once = self.remote.simulators.start(self, self.remote.accept)
         self.possible_agents = list(self.remote.spaces)
+        self.observation_spaces = {agent: spaces[0] for agent, spaces in self.remote.spaces.items()}
+        self.action_spaces = {agent: spaces[1] for agent, spaces in self.remote.spaces.items()}
         self.metadata = {
             "name": f"NetMQExample/{name}-v0",
             "render_modes": ["rgb_array"],
             "render_fps": self.remote.fps,
+            "is_parallelizable": True,
         }
 
     def observation_space(self, agent: str) -> Space[Any]:
-        return self.remote.spaces[agent][0]
+        return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Space[Any]:
-        return self.remote.spaces[agent][1]
+        return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
         if seed is not None:
             self.random, _ = seeding.np_random(seed)
         # The simulator gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.random.integers(2**53)) if seed is None else seed
-        values, begin = sendable(options, seed=seed, real_time=self.real_time)
-        if begin:
-            raise ValueError("state cannot be sent: a game begins by chance")
-        state = self.remote.simulators.begin(self.remote.accept, lambda _: self.remote.ask("reset", values, []))
+        data = options_as_bytes(options, real_time=self.real_time)
+        request = self.remote.request(RESET, dict.fromkeys(self.possible_agents, b""), seed, data)
+        state = self.remote.simulators.begin(self.remote.accept, lambda _: self.remote.ask(request))
         self.next = time.monotonic() + self.remote.dt
         self.agents = self.possible_agents[:]
         seen, *_, infos = self.remote.read(state, self.agents)
         return seen, infos
 
     def step(self, actions: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any]:
-        if not isinstance(actions, dict) or not actions or actions.keys() != set(self.agents):
+        if not isinstance(actions, dict) or actions.keys() != set(self.agents):
             raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
+        if not actions:
+            # Wrappers step once more when all are over; PettingZoo's own environments have nothing to say then.
+            return {}, {}, {}, {}, {}
         for agent, action in actions.items():
             if action not in self.action_space(agent):
                 raise ValueError(f"action {shown(action)} of {agent} is not in {shown(self.action_space(agent))}")
@@ -159,9 +177,9 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
             time.sleep(max(0.0, self.next - time.monotonic()))
             self.next = time.monotonic() + self.remote.dt
         # One message for all of them.
-        arrays = [to_array(actions[agent], self.action_space(agent).dtype) for agent in self.agents]
+        rows = {agent: self.remote.bytes[agent][1].write(action) for agent, action in actions.items()}
         try:
-            state = self.remote.ask("step", {}, arrays)
+            state = self.remote.ask(self.remote.request(STEP, rows))
             seen, rewards, terminated, truncated, infos = self.remote.read(state, self.agents)
         except Lost as lost:
             # Nobody knows what came after these observations. They are read anew: their user may have changed them.
@@ -177,17 +195,21 @@ class ZmqParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         """Send an info to an agent, or to the environment; those of the game come back."""
         if agent not in ("", *self.possible_agents):
             raise ValueError(f"agent {agent!r:.40} is none of {self.possible_agents}, nor the environment, ''")
-        text = pack([(agent, info)])
-        if len(text) > LONGEST:
-            raise ValueError(f"an info has at most {LONGEST} characters, not {len(text)}")
-        return told_in(self.remote.ask("info", {"infos": text}, []))
+        try:
+            data = trees.write([agent, check.instance("info", info, dict)])
+        except MessageError as error:
+            raise ValueError(f"the info cannot be sent: {error}") from None
+        if len(data) > LONGEST_INFO:
+            raise ValueError(f"an info has at most {LONGEST_INFO} bytes, not {len(data)}")
+        answer = self.remote.ask(Message("info", 0, {}, [Array("uint8", (len(data),), data)]))
+        return told_in(answer.arrays[0].data if answer.arrays else b"")
 
     def render(self) -> Any:
         if not gives_pictures(self.render_mode):
             return None
         # A film goes on when the simulator is lost, with the picture before; step says that it is.
         with contextlib.suppress(Lost):
-            self.picture = picture(self.remote.ask("render", {}, []).arrays)
+            self.picture = picture(self.remote.ask(Message("render")).arrays)
         return self.picture
 
     def close(self) -> None:

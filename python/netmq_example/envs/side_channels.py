@@ -7,8 +7,8 @@
     env.reset()                                                            is a reset that knows of it
 
 What is set before a step is there in that step, and what the simulator records in it comes with its state. The
-simulator is in a SideChannelSimulator, of C# or of simulation/side_channels.py; side_channel/step_messages.py says what
-the bytes are.
+simulator is in a SideChannelSimulator, of C# or of simulation/side_channels.py; records.py says where the exchange
+stands.
 """
 
 from collections.abc import Callable
@@ -16,8 +16,8 @@ from typing import Any
 
 from netmq_example import check
 from netmq_example.envs.connection import Lost
-from netmq_example.messages import Array, Message, MessageError
-from netmq_example.side_channel import step_messages
+from netmq_example.messages import MessageError
+from netmq_example.records import Record
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
 CURE = "is the simulator in a SideChannelSimulator?"
@@ -38,30 +38,23 @@ def carry(env: Any, manager: SideChannelManager) -> None:
 class StepCarrier:
     """Stands in front of an environment's `ask`."""
 
-    def __init__(self, asked: Callable[..., Message], manager: SideChannelManager) -> None:
+    def __init__(self, asked: Callable[[Any], Any], manager: SideChannelManager) -> None:
         self.asked = check.function("asked", asked)
         self.manager = check.instance("manager", manager, SideChannelManager)
         self.unsent = b""
-        # Whether the simulator has answered with side channels before.
-        self.known = False
 
-    def ask(self, kind: str, values: dict[str, Any], arrays: list[Array]) -> Message:
-        if kind not in ("reset", "step"):
-            return self.asked(kind, values, arrays)
-        exchange = bytes(self.manager.generate_side_channel_messages(self.unsent))
+    def ask(self, request: Any) -> Any:
+        if not isinstance(request, Record):
+            return self.asked(request)
+        request.exchange = bytes(self.manager.generate_side_channel_messages(self.unsent))
         self.unsent = b""
-        request = Message(kind, values=dict(values), arrays=list(arrays))
-        step_messages.add(request, exchange)
         try:
-            state = self.asked(kind, request.values, request.arrays)
+            state = self.asked(request)
         except Lost:
             # Nobody knows whether it came. The next simulator is told.
-            self.unsent = exchange
+            self.unsent = request.exchange
             raise
-        except MessageError as error:
-            # It may have taken the exchange for something of its own.
-            raise error if self.known else MessageError(error.code, f"{error.text}; {CURE}") from None
-        if not step_messages.deliver(state, self.manager):
+        if state.exchange is None:
             raise MessageError("no-side-channels", CURE)
-        self.known = True
+        self.manager.take_in(state.exchange)
         return state

@@ -15,29 +15,32 @@ is lost, or the agent has left, the episode is truncated, and `info["lost"]` say
 refusal, or says what is wrong with its answer. In C# the other side is SceneSimulator.cs. It needs gymnasium and numpy.
 """
 
-import functools
 import os
-import weakref
-from collections.abc import Iterable, Mapping
+import struct
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium
+import numpy as np
+from gymnasium import spaces
 from gymnasium.spaces import Space
 
-from netmq_example import check
+from netmq_example import check, trees
+from netmq_example.envs.common import MadeAnew, hello_from, info_in, options_as_bytes
 from netmq_example.envs.connection import Lost, Simulators
-from netmq_example.envs.merge import empty, fitted, merge, warn
-from netmq_example.locator import LocatorError, parse, quoted
-from netmq_example.messages import Message, MessageError, take
-from netmq_example.spaces import read, request
+from netmq_example.envs.merge import empty, fitted
+from netmq_example.envs.plan import Sight
+from netmq_example.locator import quoted
+from netmq_example.messages import DTYPES, ENCODER, Array, Message, MessageError
+from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
+from netmq_example.spaces import codec_of
+from netmq_example.trees import SIZE
 
 Spaces = dict[str, Space[Any]]
 ENDPOINT = "tcp://127.0.0.1:5561"
-# Each is read once. A scene has few; one that sends ever new ones fills no memory.
-known = functools.lru_cache(10_000)(parse)
 
 
-class UnityGymEnv(gymnasium.Env[Any, Any]):
+class UnityGymEnv(MadeAnew, gymnasium.Env[Any, Any]):
     """One agent. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012, Gymnasium's own way.
@@ -59,7 +62,7 @@ class UnityGymEnv(gymnasium.Env[Any, Any]):
         self.name = check.text("agent_name", agent_name)
         self.agents = Agents(env_name, {self.name: observation_space}, {self.name: action_space}, file_name, **where)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
-        self.close_once = weakref.finalize(self, self.agents.simulators.close)
+        self.close_once = self.agents.simulators.start(self, self.agents.accept)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         super().reset(seed=seed)
@@ -69,7 +72,7 @@ class UnityGymEnv(gymnasium.Env[Any, Any]):
         return seen, info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        if not self.agents.seen:
+        if not self.agents.names:
             raise gymnasium.error.ResetNeeded("call reset before step")
         seen, reward, terminated, truncated, info = self.agents.step({self.name: action})[self.name]
         return seen, reward, terminated, truncated, info
@@ -90,7 +93,8 @@ def refuse_render_mode(mode: Any) -> None:
 class Agents:
     """What some agents of a scene see and do, in one message for all of them.
 
-    agents = Agents("Coins", {"car": observation_space}, {"car": action_space})       waits for Play
+    agents = Agents("Coins", {"car": observation_space}, {"car": action_space})
+    agents.simulators.start(owner, agents.accept)                                     waits for Play
     seen, info = agents.reset(["car"], seed=1)["car"]
     seen, reward, terminated, truncated, info = agents.step({"car": action})["car"]
 
@@ -108,94 +112,133 @@ class Agents:
         **where: Any,
     ) -> None:
         self.env_name = check.text("env_name", env_name)
-        self.observations = observations
-        self.actions = actions
-        self.seen: dict[str, Any] = {}
         check_spaces(observations, actions)
-        if file_name is not None:
-            if not isinstance(file_name, str | os.PathLike) or not os.fspath(file_name):
-                raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
-            where = {"launch": file_name, **where}
-        self.simulators = Simulators(default=ENDPOINT, **where)
-        try:
-            self.simulators.find(self.accept)
-        except BaseException:
-            self.simulators.close()
-            raise
+        self.sights = {name: Sight(name, space) for name, space in observations.items()}
+        self.actions = {name: ActionRows(name, space) for name, space in actions.items()}
+        # Those of the last reset, whose rows are in this order.
+        self.names: list[str] = []
+        self.simulators = Simulators(default=ENDPOINT, **launched_as(file_name, where))
 
     def accept(self, hello: Message) -> None:
-        name = take(hello.values, "name", str)
-        if name != self.env_name:
-            raise MessageError("wrong-name", f"this environment is {self.env_name}, the simulator's is {name!a:.40}")
+        hello_from(hello, self.env_name)
 
     def reset(self, names: list[str], seed: int, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Observation and info of each."""
-        if not isinstance(options, dict | None):
-            raise ValueError(f"options must be a dict: {options!r:.80}")
-        asked = {"agents": names, "options": options or {}}
-        state = self.simulators.begin(self.accept, lambda _: self.ask("reset", asked, seed=seed))
-        self.seen = {name: empty(space, name) for name, space in self.observations.items()}
+        data = scene_options(names, options)
+        count = len(names)
+        request = Record(ASKS, 0, seeds([seed] * count), [RESET] * count, [b""] * count, options=data)
+        state = self.simulators.begin(self.accept, lambda _: self.simulators.connection.ask(request))
+        self.names = list(names)
+        for sight in self.sights.values():
+            sight.forget()
         results = self.results(names, state)
         # What C# alone has was an error. What Python alone has may come later, from a sensor that is disabled now.
-        warn(self.observations, [known(text) for text, _ in state["observations"]])
+        for name, row in zip(names, state.rows, strict=True):
+            if row:
+                self.sights[name].warn(row)
         return {name: (result[0], result[-1]) for name, result in results.items()}
 
     def step(self, actions: dict[str, Any]) -> dict[str, Any]:
         """Observation, reward, terminated, truncated and info of each."""
-        fits = {name: fitted(self.actions[name], action, f"action of {name}") for name, action in actions.items()}
+        rows = {name: self.actions[name].write(action) for name, action in actions.items()}
+        orders = [STEP if name in rows else NOTHING for name in self.names]
+        each = [rows.get(name, b"") for name in self.names]
         try:
-            return self.results(actions, self.ask("step", {"actions": fits}))
+            state = self.simulators.connection.ask(Record(ASKS, 0, bytes(8 * len(each)), orders, each))
         except Lost as lost:
             return {name: self.gone(name, str(lost)) for name in actions}
+        return self.results(actions, state)
 
     def send_info(self, info: Any, to: str) -> None:
         """To an agent's OnInfo; to "", the scene's."""
-        self.ask("info", {"to": to, "info": info})
-
-    def ask(self, kind: str, content: dict[str, Any], **values: int) -> dict[str, Any]:
-        answer = self.simulators.connection.ask(kind, *request(kind, content, values))
-        if answer.kind == "ok":
-            return {}
-        state: dict[str, Any] = read(take(answer.values, "state", str), answer.arrays)
-        return state
-
-    def results(self, names: Iterable[str], state: dict[str, Any]) -> dict[str, Any]:
-        """What a state says of these agents, after its observations are written."""
-        present = take(state, "agents", dict)
-        env_infos = take(state, "infos", list)
-        appended: set[str] = set()
         try:
-            for pair in take(state, "observations", list):
-                if type(pair) is not list or len(pair) != 2 or type(pair[0]) is not str:
-                    raise LocatorError(f"{pair!a:.60} is no locator with a value")
-                merge(self.seen, known(pair[0]), pair[1], appended)
-        except LocatorError as error:
-            raise MessageError("bad-observation", str(error)) from None
+            data = trees.write([to, info])
+        except MessageError as error:
+            raise ValueError(f"the info cannot be sent: {error}") from None
+        self.simulators.connection.ask(Message("info", 0, {}, [Array("uint8", (len(data),), data)]))
+
+    def results(self, names: Any, state: Record) -> dict[str, Any]:
+        """What a state says of these agents."""
+        rewards = struct.unpack(f"<{len(self.names)}d", state.numbers)
         results = dict[str, Any]()
-        for name in names:
-            if name not in present:
+        for at, name in enumerate(self.names):
+            if name not in names:
+                continue
+            ends = state.marks[at]
+            if ends == ABSENT:
                 results[name] = self.gone(name, f"agent {name} has left the scene")
                 continue
-            agent = present[name]
-            terminated = take(agent, "terminated", bool)
-            truncated = take(agent, "truncated", bool)
-            info = {"env": env_infos, "agent": take(agent, "infos", list)}
-            results[name] = self.copy(name), take(agent, "reward", float), terminated, truncated, info
+            seen = self.sights[name].read(state.rows[at])
+            info = {"env": [], "agent": [], **info_in(state.infos[at])}
+            results[name] = seen, rewards[at], bool(ends & TERMINATED), bool(ends & TRUNCATED), info
         return results
 
     def gone(self, name: str, why: str) -> tuple[Any, ...]:
         """What came after its last observation is not known."""
-        return self.copy(name), 0.0, False, True, {"env": [], "agent": [], "lost": why}
+        return self.sights[name].again(), 0.0, False, True, {"env": [], "agent": [], "lost": why}
 
-    def copy(self, name: str) -> Any:
-        return fitted(self.observations[name], self.seen[name], f"{quoted(name)}@")
+
+class ActionRows:
+    """Actions of one space as values (trees.py)."""
+
+    def __init__(self, name: str, space: Space[Any]) -> None:
+        self.where = f"action of {name}"
+        self.space = space
+        # Of most spaces the form is always the same: then what is in the space is written as its numbers alone.
+        self.codec = codec_of(space)
+        self.head = fixed_form(space)
+
+    def write(self, action: Any) -> bytes:
+        if not self.head or action not in self.space:
+            return trees.write(fitted(self.space, action, self.where))
+        parts = [self.head]
+        self.codec.write(action, parts)
+        return b"".join(parts)
+
+
+def fixed_form(space: Space[Any]) -> bytes:
+    """The beginning of each value of a space, if that is always the same; else nothing."""
+
+    def form(space: Any) -> Any:
+        match space:
+            case spaces.Discrete() if space.dtype == np.int64:
+                return "int64"
+            case spaces.Text():
+                return "text"
+            case spaces.Box() | spaces.MultiDiscrete() if space.dtype.name in DTYPES:
+                return f"{space.dtype}[{','.join(map(str, space.shape))}]"
+            case spaces.Dict():
+                return {"dict": {key: form(part) for key, part in space.items()}}
+            case spaces.Tuple():
+                return [form(part) for part in space]
+        raise LookupError
+
+    try:
+        text = ENCODER.encode(form(space)).encode()
+    except LookupError:
+        return b""
+    return SIZE.pack(len(text)) + text
+
+
+def scene_options(names: Sequence[str], options: dict[str, Any] | None) -> bytes:
+    """What goes with each reset: whose rows these are, and the options."""
+    options_as_bytes(options)
+    return trees.write({"agents": list(names), "options": dict(options or {})})
+
+
+def launched_as(file_name: Any, where: dict[str, Any]) -> dict[str, Any]:
+    if file_name is None:
+        return where
+    if not isinstance(file_name, str | os.PathLike) or not os.fspath(file_name):
+        raise ValueError(f"file_name takes the path of a game, not {file_name!r:.40}")
+    return {"launch": file_name, **where}
 
 
 def check_spaces(observations: Any, actions: Any) -> None:
     """What has no place in a message is named before anybody is waited for."""
-    for which, spaces in (("observation", observations), ("action", actions)):
-        if not isinstance(spaces, Mapping) or not spaces:
-            raise ValueError(f"{which} spaces take a dict of agents and spaces, not {spaces!r:.40}")
+    for which, each in (("observation", observations), ("action", actions)):
+        if not isinstance(each, Mapping) or not each:
+            raise ValueError(f"{which} spaces take a dict of agents and spaces, not {each!r:.40}")
     if observations.keys() != actions.keys():
         raise ValueError(f"the agents with observations are {[*observations]}, those with actions {[*actions]}")
     for name, space in observations.items():

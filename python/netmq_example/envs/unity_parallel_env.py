@@ -12,7 +12,6 @@ Infos, errors, and where the simulator comes from are those of unity_env.py. It 
 
 import copy
 import os
-import weakref
 from collections.abc import Mapping
 from typing import Any
 
@@ -21,10 +20,11 @@ from gymnasium.spaces import Space
 from pettingzoo import ParallelEnv
 from pettingzoo.utils import BaseWrapper, parallel_to_aec
 
+from netmq_example.envs.common import MadeAnew
 from netmq_example.envs.unity_env import Agents, Spaces, refuse_render_mode
 
 
-class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
+class UnityParallelEnv(MadeAnew, ParallelEnv):  # type: ignore[misc, unused-ignore]
     """Agents may end one after the other. `where` is what Simulators takes."""
 
     def __init__(
@@ -37,13 +37,13 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
         **where: Any,
     ) -> None:
         refuse_render_mode(render_mode)
-        self.metadata = {"name": env_name, "render_modes": []}
+        self.metadata = {"name": env_name, "render_modes": [], "is_parallelizable": True}
         self.render_mode = render_mode
         self.observation_spaces = copies(observation_spaces)
         self.action_spaces = copies(action_spaces)
         self.scene = Agents(env_name, self.observation_spaces, self.action_spaces, file_name, **where)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
-        self.close_once = weakref.finalize(self, self.scene.simulators.close)
+        self.close_once = self.scene.simulators.start(self, self.scene.accept)
         self.possible_agents = list(self.observation_spaces)
         self.agents: list[str] = []
         self.random = np.random.default_rng()
@@ -64,8 +64,11 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminations, truncations and infos, also of those that end with this step."""
-        if not isinstance(actions, dict) or not actions or actions.keys() != set(self.agents):
+        if not isinstance(actions, dict) or actions.keys() != set(self.agents):
             raise ValueError(f"actions {actions!r:.200}, but those that live are {self.agents}")
+        if not actions:
+            # Wrappers step once more when all are over; PettingZoo's own environments have nothing to say then.
+            return {}, {}, {}, {}, {}
         results = by_agent(self.scene.step({name: actions[name] for name in self.agents}), 5)
         _, _, terminations, truncations, _ = results
         self.agents = [name for name in self.agents if not terminations[name] and not truncations[name]]
@@ -79,7 +82,7 @@ class UnityParallelEnv(ParallelEnv):  # type: ignore[misc, unused-ignore]
         self.close_once()
 
 
-class UnityAECEnv(BaseWrapper):  # type: ignore[misc, unused-ignore]
+class UnityAECEnv(MadeAnew, BaseWrapper):  # type: ignore[misc, unused-ignore]
     """One after the other: it takes what UnityParallelEnv takes. Nothing moves until the last agent has chosen."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:

@@ -4,9 +4,9 @@
     hub.take(peer, frames)                                                  what the socket received
     hub.tick()                                                              often: it does its work some times a second
 
-A simulator says `hello` {name, build, dt, observation, action}, as in lesson 09, and gets `welcome` {silence}; a
-trainer says `join` {name, areas}, and gets the hello of a simulator with so many areas, as in lesson 10, once so many
-are there.
+A simulator says `hello` {name, build, dt}, as in lesson 09 or 11, and gets `welcome` {silence}; a trainer says `join`
+{name, areas}, and gets the hello of a simulator with so many areas, as in lesson 10, once so many are there. What rows,
+options and infos mean is between those two: the hub hands them on as they are.
 
 A peer that is silent gets its last message once more: a simulator does nothing twice, and answers with what it has kept
 (lesson 09). So one rule is retry, heartbeat and the way to learn of a death, because ROUTER says when a peer is gone.
@@ -20,10 +20,10 @@ from typing import Any
 
 import zmq
 
-from netmq_example import check
+from netmq_example import check, records
 from netmq_example.fleet.members import Member, Refused, accept, fits
 from netmq_example.fleet.trainers import Trainer
-from netmq_example.messages import Message, MessageError, read, take
+from netmq_example.messages import Message, MessageError, take
 from netmq_example.program import Socket
 
 TICK_SECONDS = 0.1
@@ -72,9 +72,9 @@ class Hub:
         """What this peer has sent."""
         self.count["messages"] += 1
         try:
-            message = read(frames)
-            if peer in self.members:
-                member = self.members[peer]
+            member = self.members.get(peer)
+            message: Any = records.read_frames(records.ANSWERS if member else records.ASKS, frames)
+            if member:
                 if member.hears(message):
                     self.answered(peer, member, message)
                 return
@@ -92,8 +92,8 @@ class Hub:
             self.send(peer, Message("error", error.id, {"code": error.code, "text": error.text}))
         self.lease()
 
-    def answered(self, peer: bytes, member: Member, answer: Message) -> None:
-        if not fits(answer, member.last.kind, self.hellos[member.name]):
+    def answered(self, peer: bytes, member: Member, answer: Any) -> None:
+        if not fits(answer, member.last):
             self.lose(peer, "its answer is not what it has announced")
         else:
             if member.episode and member.episode.differs(member.done, answer):
@@ -138,7 +138,7 @@ class Hub:
             member.episode.lost_by(member)
         self.report(f"simulator {member.number} is gone: {why}")
 
-    def send(self, peer: bytes, message: Message) -> bool:
+    def send(self, peer: bytes, message: Any) -> bool:
         """False if it is gone, or takes nothing any more."""
         self.count["messages"] += 1
         try:

@@ -2,20 +2,22 @@
 
     accept(hello, build="1", hello_here=None)              Refused if this simulator is not like the others
     member = Member(1, "CartPole", send)                   send(message) is False if the simulator is gone
-    episode = Episode(Message("reset", 0, {"seed": 7}), ready)
+    episode = Episode(reset, ready)                        a Record of one row
     member.lease(episode)                                  it gets the reset, and all later requests in turn
-    episode.ask(Message("step", arrays=[action]))          ready() is called when there is an answer
+    episode.ask(step)                                      ready() is called when there is an answer
 
 A seed and the actions after it make an episode. The hub keeps both, and gives them to another simulator when the first
 one dies, or is late: the trainer never notices. So an episode belongs to no simulator. That holds for simulators that
 compute alike, which is why the hub takes those of one build only.
 """
 
+import copy
 import time
 from collections.abc import Callable
 from typing import Any
 
-from netmq_example.messages import Array, Message, MessageError
+from netmq_example.messages import Message, MessageError
+from netmq_example.records import Record
 
 # The hub is never silent for so long. See Member.
 SILENCE_SECONDS = 3.0
@@ -24,12 +26,12 @@ SILENCE_SECONDS = 3.0
 class Episode:
     """Of one area: its requests so far, the reset first, and the answer to the last one when there is one."""
 
-    def __init__(self, reset: Message, ready: Callable[[], object]) -> None:
-        self.requests = [reset]
+    def __init__(self, reset: Record, ready: Callable[[], object]) -> None:
+        self.requests: list[Any] = [reset]
         self.ready = ready
         self.runs: list[Member] = []
-        self.answer: Message | None = None
-        self.seen: list[Array] = []
+        self.answer: Any = None
+        self.seen = b""
         self.leased = False
         # How many simulators were lost in a row, each when it had done `lost_at` requests.
         self.lost = 0
@@ -37,32 +39,32 @@ class Episode:
         # Of its last request, or of the loss of the simulator that was to answer it.
         self.since = time.monotonic()
 
-    def ask(self, request: Message) -> None:
+    def ask(self, request: Any) -> None:
         self.requests.append(request)
         self.answer = None
         self.since = time.monotonic()
         for run in self.runs:
             run.go_on()
 
-    def answered(self, by: "Member", answer: Message) -> None:
+    def answered(self, by: "Member", answer: Any) -> None:
         """The first answer counts; another simulator that was asked is free again once it has answered too."""
         for run in self.runs:
             run.episode = self if run is by else None
         self.runs = [by]
         self.answer = answer
         self.lost = 0
-        if answer.kind == "state":
-            self.seen = answer.arrays
+        if isinstance(answer, Record):
+            self.seen = bytes(answer.rows[0])
         elif len(self.requests) > 1:
             # A picture, or a refusal: the world has not changed.
             self.requests.pop()
             by.done -= 1
         self.ready()
 
-    def differs(self, done: int, answer: Message) -> bool:
+    def differs(self, done: int, answer: Any) -> bool:
         """Whether a simulator that plays it again, and has come to what was seen last, sees something else."""
         again = done + 2 == len(self.requests)
-        return again and [bytes(array.data) for array in answer.arrays] != [bytes(array.data) for array in self.seen]
+        return again and isinstance(answer, Record) and answer.rows[0] != self.seen
 
     def lost_by(self, run: "Member") -> None:
         self.runs.remove(run)
@@ -81,7 +83,7 @@ class Episode:
 class Member:
     """A simulator of the fleet. One request at a time is under way, and an episode takes all of it."""
 
-    def __init__(self, number: int, name: str, send: Callable[[Message], bool]) -> None:
+    def __init__(self, number: int, name: str, send: Callable[[Any], bool]) -> None:
         self.number = number
         self.name = name
         self.send = send
@@ -91,7 +93,7 @@ class Member:
         self.busy = False
         # A hub that is silent for longer was started anew, and does not know its simulators any more, since ZeroMQ can
         # have connected again so quickly that nobody noticed. So a simulator says hello again then.
-        self.last = Message("welcome", 0, {"silence": SILENCE_SECONDS})
+        self.last: Any = Message("welcome", 0, {"silence": SILENCE_SECONDS})
         self.heard = self.sent = self.asked = self.free_since = self.wanted = time.monotonic()
         self.there = send(self.last)
 
@@ -108,8 +110,9 @@ class Member:
     def go_on(self) -> None:
         """The next request of its episode. A new simulator does all of them again, one after the other."""
         if self.episode and not self.busy and self.done < len(self.episode.requests):
-            request = self.episode.requests[self.done]
-            self.last = Message(request.kind, self.last.id + 1, request.values, request.arrays)
+            number = self.last.id + 1
+            self.last = copy.copy(self.episode.requests[self.done])
+            self.last.id = number
             self.busy = True
             self.asked = time.monotonic()
             self.send_last()
@@ -122,12 +125,12 @@ class Member:
         self.sent = time.monotonic()
         self.there = self.send(self.last)
 
-    def hears(self, answer: Message) -> bool:
+    def hears(self, answer: Any) -> bool:
         """Another id is one that came twice: it says no more than that the simulator is there."""
         self.heard = time.monotonic()
         return self.busy and answer.id == self.last.id
 
-    def take(self, answer: Message) -> None:
+    def take(self, answer: Any) -> None:
         self.busy = False
         self.free_since = self.heard
         if self.episode:
@@ -156,17 +159,14 @@ def accept(hello: Message, build: str, hello_here: Message | None) -> None:
         raise Refused("other-spaces", f"{name!a:.40} has another dt here, or other spaces")
 
 
-def form(hello: Message) -> tuple[Any, ...]:
+def form(hello: Message) -> Any:
     """What all simulators of one name must have alike: dt, and the spaces."""
-    spaces = [(array.dtype, tuple(array.shape), bytes(array.data)) for array in hello.arrays]
-    return *(hello.values.get(name) for name in ("dt", "observation", "action")), *spaces
+    return hello.values.get("dt"), [bytes(array.data) for array in hello.arrays]
 
 
-def fits(answer: Message, kind: str, hello: Message) -> bool:
-    """Whether it answers this kind of request, as the hello has announced it. A discrete observation is a number."""
-    if kind == "render" or answer.kind == "error":
-        return answer.kind == "error" or (answer.kind == "picture" and len(answer.arrays) == 1)
-    box = hello.values.get("observation") == "box"
-    expected = (hello.arrays[0].dtype, hello.arrays[0].shape) if box else ("int64", ())
-    seen = [(array.dtype, array.shape) for array in answer.arrays] == [expected]
-    return answer.kind == "state" and seen and type(answer.values.get("reward", 0)) in (int, float)
+def fits(answer: Any, request: Any) -> bool:
+    """Whether it answers this request, be it by a refusal."""
+    if isinstance(answer, Record):
+        return isinstance(request, Record) and len(answer.marks) == 1
+    picture = answer.kind == "picture" and len(answer.arrays) == 1
+    return answer.kind == "error" or (picture and not isinstance(request, Record))

@@ -17,6 +17,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import LIMIT, Message, read, take
+from netmq_example.records import is_record
 
 PEER = b"hub"
 # The environment asks again each second: if it is silent for so long, it waits for a simulator, and the hub is told.
@@ -47,7 +48,7 @@ class FleetSocket:
         if time.monotonic() > self.sent + SILENCE_SECONDS:
             self.open()
         frames = self.socket.recv_multipart()
-        if self.waits:
+        if self.waits and not is_record(frames):
             message = read(frames)
             if message.kind == "alive":
                 self.sent = time.monotonic()

@@ -9,26 +9,25 @@ hub is lesson 10's simulator with many areas, and to a simulator it is lesson 09
 is described there.
 """
 
-import math
-import struct
 import time
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 from netmq_example.fleet.members import Episode
-from netmq_example.messages import DTYPES, ENCODER, Array, Message, MessageError
+from netmq_example.messages import Message, MessageError
+from netmq_example.records import ANSWERS, ASKS, NOTHING, RESET, STEP, Record
 
 # An episode is kept, so that it can be played again, and so it must end.
 MOST_STEPS = 100_000
 MOST_AREAS = 1024
-VERDICTS = {"reward", "terminated", "truncated"}
 
 
 class Trainer:
     """Its request, until all areas have answered it, and its last answer."""
 
-    def __init__(self, name: str, areas: int, send: Callable[[Message], bool], count: Counter[str]) -> None:
+    def __init__(self, name: str, areas: int, send: Callable[[Any], bool], count: Counter[str]) -> None:
         if not 0 < areas <= MOST_AREAS:
             raise MessageError("bad-areas", f"a trainer has 1 to {MOST_AREAS} areas, not {areas}")
         self.name = name
@@ -36,8 +35,8 @@ class Trainer:
         self.send = send
         self.count = count
         self.episodes: list[Episode | None] = [None] * areas
-        self.request = Message("join")
-        self.kept = Message("alive")
+        self.request: Any = Message("join")
+        self.kept: Any = Message("alive")
         # The areas whose answers are still to come.
         self.left: set[int] = set()
         # Whether it has got simulators, and when it was sent anything.
@@ -45,7 +44,7 @@ class Trainer:
         self.there = True
         self.sent = time.monotonic()
 
-    def take(self, request: Message) -> None:
+    def take(self, request: Any) -> None:
         """A new request is split among the areas. One that comes again gets its answer again, if there is one."""
         if request.id <= self.request.id:
             if not self.left:
@@ -67,7 +66,7 @@ class Trainer:
         self.left = set(parts)
         for area, part in parts.items():
             episode = self.episodes[area]
-            if episode and part.kind != "reset":
+            if episode and not begins(part):
                 episode.ask(part)
                 continue
             if episode:
@@ -85,11 +84,11 @@ class Trainer:
         if self.left:
             return
         episodes = [episode for episode in self.episodes if episode]
-        answers = [episode.answer or Message("none") for episode in episodes]
+        answers = [episode.answer for episode in episodes]
         for episode in episodes:
             # It is sent once: the next request may be for others.
             episode.answer = None
-        errors = [answer.values for answer in answers if answer.kind == "error"]
+        errors = [answer.values for answer in answers if answer and answer.kind == "error"]
         if errors:
             for area, episode in enumerate(episodes):
                 if not episode.seen:
@@ -98,8 +97,7 @@ class Trainer:
                     self.episodes[area] = None
             self.refuse(MessageError(str(errors[0].get("code")), str(errors[0].get("text"))))
         else:
-            seen = [episode.seen[0] for episode in episodes]
-            self.answer(joined(self.request.kind, self.request.id, answers, seen))
+            self.answer(joined(self.request, answers, [episode.seen for episode in episodes]))
 
     def refuse(self, error: MessageError) -> None:
         self.left.clear()
@@ -109,11 +107,11 @@ class Trainer:
         self.release()
         self.refuse(MessageError("no-simulator", text))
 
-    def answer(self, answer: Message) -> None:
+    def answer(self, answer: Any) -> None:
         self.kept = answer
         self.reply(answer)
 
-    def reply(self, message: Message) -> None:
+    def reply(self, message: Any) -> None:
         self.sent = time.monotonic()
         self.there = self.send(message)
 
@@ -125,69 +123,43 @@ class Trainer:
         self.left = set()
 
 
-def check_parts(episodes: list[Episode | None], parts: dict[int, Message]) -> None:
+def begins(part: Any) -> bool:
+    return isinstance(part, Record) and part.marks[0] == RESET
+
+
+def check_parts(episodes: list[Episode | None], parts: dict[int, Any]) -> None:
     """MessageError before anything is begun: half a step would be none."""
     for area, episode in enumerate(episodes):
         part = parts.get(area)
-        if not episode and (not part or part.kind != "reset"):
+        if not episode and not begins(part):
             raise MessageError("no-episode", f"area {area} was never reset")
-        if episode and part and part.kind == "step" and len(episode.requests) > MOST_STEPS:
+        if episode and isinstance(part, Record) and part.marks[0] == STEP and len(episode.requests) > MOST_STEPS:
             raise MessageError("too-long", f"an episode has at most {MOST_STEPS} steps: set max_episode_steps")
 
 
-def split(request: Message, count: int) -> list[Message | None]:
+def split(request: Any, count: int) -> list[Any]:
     """What each area is asked, if anything."""
-    arrays = list(request.arrays)
-    areas = range(count)
-    if request.kind == "render" and not arrays:
-        return [Message("render") for _ in areas]
-    if request.kind not in ("reset", "step"):
+    if isinstance(request, Message):
+        if request.kind == "render" and not request.arrays:
+            return [Message("render") for _ in range(count)]
         raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
-    steps: list[Message | None] = [None for _ in areas]
-    if request.kind == "step":
-        steps = [Message("step", arrays=[row]) for row in rows(arrays.pop(0) if arrays else None, count)]
-        if not arrays:
-            return steps
-    if len(arrays) not in (2, 3) or [(array.dtype, array.shape) for array in arrays[:2]] != [
-        ("uint8", (count,)),
-        ("int64", (count,)),
-    ]:
-        raise MessageError("no-mask", f"a reset has mask uint8 [{count}], seeds int64 [{count}], and perhaps a state")
-    mask = bytes(arrays[0].data)
-    seeds = struct.unpack(f"<{count}q", arrays[1].data)
-    values = request.values if request.kind == "reset" else {}
-    resets = [Message("reset", 0, {**values, "seed": seed}, arrays[2:]) for seed in seeds]
-    return [resets[area] if mask[area] else steps[area] for area in areas]
+    if len(request.marks) != count:
+        raise MessageError("wrong-areas", f"{len(request.marks)} rows are not one for each of {count} areas")
+    options = bytes(request.options)
+    parts: list[Any] = []
+    for area, (order, row) in enumerate(zip(request.marks, request.rows, strict=True)):
+        seed = bytes(request.numbers[8 * area : 8 * area + 8])
+        # It is kept, and so it must not keep the whole request.
+        part = Record(ASKS, 0, seed, [order], [bytes(row)], options=options if order == RESET else b"")
+        parts.append(part if order != NOTHING else None)
+    return parts
 
 
-def rows(array: Array | None, count: int) -> list[Array]:
-    """One for each area, of the same memory."""
-    if not array or array.shape[:1] != (count,):
-        raise MessageError("wrong-areas", f"actions are not one row for each of {count} areas")
-    size = math.prod(array.shape[1:]) * DTYPES[array.dtype]
-    view = memoryview(array.data).cast("B")
-    return [Array(array.dtype, array.shape[1:], bytes(view[i * size : i * size + size])) for i in range(count)]
-
-
-def joined(kind: str, id: int, answers: list[Message], seen: list[Array]) -> Message:
-    """One answer for all. Of an area that was not asked for it the answer is empty."""
-    if kind == "render":
-        return Message("picture", id, {}, [answer.arrays[0] for answer in answers])
-    infos = []
-    rewards = []
-    flags = [bytearray(), bytearray()]
-    for area, answer in enumerate(answers):
-        rewards.append(float(answer.values.get("reward", 0)))
-        for flag, name in zip(flags, ("terminated", "truncated"), strict=True):
-            flag.append(bool(answer.values.get(name)))
-        info = {name: value for name, value in answer.values.items() if name not in VERDICTS}
-        if info:
-            infos.append((area, info))
-    count = len(answers)
-    first = seen[0]
-    arrays = [
-        Array(first.dtype, (count, *first.shape), b"".join(bytes(array.data) for array in seen)),
-        Array("float64", (count,), struct.pack(f"<{count}d", *rewards)),
-        *(Array("uint8", (count,), bytes(flag)) for flag in flags),
-    ]
-    return Message("state", id, {"infos": ENCODER.encode(infos)}, arrays)
+def joined(request: Any, answers: list[Any], seen: list[bytes]) -> Any:
+    """One answer for all. Of an area that was not asked there is what it saw last."""
+    if isinstance(request, Message):
+        return Message("picture", request.id, {}, [answer.arrays[0] for answer in answers])
+    numbers = b"".join(bytes(answer.numbers) if answer else bytes(8) for answer in answers)
+    marks = [answer.marks[0] if answer else 0 for answer in answers]
+    infos = [answer.infos[0] if answer else b"" for answer in answers]
+    return Record(ANSWERS, request.id, numbers, marks, seen, infos)

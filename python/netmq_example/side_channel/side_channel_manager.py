@@ -96,6 +96,13 @@ class SideChannelManager:
             else:
                 self._keep(channel_id, message)
 
+    def take_in(self, data: bytes) -> None:
+        """The same for an exchange that came with a step: what is cut is a line of `report`."""
+        try:
+            self.process_side_channel_message(data)
+        except UnitySideChannelException as error:
+            self.report(str(error))
+
     def _deliver(self, channel: Channel, message: bytes) -> None:
         """What goes wrong in one conversation is not the others' business."""
         try:

@@ -1,23 +1,22 @@
-"""Agents: several of them in one world, and one message has an array for each that lives.
+"""Agents: several of them in one world, and one message has an action for each that lives.
 
     EnvironmentClient("tcp://127.0.0.1:5560", timeout=30).run(AgentSimulator(Pursuit()))
 
-A hello lists in `agents` who there is and of what kind their spaces are. A `step` has an action for each agent that
-lives, in the order of the hello. The answer's `infos` name these agents; its arrays are rewards float64 [n], terminated
-and truncated uint8 [n], and what each of them sees. An agent that is over then has no part in the next step.
-An `info` brings infos for agents, and takes back in `told` those of the game, as each answer does. In C# it is
-AgentSimulator.cs.
+A hello describes in `agents` who there is and what each sees and does. A record (records.py) has a row for each of
+them, in that order, and says of each whether it steps: all that live do. An agent that is over has no part in the next
+step. The answer's options are what the game has told, [[agent, info], …]. The message `info` brings an info, as
+[agent, info], and takes back what was told meanwhile. In C# it is AgentSimulator.cs.
 """
 
+import struct
 from typing import Any
 
-import numpy as np
-
-from netmq_example.infos import pack, unpack
-from netmq_example.messages import Array, Message, MessageError, take
+from netmq_example import trees
+from netmq_example.messages import Array, Message, MessageError
+from netmq_example.records import NOTHING, RESET, STEP, Record
 from netmq_example.simulation.simulation import AgentSimulation, RealTime
-from netmq_example.simulation.simulator import SimulatorBase, verdicts
-from netmq_example.spaces import described, from_array, to_array
+from netmq_example.simulation.simulator import SimulatorBase, answer_to, hello_of, options_in, picture_of, unknown
+from netmq_example.spaces import Bytes, described
 from netmq_example.split_mix import draws
 
 
@@ -28,52 +27,59 @@ class AgentSimulator(SimulatorBase):
         self.game = RealTime(game)
         super().__init__(game.name)
         self.living: list[str] = []
+        self.bytes = {agent: [Bytes(space) for space in spaces] for agent, spaces in game.agents.items()}
 
     def describe(self) -> Message:
-        kinds: list[tuple[str, dict[str, Any]]] = []
-        arrays: list[Array] = []
-        for agent, (observation, action) in self.game.agents.items():
-            seen, seen_arrays = described(observation)
-            done, done_arrays = described(action)
-            kinds.append((agent, {"observation": seen, "action": done}))
-            arrays += seen_arrays + done_arrays
-        return Message("hello", 0, {"name": self.name, "dt": self.game.dt, "agents": pack(kinds)}, arrays)
+        agents = [
+            [agent, {"observation": described(observation), "action": described(action)}]
+            for agent, (observation, action) in self.game.agents.items()
+        ]
+        return hello_of(self.name, self.game.dt, {"agents": agents})
 
-    def do(self, request: Message) -> Message:
-        match request.kind:
-            case "reset":
-                self.game.reset(draws(take(request.values, "seed", int)), request.values)
-                self.living = list(self.game.agents)
-                self.episodes += 1
-                start = {"reward": 0.0, "terminated": False, "truncated": False}
-                return self.state(request, {agent: dict(start) for agent in self.living})
-            case "step":
-                self.game.apply(self.actions(request))
-                self.steps += 1
-                return self.state(request, {agent: self.game.judge(agent) for agent in self.living})
-            case "info":
-                for agent, info in unpack(take(request.values, "infos", str)):
-                    if agent not in ("", *self.game.agents):
-                        raise MessageError("unknown-agent", f"{agent!a:.40} is none of {list(self.game.agents)}")
-                    self.game.on_info(agent, info)
-                return Message("told", request.id, {"told": self.game.infos.take()})
-            case "render":
-                return Message("picture", request.id, {}, [to_array(self.game.render(), np.uint8)])
-        raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, info, render, close")
+    def do(self, request: Record) -> Record:
+        agents = list(self.game.agents)
+        if len(request.marks) != len(agents):
+            raise MessageError("wrong-agents", f"{len(request.marks)} rows, but there are {len(agents)} agents")
+        judged: dict[str, dict[str, Any]]
+        if set(request.marks) == {RESET}:
+            (seed, *_) = struct.unpack(f"<{len(agents)}q", request.numbers)
+            self.game.reset(draws(seed), options_in(request))
+            self.living = agents
+            self.episodes += 1
+            judged = {agent: {} for agent in agents}
+        else:
+            self.game.apply(self.actions(dict(zip(agents, zip(request.marks, request.rows, strict=True), strict=True))))
+            self.steps += 1
+            judged = {agent: self.game.judge(agent) for agent in self.living}
+        rows = [self.bytes[name][0].write(self.game.observe(name)) if name in judged else b"" for name in agents]
+        answer = answer_to(request, [judged.get(name, {}) for name in agents], rows, self.game.infos.take())
+        over = {name for name, ends in zip(agents, answer.marks, strict=True) if ends}
+        self.living = [name for name in self.living if name not in over]
+        return answer
 
-    def actions(self, request: Message) -> dict[str, Any]:
-        if not self.living or len(request.arrays) != len(self.living):
-            raise MessageError("wrong-agents", f"{len(request.arrays)} actions, but {len(self.living)} agents live")
-        # All of them are looked at before anything moves.
-        return {
-            agent: from_array(self.game.agents[agent][1], [array])
-            for agent, array in zip(self.living, request.arrays, strict=True)
-        }
+    def actions(self, asked: dict[str, tuple[int, Any]]) -> dict[str, Any]:
+        """All of them are looked at before anything moves."""
+        stepping = [name for name, (order, _) in asked.items() if order != NOTHING]
+        if not self.living or stepping != self.living or any(asked[name][0] != STEP for name in stepping):
+            raise MessageError("wrong-agents", f"actions of {stepping}, but those that live are {self.living}")
+        return {name: self.bytes[name][1].read(asked[name][1]) for name in stepping}
 
-    def state(self, request: Message, judged: dict[str, dict[str, Any]]) -> Message:
-        arrays = verdicts(list(judged.values()))
-        arrays += [to_array(self.game.observe(agent), self.game.agents[agent][0].dtype) for agent in judged]
-        over = arrays[1].numpy() | arrays[2].numpy()
-        self.living = [agent for agent, ended in zip(judged, over, strict=True) if not ended]
-        values = {"infos": pack(list(judged.items())), "told": self.game.infos.take()}
-        return Message("state", request.id, values, arrays)
+    def say(self, request: Message) -> Message:
+        if request.kind == "render":
+            return picture_of(request, [self.game.render()])
+        if request.kind != "info":
+            raise unknown(request, "info, render")
+        agent, info = info_of(request)
+        if agent not in ("", *self.game.agents) or type(info) is not dict:
+            raise MessageError("unknown-agent", f"{agent!a:.40} is none of {list(self.game.agents)}, or has no dict")
+        self.game.on_info(agent, info)
+        told = self.game.infos.take()
+        return Message("told", request.id, {}, [Array("uint8", (len(told),), told)])
+
+
+def info_of(request: Message) -> tuple[str, Any]:
+    """Whom an info is for, "" for the environment, and what it is."""
+    pair = trees.read(request.arrays[0].data) if len(request.arrays) == 1 else None
+    if type(pair) is not list or len(pair) != 2 or not isinstance(pair[0], str):
+        raise MessageError("bad-info", f"{pair!a:.40} is no name with an info")
+    return pair[0], pair[1]

@@ -9,25 +9,27 @@
     simulator = SceneSimulator("Coins", 0.1, [Car("car")])      0.1 s a step
     EnvironmentClient("tcp://127.0.0.1:5561", 30).run(simulator)
 
-Its messages are those of lesson 05. Each has one value `state`, the text of a tree of values (spaces.py):
-
-    reset, seed      {"agents": names, "options": {...}}      state    {"agents": {name: what Agent.take returns},
-    step             {"actions": {name: action}}                        "infos": [...],
-    info             {"to": name or "", "info": value}        ok        "observations": [[locator, value], ...]}
+Its resets and steps are records (records.py), with a row for each agent that is asked for. The options of a reset are
+{"agents": names, "options": {...}}, and the rows keep the order of these names. An action is any value (trees.py); what
+is seen are locators, each with a value, and an info is {"env": [...], "agent": [...]}. The message `info` has
+[name or "", info].
 
 A wrong class is a LocatorError that names class and field; a wrong request is answered with an error. In C# it is
 Obs.cs, AgentState.cs and SceneSimulator.cs. It needs gymnasium and numpy.
 """
 
+import functools
+import struct
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
-from netmq_example import check
+from netmq_example import check, trees
 from netmq_example.locator import APPEND, LocatorError, ordinal, parse, quoted
 from netmq_example.messages import Message, MessageError, take
-from netmq_example.simulation.simulator import SimulatorBase
-from netmq_example.spaces import read, write
+from netmq_example.records import RESET, STEP, Record
+from netmq_example.simulation.agents import info_of
+from netmq_example.simulation.simulator import SimulatorBase, answer_to, hello_of, options_in, unknown
 from netmq_example.split_mix import draws
 
 
@@ -72,13 +74,10 @@ class Agent:
         return ((text, getattr(self, field)) for text, field in self.sources)
 
     def take(self) -> dict[str, Any]:
-        """What is sent to Python once; plain values, whatever numpy or Python made of them."""
-        taken = {
-            "reward": float(self.reward),
-            "terminated": bool(self.terminated),
-            "truncated": bool(self.truncated),
-            "infos": self.infos,
-        }
+        """What is sent to Python once."""
+        taken: dict[str, Any] = {"reward": self.reward, "terminated": self.terminated, "truncated": self.truncated}
+        if self.infos:
+            taken["agent"] = self.infos
         self.reward = 0.0
         self.infos = []
         return taken
@@ -120,6 +119,9 @@ class SceneSimulator(SimulatorBase):
                 raise TypeError(f"agents takes Agents, not {agent!r:.40}")
         self.agents = {agent.name: agent for agent in agents}
         self.infos: list[Any] = []
+        # Those of the last reset: each has a row.
+        self.asked: list[Agent] = []
+        self.reset_options: dict[str, Any] = {}
         if len(self.agents) < len(agents):
             names = ", ".join(repr(agent.name) for agent in agents)
             raise ValueError(f"two agents have one name: {names}; each needs a name of its own")
@@ -128,60 +130,83 @@ class SceneSimulator(SimulatorBase):
         """Python has sent something to the environment itself."""
 
     def describe(self) -> Message:
-        return Message("hello", 0, {"name": self.name, "dt": self.dt})
+        # What is seen, the fields say; into which spaces it goes, Python does.
+        return hello_of(self.name, self.dt, {})
 
-    def do(self, request: Message) -> Message:
-        content = read(take(request.values, "state", str), request.arrays)
-        match request.kind:
-            case "reset":
-                asked = self.reset(content, take(request.values, "seed", int))
-            case "step":
-                asked = self.step(take(content, "actions", dict))
-            case "info" if "info" in content:
-                to = take(content, "to", str)
-                receiver = self.find(to) if to else self
-                receiver.on_info(content["info"])
-                return Message("ok", request.id)
-            case _:
-                kind = f"{request.kind!a:.40} with these fields"
-                raise MessageError("unknown-kind", f"kind {kind} is none of reset, step, info, close")
-        return self.state(request.id, asked)
+    def say(self, request: Message) -> Message:
+        if request.kind != "info":
+            raise unknown(request, "info")
+        to, info = info_of(request)
+        receiver = self.find(to) if to else self
+        receiver.on_info(info)
+        return Message("told", request.id)
 
-    def reset(self, content: Any, seed: int) -> list[Agent]:
-        names = take(content, "agents", list)
-        options = take(content, "options", dict)
-        asked = list(dict.fromkeys(map(self.find, names)))
-        chance = draws(seed)
+    def do(self, request: Record) -> Record:
+        if RESET in request.marks:
+            said = options_in(request)
+            self.reset_options = take(said, "options", dict)
+            self.asked = [self.find(name) for name in take(said, "agents", list)]
+        if len(self.asked) != len(request.marks):
+            raise MessageError(
+                "wrong-agents", f"{len(request.marks)} rows, but {len(self.asked)} agents were asked for"
+            )
+        orders = list(zip(self.asked, request.marks, request.rows, strict=True))
+        stepping = {agent: trees.read(row) for agent, order, row in orders if order == STEP}
+        if stepping:
+            self.step(stepping)
+        self.reset(request)
+        judged = []
+        rows = []
+        for agent, order, _ in orders:
+            judged.append(agent.take() if order else {})
+            rows.append(self.seen(agent) if order else b"")
+        if self.infos:
+            for info in judged:
+                info["env"] = self.infos
         self.infos = []
-        # Also those for which Python does not ask: they move.
-        for agent in self.agents.values():
-            agent.begin(chance, options)
-        for agent in asked:
-            agent.on_reset()
-        self.episodes += 1
-        return asked
+        return answer_to(request, judged, rows)
 
-    def step(self, actions: dict[str, Any]) -> list[Agent]:
-        asked = [self.find(name) for name in actions]
-        for agent in asked:
-            agent.on_action(actions[agent.name])
+    def reset(self, request: Record) -> None:
+        seeds = struct.unpack(f"<{len(request.marks)}q", request.numbers)
+        # Agents of one seed draw from the same numbers, one after the other.
+        chances = {seed: draws(seed) for seed in seeds}
+        resetting = {
+            agent: seed for agent, order, seed in zip(self.asked, request.marks, seeds, strict=True) if order == RESET
+        }
+        if len(resetting) == len(request.marks):
+            self.infos = []
+            # Also those for which Python does not ask: they move.
+            for agent in self.agents.values():
+                resetting.setdefault(agent, seeds[0])
+        for agent, seed in resetting.items():
+            agent.begin(chances[seed], self.reset_options)
+        for agent, order in zip(self.asked, request.marks, strict=True):
+            if order == RESET:
+                agent.on_reset()
+                self.episodes += 1
+
+    def step(self, actions: dict[Agent, Any]) -> None:
+        for agent, action in actions.items():
+            agent.on_action(action)
         for agent in self.agents.values():
             if not (agent.terminated or agent.truncated):
                 agent.on_tick(self.dt)
         self.steps += 1
-        return asked
 
     def find(self, name: Any) -> Agent:
         if isinstance(name, str) and name in self.agents:
             return self.agents[name]
         raise MessageError("unknown-agent", f"no agent is named {name!a:.40}; there are: {', '.join(self.agents)}")
 
-    def state(self, id: int, asked: list[Agent]) -> Message:
-        # In the order of their locators: the whole of a thing before its parts, and the same in every language.
-        seen = sorted((pair for agent in asked for pair in agent.observe()), key=lambda pair: ordinal(pair[0]))
-        taken = {agent.name: agent.take() for agent in asked}
-        message = Message("state", id)
-        tree = {"agents": taken, "infos": self.infos, "observations": [list(pair) for pair in seen]}
-        self.infos = []
-        message.values["state"] = write(tree, message.arrays)
-        return message
+    def seen(self, agent: Agent) -> bytes:
+        """In the order of the locators: the whole of a thing before its parts, and the same in every language."""
+        pairs = []
+        for other in self.agents.values():
+            pairs += [pair for pair in other.observe() if other is agent or names(pair[0], agent.name)]
+        return trees.write_pairs(sorted(pairs, key=lambda pair: ordinal(pair[0])))
+
+
+@functools.lru_cache(1000)
+def names(text: str, agent: str) -> bool:
+    """Whether this locator goes into the observation of this agent, too."""
+    return any(mapping.names(agent) for mapping in parse(text).mappings)

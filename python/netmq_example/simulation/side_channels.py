@@ -5,12 +5,12 @@
     EnvironmentClient(endpoint, timeout=20).run(simulator)
 
 What the training sets before a step is there in that step, and what the world records in it comes with its state.
-envs/side_channels.py is the training's end, and side_channel/step_messages.py says what the bytes are.
+envs/side_channels.py is the training's end, and records.py says where the exchange stands.
 """
 
 from netmq_example import check
 from netmq_example.messages import Message
-from netmq_example.side_channel import step_messages
+from netmq_example.records import Record
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.simulation.simulator import SimulatorBase
 
@@ -26,11 +26,15 @@ class SideChannelSimulator(SimulatorBase):
     def describe(self) -> Message:
         return self.simulator.describe()
 
-    def do(self, request: Message) -> Message:
-        carried = step_messages.deliver(request, self.manager)
+    def say(self, request: Message) -> Message:
+        return self.simulator.say(request)
+
+    def do(self, request: Record) -> Record:
+        if request.exchange is not None:
+            self.manager.take_in(request.exchange)
         state = self.simulator.do(request)
         self.episodes = self.simulator.episodes
         self.steps = self.simulator.steps
-        if carried:
-            step_messages.add(state, bytes(self.manager.generate_side_channel_messages()))
+        if request.exchange is not None:
+            state.exchange = bytes(self.manager.generate_side_channel_messages())
         return state

@@ -19,11 +19,41 @@ from typing import Any
 
 from gymnasium.spaces import Space
 
-from netmq_example import check
-from netmq_example.infos import InfoQueue
+from netmq_example import check, trees
 
+# Bytes of infos that wait for an answer.
+MOST_WAITING = 12_000
 # More than that is not made up for when Python, or the whole computer, has slept.
 MOST_SECONDS = 10.0
+
+
+class InfoQueue:
+    """Infos that wait for the next answer: no more than that, and those that are left out are counted."""
+
+    def __init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        self.infos: list[list[Any]] = []
+        self.size = 0
+        self.dropped = 0
+
+    def send(self, agent: str, info: dict[str, Any]) -> None:
+        """MessageError says what is no info: texts, numbers, true, false, lists, dicts and arrays by name."""
+        one = [agent, dict(info)]
+        size = len(trees.write(one))
+        if self.size + size > MOST_WAITING:
+            self.dropped += 1
+        else:
+            self.size += size
+            self.infos.append(one)
+
+    def take(self) -> bytes:
+        """All of them as a value, or nothing; and from then on the queue is empty."""
+        lost = [["", {"dropped": self.dropped}]] if self.dropped else []
+        told = self.infos + lost
+        self.clear()
+        return trees.write(told) if told else b""
 
 
 class Simulation(ABC):

@@ -3,12 +3,13 @@
     client = EnvironmentClient("tcp://127.0.0.1:5559", timeout=30)       ValueError for a bad endpoint
     client.run(Simulator(CartPole()))                                   until the environment is closed; TimeoutError
 
-The client says `hello` with the simulation's name, spaces and dt; then it answers `reset`, `step` and `render`, until
-`close`. A request that comes again, because its answer was late or lost, gets the answer that was kept. In C# they are
-Simulator.cs and EnvironmentClient.cs.
+The client says `hello` with the simulation's name, spaces and dt; then it answers resets and steps (records.py), and
+`render`, until `close`. A request that comes again, because its answer was late or lost, gets the answer that was kept.
+In C# they are Simulator.cs and EnvironmentClient.cs.
 """
 
 import math
+import struct
 import time
 import traceback
 from abc import ABC, abstractmethod
@@ -18,10 +19,11 @@ from typing import Any
 import numpy as np
 import zmq
 
-from netmq_example import check
-from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
+from netmq_example import check, records, trees
+from netmq_example.messages import LIMIT, Array, Message, MessageError
+from netmq_example.records import ANSWERS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards
 from netmq_example.simulation.simulation import Simulation
-from netmq_example.spaces import described, from_array, to_array
+from netmq_example.spaces import Bytes, described
 from netmq_example.split_mix import draws
 
 ENDPOINT = "tcp://127.0.0.1:5559"
@@ -52,17 +54,18 @@ class SimulatorBase(ABC):
         self.kept = hello.frames()
         return hello
 
-    def answer(self, request: Message) -> list[Any]:
+    def answer(self, request: Any) -> list[Any]:
         """The frames of the answer to a new id, or those of the last answer. What is wrong is sent as an error."""
         if request.id > self.id:
             try:
-                self.kept = self.do(request).frames()
+                answer = self.do(request) if isinstance(request, Record) else self.say(request)
+                self.kept = answer.frames()
             except Exception as error:
                 if not isinstance(error, MessageError):
                     # A mistake in the simulation, whose author wants to see where it is.
                     traceback.print_exc()
                     error = MessageError("error-in-simulation", repr(error)[:200])
-                self.kept = Message("error", request.id, {"code": error.code, "text": error.text}).frames()
+                self.kept = error.reply(request.id).frames()
             self.id = request.id
         return self.kept
 
@@ -71,71 +74,106 @@ class SimulatorBase(ABC):
         """A hello: name, dt and spaces."""
 
     @abstractmethod
-    def do(self, request: Message) -> Message:
-        """Do what is asked for, and answer it."""
+    def do(self, request: Record) -> Record:
+        """Reset or step, and say what is seen then."""
+
+    @abstractmethod
+    def say(self, request: Message) -> Message:
+        """Answer what is asked in words, such as render."""
+
+
+def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
+    """What describes the spaces is its one array, a value (trees.py)."""
+    data = trees.write(spaces)
+    return Message("hello", 0, {"name": name, "dt": float(dt)}, [Array("uint8", (len(data),), data)])
+
+
+def unknown(request: Message, known: str) -> MessageError:
+    return MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, {known}, close")
+
+
+def picture_of(request: Message, pictures: list[Any]) -> Message:
+    arrays = [np.asarray(picture, np.uint8) for picture in pictures]
+    return Message("picture", request.id, {}, [Array("uint8", one.shape, one.tobytes()) for one in arrays])
+
+
+def options_in(request: Record) -> dict[str, Any]:
+    """Those of a reset."""
+    options = trees.read(request.options) if request.options else {}
+    if type(options) is not dict:
+        raise MessageError("bad-options", f"options are a dict, not {options!a:.40}")
+    return options
 
 
 class Simulator(SimulatorBase):
-    """Answers reset, step and render for one simulation."""
+    """Answers reset, step and render for one simulation, or for many areas of one kind."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        check.instance("simulation", simulation, Simulation)
+    def __init__(self, simulation: Simulation, *others: Simulation) -> None:
+        self.areas = [check.instance("simulation", area, Simulation) for area in (simulation, *others)]
         super().__init__(simulation.name)
         self.simulation = simulation
+        self.observations = Bytes(simulation.observation)
+        self.actions = Bytes(simulation.action)
 
     def describe(self) -> Message:
-        observation, arrays = described(self.simulation.observation)
-        action, others = described(self.simulation.action)
-        values = {
-            "name": self.name,
-            "dt": float(self.simulation.dt),
-            "observation": observation,
-            "action": action,
-        }
-        return Message("hello", 0, values, arrays + others)
-
-    def do(self, request: Message) -> Message:
         simulation = self.simulation
-        values: dict[str, Any] = {}
-        match request.kind:
-            case "reset":
-                state = self.state_of(request.arrays)
-                simulation.reset(draws(take(request.values, "seed", int)), request.values, state)
-                self.episodes += 1
-            case "step":
-                simulation.apply(from_array(simulation.action, request.arrays))
-                self.steps += 1
-                values = plain(simulation.judge())
-            case "render":
-                return Message("picture", request.id, {}, [to_array(simulation.render(), np.uint8)])
-            case _:
-                raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
-        return Message("state", request.id, values, [to_array(simulation.observe(), simulation.observation.dtype)])
+        spaces = {"observation": described(simulation.observation), "action": described(simulation.action)}
+        return hello_of(self.name, simulation.dt, spaces)
 
-    def state_of(self, arrays: list[Array]) -> list[float]:
+    def say(self, request: Message) -> Message:
+        if request.kind != "render":
+            raise unknown(request, "render")
+        return picture_of(request, [area.render() for area in self.areas])
+
+    def do(self, request: Record) -> Record:
+        count = len(self.areas)
+        if len(request.marks) != count:
+            cure = f"make_vec(…, num_envs={count}), and a name that is registered with vector_entry_point"
+            raise MessageError("wrong-areas", f"this simulator has {count} areas, not {len(request.marks)}: {cure}")
+        # All actions are looked at before the first area moves: half a step would be none.
+        orders = list(zip(self.areas, request.marks, request.rows, strict=True))
+        actions = [self.actions.read(row) if order == STEP else None for _, order, row in orders]
+        options = options_in(request) if RESET in request.marks else {}
+        state = self.state_of(options.pop("state", []))
+        seeds = struct.unpack(f"<{count}q", request.numbers)
+        judged: list[dict[str, Any]] = []
+        for at, (area, order, _) in enumerate(orders):
+            judged.append({})
+            if order == STEP:
+                area.apply(actions[at])
+                judged[at] = area.judge()
+                self.steps += 1
+            elif order == RESET:
+                area.reset(draws(seeds[at]), options, state)
+                self.episodes += 1
+        return answer_to(request, judged, [self.observations.write(area.observe()) for area in self.areas])
+
+    def state_of(self, given: Any) -> list[float]:
         """In which an episode begins; nothing, if it begins by chance."""
-        state = [float(item) for array in arrays for item in array.numpy().flat]
+        try:
+            state: list[float] = np.asarray(given, np.float64).ravel().tolist()
+        except (ValueError, TypeError) as error:
+            raise MessageError("bad-state", f"a state is numbers: {error!s:.80}") from None
         if len(state) not in (0, self.simulation.size):
             raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {len(state)}")
         return state
 
 
-def plain(judged: dict[str, Any]) -> dict[str, Any]:
-    """Whatever numpy or Python made them of."""
-    reward = float(judged["reward"])
-    if not math.isfinite(reward):
-        raise MessageError("bad-reward", f"the reward is {reward}")
-    ends = {name: bool(judged[name]) for name in ("terminated", "truncated")}
-    return {**judged, "reward": reward, **ends}
-
-
-def verdicts(judged: list[dict[str, Any]]) -> list[Array]:
-    """Of many: the arrays rewards float64 [n], terminated and truncated uint8 [n]; what is left in them is info."""
-    rewards = [one.pop("reward") for one in judged]
-    if not np.isfinite(rewards).all():
-        raise MessageError("bad-reward", f"the rewards are {rewards!s:.80}")
-    flags = [[one.pop(name) for one in judged] for name in ("terminated", "truncated")]
-    return [to_array(rewards, np.float64), *(to_array(flag, np.uint8) for flag in flags)]
+def answer_to(request: Record, judged: list[dict[str, Any]], rows: list[bytes], options: bytes = b"") -> Record:
+    """`judged` has the reward and the ends of each that has stepped; whatever else is in it is its info."""
+    numbers = []
+    marks = []
+    infos = []
+    for one in judged:
+        info = dict(one)
+        reward = float(info.pop("reward", 0.0))
+        if not math.isfinite(reward):
+            raise MessageError("bad-reward", f"the reward is {reward}")
+        numbers.append(reward)
+        ended = TERMINATED if info.pop("terminated", False) else 0
+        marks.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))
+        infos.append(trees.write(info) if info else b"")
+    return Record(ANSWERS, request.id, rewards(numbers), marks, rows, infos, options)
 
 
 class EnvironmentClient:
@@ -224,7 +262,7 @@ class EnvironmentClient:
         idle = silence if isinstance(silence, float) and 0 < silence < IDLE_SECONDS else IDLE_SECONDS
         try:
             while (request := self.receive(socket, idle)).kind != "close":
-                if request.kind == "reset" and 0 < count <= simulator.episodes:
+                if isinstance(request, Record) and RESET in request.marks and 0 < count <= simulator.episodes:
                     return
                 socket.send_multipart(simulator.answer(request))
             # Milliseconds for the last answer, which would be dropped without them.
@@ -237,13 +275,13 @@ class EnvironmentClient:
             self.heard = time.monotonic()
             self.why = NO_CONNECTION
 
-    def receive(self, socket: zmq.Socket[bytes], limit: float) -> Message:
-        """The next message within `limit` seconds; MessageError is the environment's refusal."""
+    def receive(self, socket: zmq.Socket[bytes], limit: float) -> Any:
+        """The next message or record within `limit` seconds; MessageError is the environment's refusal."""
         end = time.monotonic() + limit
         while not socket.poll(min(SLICE_MS, int(1000 * limit))):
             if time.monotonic() > end or not socket.poll(0, zmq.POLLOUT):
                 raise TimeoutError("the environment is gone, or silent")
-        message = read(socket.recv_multipart())
+        message = records.read_frames(records.ASKS, socket.recv_multipart())
         if message.kind == "error":
             code, text = (str(message.values.get(name, "not said")) for name in ("code", "text"))
             raise MessageError(code[:40], text[:200])

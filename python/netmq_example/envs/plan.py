@@ -1,0 +1,244 @@
+"""What comes from a scene becomes an observation: by a plan, which is made once for each form of what comes.
+
+    sight = Sight("car", space)
+    seen = sight.read(row)              fresh each time; MessageError says what does not fit, and where
+    seen = sight.again()                the same once more: its user may have changed what he got
+
+A row has locators and what stands there now (trees.py, write_pairs). Its form, which
+is the row without its numbers, stays the same from step to step. So it is looked at once where each number goes, and
+whether it fits its space there; a step then copies numbers. What is more than a key and its value, such as a place in
+an array or one more item of a sequence, is merged at each step (merge.py).
+
+What a row does not write stays as it was. It needs gymnasium and numpy.
+"""
+
+import copy
+import functools
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from gymnasium import spaces
+from gymnasium.spaces import Space
+
+from netmq_example import trees
+from netmq_example.envs.merge import empty, fitted, like, merge, warn
+from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted, spelled
+from netmq_example.messages import MessageError
+from netmq_example.spaces import Numbers, codec_of
+from netmq_example.trees import REASONS, Reader
+
+# Each is read once. A scene has few; one that sends ever new ones fills no memory.
+known: Callable[[str], Locator] = functools.lru_cache(10_000)(parse)
+MOST_PLANS = 1000
+
+
+class Sight:
+    """What one agent sees."""
+
+    def __init__(self, name: str, space: Space[Any]) -> None:
+        self.name = name
+        self.space = space
+        self.where = f"{quoted(name)}@"
+        self.plans: dict[bytes, Plan | None] = {}
+        self.forget()
+
+    def forget(self) -> None:
+        """An episode begins: nothing was seen yet."""
+        # The observation that was given out last is made of these: of a plan and its numbers, or of what was merged.
+        self.plan: Plan | None = None
+        self.numbers: Any = b""
+        self.old = empty(self.space, self.where)
+
+    def read(self, row: Any) -> Any:
+        form, numbers = trees.parted(row)
+        if form not in self.plans:
+            if len(self.plans) >= MOST_PLANS:
+                self.plans.clear()
+            self.plans[form] = planned(self.name, self.space, form)
+        plan = self.plans[form]
+        if plan is None:
+            self.old = fitted(self.space, self.merged(form, numbers), self.where)
+            self.plan = None
+            return self.again()
+        if plan is not self.plan and plan.stays:
+            self.old = self.again()
+        seen = plan.read(numbers, self.old)
+        self.plan = plan
+        self.numbers = bytes(numbers)
+        return seen
+
+    def again(self) -> Any:
+        return self.plan.read(self.numbers, self.old) if self.plan else fitted(self.space, self.old, self.where)
+
+    def merged(self, form: bytes, numbers: Any) -> Any:
+        observations = {self.name: self.again()}
+        appended: set[str] = set()
+        at = 0
+        try:
+            for text, part in trees.pairs_of(form):
+                value, at = trees.reader(part)(numbers, at)
+                mappings = tuple(
+                    replace(one, everyone=False, agents=(self.name,)) for one in mappings_for(self.name, text)
+                )
+                merge(observations, Locator(text, mappings), value, appended)
+        except LocatorError as error:
+            raise MessageError("bad-observation", str(error)) from None
+        except REASONS as error:
+            raise MessageError("bad-observation", f"it is cut short: {error!s:.80}") from None
+        return observations[self.name]
+
+    def warn(self, row: Any) -> None:
+        """Names what nothing of this row writes. It may come later, from a sensor that is disabled now."""
+        form, _ = trees.parted(row)
+        warn({self.name: self.space}, [known(text) for text, _ in trees.pairs_of(form)])
+
+
+class Plan:
+    """Reads what comes in its order, and then puts it in its places."""
+
+    def __init__(self, steps: list[tuple[str, Reader]], places: Any) -> None:
+        self.steps = steps
+        # The number of a step, or a dict of places by key, or None: it stays as it was.
+        self.places = places
+        self.stays = has_none(places)
+
+    def read(self, numbers: Any, old: Any) -> Any:
+        values = []
+        at = 0
+        where = ""
+        try:
+            for where, step in self.steps:
+                value, at = step(numbers, at)
+                values.append(value)
+        except MessageError as error:
+            raise MessageError(error.code, f"{where}: {error.text}") from None
+        except REASONS as error:
+            raise MessageError("bad-observation", f"{where}: {error!s:.80}") from None
+        if at != len(numbers):
+            raise MessageError("bad-observation", "more follows what was seen")
+        return put(self.places, values, old)
+
+
+def has_none(places: Any) -> bool:
+    return any(map(has_none, places.values())) if isinstance(places, dict) else places is None
+
+
+def put(places: Any, values: list[Any], old: Any) -> Any:
+    if isinstance(places, dict):
+        return {key: put(place, values, old[key]) for key, place in places.items()}
+    return copy.deepcopy(old) if places is None else values[places]
+
+
+def planned(name: str, space: Space[Any], form: bytes) -> Plan | None:
+    """None where values must be merged."""
+    steps: list[tuple[str, Reader]] = []
+    paths: dict[Path, int] = {}
+    for text, part in trees.pairs_of(form):
+        mappings = mappings_for(name, text)
+        path = mappings[0].destination if len(mappings) == 1 else (0,)
+        target = at_keys(space, path)
+        if target is None or mappings[0].source or overlaps(path, paths):
+            return None
+        where = f"{quoted(name)}@{spelled(path)}"
+        step = fitter(target, part, where)
+        if step is None:
+            return None
+        paths[path] = len(steps)
+        steps.append((where, step))
+    return Plan(steps, places_of(space, paths, ()))
+
+
+def mappings_for(name: str, text: str) -> list[Mapping]:
+    """Where a value goes in the observation of this agent."""
+    try:
+        mappings = known(text).mappings
+    except LocatorError as error:
+        raise MessageError("bad-observation", f"{text[:100]}: {error}") from None
+    if not all(one.absolute for one in mappings):
+        raise MessageError("bad-observation", f"{text[:100]}: it names no agent")
+    return [one for one in mappings if one.names(name)]
+
+
+def at_keys(space: Space[Any], path: Path) -> Space[Any] | None:
+    """The part of a space to which only keys lead."""
+    part: Any = space
+    for key in path:
+        if not isinstance(part, spaces.Dict) or not isinstance(key, str) or key not in part.spaces:
+            return None
+        part = part[key]
+    return part  # type: ignore[no-any-return]
+
+
+def overlaps(path: Path, others: dict[Path, int]) -> bool:
+    return any(path[: len(other)] == other or other[: len(path)] == path for other in others)
+
+
+def places_of(space: Space[Any], paths: dict[Path, int], at: Path) -> Any:
+    if at in paths:
+        return paths[at]
+    if not any(path[: len(at)] == at for path in paths):
+        return None
+    parts: Any = space
+    return {key: places_of(part, paths, (*at, key)) for key, part in parts.items()}
+
+
+def fitter(space: Space[Any], form: Any, where: str) -> Reader | None:
+    """Reads something of this form as something of the space, or says that it does not fit; None: it must be merged."""
+    match space, form:
+        case spaces.Dict(), {"dict": dict(parts)}:
+            if parts.keys() != space.spaces.keys():
+                return None
+            each = {key: fitter(space[key], part, where + spelled((key,))) for key, part in parts.items()}
+            return None if None in each.values() else dict_fitter(each)
+        case spaces.Dict(), _:
+            return None
+        case spaces.Sequence(stack=False), list():
+            items = [fitter(space.feature_space, part, f"{where}[{at}]") for at, part in enumerate(form)]
+            return None if None in items else tuple_fitter(items)
+        case spaces.Discrete(), "int64":
+            return codec_of(space).read
+        case spaces.Text(), "text":
+            return codec_of(space).read
+        case ((spaces.Box() | spaces.MultiBinary() | spaces.MultiDiscrete()), str()):
+            codec = codec_of(space)
+            if isinstance(codec, Numbers) and form == f"{codec.dtype}[{','.join(map(str, codec.shape))}]":
+                return codec.read
+    return general_fitter(space, form, where)
+
+
+def dict_fitter(each: dict[str, Any]) -> Reader:
+    def read(numbers: Any, at: int) -> tuple[Any, int]:
+        values = {}
+        for key, step in each.items():
+            values[key], at = step(numbers, at)
+        return values, at
+
+    return read
+
+
+def tuple_fitter(items: list[Any]) -> Reader:
+    def read(numbers: Any, at: int) -> tuple[Any, int]:
+        values, at = trees.in_turn(items, numbers, at)
+        return tuple(values), at
+
+    return read
+
+
+def general_fitter(space: Space[Any], form: Any, where: str) -> Reader:
+    """Of another dtype, or one number for an array of one, or what becomes a text."""
+    plain = trees.reader(form)
+    before = empty(space, where)
+
+    def read(numbers: Any, at: int) -> tuple[Any, int]:
+        value, at = plain(numbers, at)
+        try:
+            return fitted(space, value, where), at
+        except MessageError as error:
+            try:
+                return fitted(space, like(before, value), where), at
+            except (MessageError, *REASONS):
+                # Without the place, which is said by whoever knows it.
+                raise MessageError(error.code, error.text.removeprefix(f"{where}: ")) from None
+
+    return read

@@ -1,0 +1,245 @@
+"""Values of any kind as bytes: their form as JSON, and then their numbers.
+
+    data = write({"speed": 2.5, "picture": np.zeros((24, 32, 3), np.uint8), "says": ["hello"]})
+    value = read(data)              the same, fresh; tuples come back as lists
+
+    uint32, little-endian       how many bytes the form has
+    ...                         the form, JSON in ASCII
+    ...                         the numbers, little-endian, one after the other, as the form says
+
+    "null"  "bool"  "int64"  "float64"              0, 1, 8 and 8 bytes
+    "text"                                          uint32, how many bytes; then UTF-8
+    "float32[2,3]"                                  an array
+    [form, …]                                       a list
+    {"dict": {"speed": form, …}}                    a dict
+    {"graph": [nodes, edges, edge_links]}           Gymnasium's GraphInstance; without edges both are "null"
+
+The form of most values stays the same from step to step, and so it is looked at once. An array whose dtype no message
+has travels as the next larger one, and loses nothing. MessageError says what has no place in a message, or what is
+wrong with what a peer sent. In C# it is MessageTree.cs. It needs gymnasium and numpy.
+"""
+
+import functools
+import json
+import math
+import re
+import struct
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import GraphInstance
+
+from netmq_example import check
+from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, MessageError
+
+SIZE = struct.Struct("<I")
+INT64 = struct.Struct("<q")
+FLOAT64 = struct.Struct("<d")
+# The dtypes that a message has not, and those that they travel as.
+WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", "float16": "float32"}
+# What is wrong with bytes that are none of these.
+REASONS = (ValueError, LookupError, TypeError, struct.error, RecursionError)
+
+# Takes the numbers and where its own begin; returns the value and where the next one's begin.
+Reader = Callable[[Any, int], tuple[Any, int]]
+
+
+def write(value: Any) -> bytes:
+    return written(lambda parts: form_of(value, parts))
+
+
+def write_pairs(pairs: list[tuple[str, Any]]) -> bytes:
+    """Locators, and what stands there now (lesson 11); as form it has [["'car'@['speed'] = $", form], …]."""
+    return written(lambda parts: [[text, form_of(value, parts)] for text, value in pairs])
+
+
+def written(form_and: Callable[[list[Any]], Any]) -> bytes:
+    parts: list[Any] = []
+    try:
+        form = ENCODER.encode(form_and(parts)).encode()
+    except (ValueError, RecursionError) as error:
+        raise MessageError("bad-tree", f"it is no text, or has no end: {error!s:.80}") from None
+    return b"".join([SIZE.pack(len(form)), form, *parts])
+
+
+def pairs_of(form: bytes) -> list[tuple[str, Any]]:
+    """The way back: texts with their forms."""
+    try:
+        parsed = DECODER.decode(form.decode())
+        json.dumps(parsed, ensure_ascii=False).encode()
+        return [(check.text("a locator", text), part) for text, part in parsed]
+    except REASONS as error:
+        raise bad(error) from None
+
+
+def read(data: Any) -> Any:
+    form, numbers = parted(data)
+    try:
+        value, end = reader_of(form)(numbers, 0)
+    except REASONS as error:
+        raise bad(error) from None
+    if end != len(numbers):
+        raise bad("more follows it")
+    return value
+
+
+def parted(data: Any) -> tuple[bytes, memoryview]:
+    """The form, and the numbers, which are not copied."""
+    view = memoryview(data).cast("B")
+    if len(view) < SIZE.size:
+        raise bad("it ends too early")
+    (size,) = SIZE.unpack_from(view)
+    form = bytes(view[SIZE.size : SIZE.size + size])
+    if len(form) < size:
+        raise bad("it ends too early")
+    return form, view[SIZE.size + size :]
+
+
+def bad(why: object) -> MessageError:
+    return MessageError("bad-tree", f"this is no value: {why!s:.80}")
+
+
+def form_of(value: Any, parts: list[Any]) -> Any:
+    """The form, while the numbers are added to `parts`."""
+    match value:
+        case None:
+            return "null"
+        case bool():
+            parts.append(b"\1" if value else b"\0")
+            return "bool"
+        case str():
+            parts.append(text_bytes(value))
+            return "text"
+        case int():
+            if not -(2**63) <= value < 2**63:
+                raise MessageError("bad-value", f"{value!s:.20} is too large for an int64")
+            parts.append(INT64.pack(value))
+            return "int64"
+        case float():
+            if not math.isfinite(value):
+                raise MessageError("bad-value", f"{value} is not finite")
+            parts.append(FLOAT64.pack(value))
+            return "float64"
+        case np.generic():
+            return form_of(value.item(), parts)
+        case np.ndarray():
+            dtype = WIDER.get(value.dtype.name, value.dtype.name)
+            if dtype not in DTYPES:
+                raise MessageError("bad-dtype", f"dtype {dtype!a:.40} is none of {', '.join(DTYPES)}")
+            parts.append(np.asarray(value, np.dtype(dtype).newbyteorder("<")).tobytes())
+            return f"{dtype}[{','.join(map(str, value.shape))}]"
+        # Before the tuple, which it is as well.
+        case GraphInstance():
+            return {"graph": [form_of(part, parts) for part in value]}
+        case dict():
+            others = [key for key in value if not isinstance(key, str)]
+            if others:
+                raise MessageError("bad-tree", f"the keys of a dict are texts, not {others[0]!a:.40}")
+            # Half a character, such as \ud800 alone, is none that could be printed: encode refuses it.
+            for key in value:
+                key.encode()
+            return {"dict": {key: form_of(part, parts) for key, part in value.items()}}
+        case list() | tuple():
+            return [form_of(part, parts) for part in value]
+    raise MessageError("bad-tree", f"{type(value).__name__} has no place in a message")
+
+
+def text_bytes(text: str) -> bytes:
+    data = text.encode()
+    return SIZE.pack(len(data)) + data
+
+
+@functools.lru_cache(1000)
+def reader_of(form: bytes) -> Reader:
+    try:
+        parsed = DECODER.decode(form.decode())
+        json.dumps(parsed, ensure_ascii=False).encode()
+        return reader(parsed)
+    except REASONS as error:
+        raise bad(error) from None
+
+
+def reader(form: Any) -> Reader:
+    match form:
+        case "null":
+            return lambda _, at: (None, at)
+        case "bool":
+            return lambda numbers, at: (bool(numbers[at]), at + 1)
+        case "int64":
+            return lambda numbers, at: (INT64.unpack_from(numbers, at)[0], at + 8)
+        case "float64":
+            return read_float
+        case "text":
+            return read_text
+        case str():
+            return array_reader(form)
+        case list():
+            readers = [reader(part) for part in form]
+            return lambda numbers, at: in_turn(readers, numbers, at)
+        case {"dict": dict(parts)} if len(form) == 1:
+            keys = list(parts)
+            each = [reader(part) for part in parts.values()]
+
+            def read_dict(numbers: Any, at: int) -> tuple[Any, int]:
+                values, at = in_turn(each, numbers, at)
+                return dict(zip(keys, values, strict=True)), at
+
+            return read_dict
+        case {"graph": [nodes, edges, links]} if len(form) == 1:
+            three = [reader(nodes), reader(edges), reader(links)]
+
+            def read_graph(numbers: Any, at: int) -> tuple[Any, int]:
+                values, at = in_turn(three, numbers, at)
+                return GraphInstance(*values), at
+
+            return read_graph
+    raise ValueError(f"{form!a:.40} is no form")
+
+
+def in_turn(readers: list[Reader], numbers: Any, at: int) -> tuple[list[Any], int]:
+    values = []
+    for read_next in readers:
+        value, at = read_next(numbers, at)
+        values.append(value)
+    return values, at
+
+
+def read_float(numbers: Any, at: int) -> tuple[float, int]:
+    (number,) = FLOAT64.unpack_from(numbers, at)
+    if not math.isfinite(number):
+        raise MessageError("bad-value", f"{number} is not finite")
+    return number, at + 8
+
+
+def read_text(numbers: Any, at: int) -> tuple[str, int]:
+    (size,) = SIZE.unpack_from(numbers, at)
+    begin = at + SIZE.size
+    if begin + size > len(numbers):
+        raise ValueError("a text is longer than what is there")
+    return str(numbers[begin : begin + size], "utf-8"), begin + size
+
+
+def array_form(form: str) -> tuple[str, tuple[int, ...], int]:
+    """Dtype, shape, and how many numbers an array has."""
+    parts = re.fullmatch(r"(\w+)\[((?:\d{1,9}(?:,\d{1,9}){0,7})?)\]", form, re.ASCII)
+    if not parts or parts[1] not in DTYPES:
+        raise ValueError(f"{form!a:.40} is no array of {', '.join(DTYPES)}")
+    shape = tuple(map(int, parts[2].split(","))) if parts[2] else ()
+    # Also where a 0 makes nothing of them: numpy takes no larger shape.
+    if math.prod(filter(None, shape)) > LIMIT:
+        raise ValueError(f"an array has at most {LIMIT} items")
+    return parts[1], shape, math.prod(shape)
+
+
+def array_reader(form: str) -> Reader:
+    name, shape, count = array_form(form)
+    dtype = np.dtype(name).newbyteorder("<")
+    size = count * dtype.itemsize
+
+    def read_array(numbers: Any, at: int) -> tuple[Any, int]:
+        # Of nothing numpy reads nothing: it takes a count of 0 for a mistake.
+        items = np.frombuffer(numbers, dtype, count, at) if count else np.empty(0, dtype)
+        return items.reshape(shape).copy(), at + size
+
+    return read_array
