@@ -171,7 +171,9 @@ namespace UnityPlayer
             LoadedScene.RemoveDestroyed();
         }
 
-        private static TimeSpan FrameLength => Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate) : FrameTime;
+        // Where neither says anything, frames come as fast as they can.
+        private static TimeSpan FrameLength => Application.targetFrameRate > 0 ? TimeSpan.FromSeconds(1.0 / Application.targetFrameRate)
+            : QualitySettings.VSyncs > 0 ? FrameTime * QualitySettings.VSyncs : TimeSpan.Zero;
 
         /// <summary>Frames at 60 a second, or at targetFrameRate, until everything is done, the time is over or somebody asks to stop.</summary>
         public void Run(TimeSpan limit, Func<bool> stopAsked)

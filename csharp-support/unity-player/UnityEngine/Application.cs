@@ -118,7 +118,7 @@ namespace UnityEngine
 
         private static double OfThisFrame => captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);
 
-        internal static void BackToNormal() => (timeScale, captureFramerate, Application.targetFrameRate) = (1, 0, -1);
+        internal static void BackToNormal() => (timeScale, captureFramerate, Application.targetFrameRate, QualitySettings.VSyncs) = (1, 0, -1, 1);
 
         private static double Checked(string api, double value)
         {
@@ -135,7 +135,18 @@ namespace UnityEngine
 
     public sealed class QualitySettings : Object
     {
+        private static int vSyncs = 1;
+
         private QualitySettings() { }
+
+        // How many times the screen is drawn for each frame; 0: frames do not wait for it.
+        public static int vSyncCount
+        {
+            get { MainThread.Only("get_vSyncCount"); return vSyncs; }
+            set { MainThread.Only("set_vSyncCount"); vSyncs = value; }
+        }
+
+        internal static int VSyncs { get => vSyncs; set => vSyncs = value; }
 
         public static void SetQualityLevel(int index, bool applyExpensiveChanges) => MainThread.Only(nameof(SetQualityLevel));
     }

@@ -48,14 +48,16 @@ namespace NetMQExample
             Dtype = dtype ?? throw new ArgumentNullException(null, "dtype must not be null");
             Data = data;
             Shape = shape ?? throw new ArgumentNullException(null, "shape must not be null");
-            if (!Kinds.TryGetValue(dtype, out var kind))
-                throw new MessageException("bad-dtype",
-                    $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Kinds.Keys)}");
             // In double, which no product of eight sizes overflows.
-            if (shape.Aggregate((double)kind.Size, (product, length) => product * length) != data.Length)
+            if (shape.Aggregate((double)SizeOf(dtype), (product, length) => product * length) != data.Length)
                 throw new MessageException("bad-shape",
                     $"{dtype} [{string.Join(", ", shape)}] is not {data.Length} bytes");
         }
+
+        internal static int SizeOf(string dtype) => Kinds.TryGetValue(dtype, out var kind)
+            ? kind.Size
+            : throw new MessageException("bad-dtype",
+                $"dtype {MessageJson.Shown(dtype)} is none of {string.Join(", ", Kinds.Keys)}");
 
         /// <summary>The kind of number: uint8, uint16, int32, int64, float32 or float64.</summary>
         public string Dtype { get; }

@@ -60,6 +60,10 @@ namespace NetMQExample
             return text.ToString().Replace("\x7f", "\\u007f");
         }
 
+        /// <summary>A text as it stands in JSON.</summary>
+        public static string Quoted(string text) =>
+            JsonConvert.ToString(text, '"', StringEscapeHandling.EscapeNonAscii).Replace("\x7f", "\\u007f");
+
         /// <summary>What a peer sent, for an error's text: ASCII without control characters, and not long.</summary>
         public static string Shown(string word) => JsonConvert.ToString(
             word.Substring(0, Math.Min(word.Length, 40)), '\'', StringEscapeHandling.EscapeNonAscii);

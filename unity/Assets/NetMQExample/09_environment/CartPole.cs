@@ -60,7 +60,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public void Apply(double[] action)
+        public void Apply(SpaceReader action)
         {
             double sine = Math.Sin(Angle), cosine = Math.Cos(Angle);
             var push = (action[0] == 1 ? Force : -Force) + Pole * HalfLength * (turning * turning) * sine;
@@ -75,7 +75,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public MessageArray Observe() => Observation.Of(Place, speed, Angle, turning);
+        public void Observe(SpaceWriter seen) => seen.Add(Place, speed, Angle, turning);
 
         /// <inheritdoc/>
         public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>

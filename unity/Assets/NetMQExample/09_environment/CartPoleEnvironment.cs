@@ -31,10 +31,10 @@ namespace NetMQExample
             world.ResetWorld(chance, options, state);
 
         /// <inheritdoc/>
-        protected override void Act(double[] action) => world.Apply(action);
+        protected override void Act(SpaceReader action) => world.Apply(action);
 
         /// <inheritdoc/>
-        public override MessageArray Observe() => world.Observe();
+        public override void Observe(SpaceWriter seen) => world.Observe(seen);
 
         /// <inheritdoc/>
         public override (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>

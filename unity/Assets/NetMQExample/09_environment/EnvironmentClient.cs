@@ -1,13 +1,13 @@
 // Lesson 09, environment: connects a simulation with a Gymnasium environment in Python.
 //
-// It says hello with the simulation's name, spaces and dt; then it answers reset, step and render, until close. Each
-// try to connect has a new socket.
+// It says hello with the simulation's name, spaces and dt; then it answers resets and steps (Records.cs), and render,
+// until close. Each try to connect has a new socket.
 // The Python side is python/netmq_example/envs/gym_env.py.
 // Trouble: stop the Python program while it steps, and start it again.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
-using System.Linq;
+using System.Text;
 using System.Threading;
 using NetMQ;
 using NetMQ.Sockets;
@@ -23,11 +23,13 @@ namespace NetMQExample
 
         private const string Nothing = "no connection";
 
+        private readonly StepRequest step = new StepRequest();
         private readonly Stopwatch silence = new Stopwatch();
         private readonly NetMQConnection connection;
         private readonly string endpoint;
         private readonly TimeSpan timeout;
         private readonly Action<string> report;
+        private Msg received;
         // Why it is in no environment.
         private string why = Nothing;
 
@@ -41,6 +43,7 @@ namespace NetMQExample
             this.endpoint = endpoint;
             this.timeout = Require.Seconds("timeout", timeout);
             this.report = Require.Given("report", report);
+            received.InitEmpty();
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
                 // Nothing can be sent while there is no connection, and this socket makes no second one: it might do so
@@ -55,12 +58,13 @@ namespace NetMQExample
         /// <summary>Serves until it is closed.</summary>
         /// <param name="simulator">What answers.</param>
         /// <param name="count">Or until it is asked for more episodes than this; 0 is no limit.</param>
-        /// <param name="perform">Calls what it is given, on the simulation's own thread.</param>
+        /// <param name="perform">Calls what it is given, on the simulation's own thread, and returns then.</param>
         /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
         /// <exception cref="TimeoutException">There was no environment for too long.</exception>
         public void Run(
-            SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop = default)
+            SimulatorBase simulator, int count, Action<Action> perform, CancellationToken stop = default)
         {
+            Launcher.Watch();
             for (silence.Restart(); silence.Elapsed < timeout; connection.Close())
             {
                 try
@@ -83,26 +87,34 @@ namespace NetMQExample
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
-        public void Dispose() => connection.Dispose();
+        public void Dispose()
+        {
+            received.Close();
+            connection.Dispose();
+        }
 
-        private void Talk(
-            SimulatorBase simulator, int count, Func<Func<Message>, Message> perform, CancellationToken stop)
+        private void Talk(SimulatorBase simulator, int count, Action<Action> perform, CancellationToken stop)
         {
             var limit = timeout < Try ? timeout : Try;
-            var hello = perform(simulator.Hello);
-            Send(hello, limit, stop);
+            perform(() => simulator.Hello());
+            Send(simulator.Words, limit, stop);
             var request = Receive(limit, stop);
-            if (request.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
-            report($"simulating {hello.Values["name"]} for {endpoint}");
+            if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
+            report($"simulating {simulator.Name} for {endpoint}");
             // Without a request for so long, it says hello again. Who learns may be silent for an hour; lesson 17's hub
             // never is, and says for how long at most.
-            var idle = request.Values.GetValueOrDefault("silence") is double s && s > 0 && s < 3600 ? s : 3600;
+            var idle = TimeSpan.FromSeconds(
+                request.Values.GetValueOrDefault("silence") is double s && s > 0 && s < 3600 ? s : 3600);
+            Action answer = () => Answer(simulator, request);
             try
             {
-                while ((request = Receive(TimeSpan.FromSeconds(idle), stop)).Kind != "close")
+                while ((request = Receive(idle, stop))?.Kind != "close")
                 {
-                    if (request.Kind == "reset" && count > 0 && simulator.Episodes >= count) return;
-                    Send(perform(() => simulator.Answer(request)), Try, stop);
+                    var begins = request == null && step.Has(Order.Reset);
+                    if (begins && count > 0 && simulator.Episodes >= count) return;
+                    perform(answer);
+                    if (simulator.Words != null) Send(simulator.Words, Try, stop);
+                    else Send(simulator.Frame.Span, false, Try, stop);
                 }
                 // For the last answer; else it would be dropped.
                 connection.Socket.Options.Linger = Try;
@@ -120,35 +132,68 @@ namespace NetMQExample
             }
         }
 
-        private void Send(Message message, TimeSpan limit, CancellationToken stop)
+        private void Answer(SimulatorBase simulator, Message request)
         {
-            var frames = new NetMQMessage();
-            frames.Append(message.Header());
-            foreach (var array in message.Arrays) frames.Append(array.Data.ToArray());
-            if (!NetMQConnection.Slices(limit, stop).Any(s => connection.Socket.TrySendMultipartMessage(s, frames)))
-                throw new TimeoutException(Nothing);
-            connection.Show(true, frames);
+            if (request == null) simulator.Answer(step);
+            else simulator.Answer(request);
         }
 
+        private void Send(Message message, TimeSpan limit, CancellationToken stop)
+        {
+            var arrays = message.Arrays;
+            Send(Encoding.UTF8.GetBytes(message.Header()), arrays.Count > 0, limit, stop);
+            for (var i = 0; i < arrays.Count; i++) Send(arrays[i].Data.Span, i + 1 < arrays.Count, limit, stop);
+        }
+
+        private void Send(ReadOnlySpan<byte> frame, bool more, TimeSpan limit, CancellationToken stop)
+        {
+            var msg = new Msg();
+            msg.InitPool(frame.Length);
+            frame.CopyTo(msg.Slice());
+            connection.Show(true, new[] { msg.CloneData() });
+            foreach (var slice in NetMQConnection.Slices(limit, stop))
+                // Sent, it is empty: what it held is NetMQ's until the network has it.
+                if (connection.Socket.TrySend(ref msg, slice, more)) return;
+            msg.Close();
+            throw new TimeoutException(Nothing);
+        }
+
+        // What came in words; null: a reset or a step, which then is in `step`.
         private Message Receive(TimeSpan limit, CancellationToken stop)
         {
-            var frames = new NetMQMessage();
             foreach (var slice in NetMQConnection.Slices(limit, stop))
             {
-                if (!connection.Socket.TryReceiveMultipartMessage(slice, ref frames))
+                if (!connection.Socket.TryReceive(ref received, slice))
                 {
                     if (connection.Socket.HasOut) continue;
                     break;
                 }
-                connection.Show(false, frames);
-                var message = Message.Read(
-                    frames.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList());
+                if (StepRequest.Is(received.Slice()) && !received.HasMore)
+                {
+                    connection.Show(false, new[] { received.CloneData() });
+                    step.Read(received.SliceAsMemory());
+                    return null;
+                }
+                var message = Message.Read(Frames());
                 if (message.Kind != "error") return message;
                 var code = message.Values.GetValueOrDefault("code");
                 var text = message.Values.GetValueOrDefault("text");
                 throw new MessageException(LogText.Printable($"{code}"), LogText.Printable($"{text}"));
             }
             throw new TimeoutException("the environment is gone, or silent");
+        }
+
+        // All frames of a message are there as soon as the first one is.
+        private List<ReadOnlyMemory<byte>> Frames()
+        {
+            var frames = new List<ReadOnlyMemory<byte>> { received.CloneData() };
+            while (received.HasMore)
+            {
+                connection.Socket.Receive(ref received);
+                frames.Add(received.CloneData());
+            }
+            connection.Show(false, frames);
+            return frames;
         }
     }
 }

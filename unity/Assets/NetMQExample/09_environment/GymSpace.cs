@@ -1,119 +1,281 @@
 // Lesson 09, the spaces: what a simulation says of what it sees and takes, for Gymnasium. In Python: spaces.py.
 //
-// A hello names the kinds, "box" or "discrete", as the values "observation" and "action". Its arrays are the rest: of a
-// box the lowest and the highest numbers, whose dtype and shape are those of the box; of a discrete one how many there
-// are, an int64. An observation or an action is then one array. What is not in its space is refused.
+// A hello describes them; from then on what is in a space travels without a word: its arrays' numbers, little-endian,
+// in the order of the space's parts.
+//
+//     description (a value, MessageTree.cs)             bytes
+//     ["box", dtype, low, high]                         its numbers; low and high are arrays of its shape
+//     ["discrete", n, start, "int64"]                   one number
+//     ["multi_binary", shape]                           int8, 0 or 1, for each
+//     ["multi_discrete", counts, starts, "int64"]       its numbers
+//     ["text", shortest, longest, characters]           uint32, how many bytes; then UTF-8
+//     ["dict", [[key, space], …]]  ["tuple", [space, …]]         one part after the other
+//     ["sequence", space, stacked]                      uint32, how many; then one after the other
+//     ["graph", nodes' space, edges' space or null]     uint32 nodes, uint32 edges, or 2^32 - 1 for none; the nodes,
+//                                                       the edges, and int32 [edges, 2]
+//     ["one_of", [space, …]]                            uint32, which one; then what is in it
 using System;
 using System.Collections.Generic;
 using System.Globalization;
 using System.Linq;
-using System.Runtime.InteropServices;
 
 namespace NetMQExample
 {
-    /// <summary>A set of arrays: all those between two of them, or one whole number.</summary>
+    /// <summary>A set of things that can be seen or done, as Gymnasium has them.</summary>
     public sealed class GymSpace
     {
-        private readonly double[] low, high;
+        private const string Letters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
 
-        private GymSpace(string kind, MessageArray form, params MessageArray[] arrays)
+        private readonly List<object> description;
+        private readonly string text;
+
+        private GymSpace(string kind, string text, params object[] description)
         {
             Kind = kind;
-            Form = form;
-            Arrays = arrays;
-            low = kind == "box" ? Numbers(arrays[0]) : new[] { 0.0 };
-            high = kind == "box" ? Numbers(arrays[1]) : new[] { Numbers(arrays[0])[0] - 1 };
+            this.text = text;
+            this.description = description.Prepend(kind).ToList();
         }
 
-        /// <summary>What Python calls it.</summary>
+        /// <summary>What Python calls it: box, discrete, dict and so on.</summary>
         public string Kind { get; }
 
-        /// <summary>Its numbers for a hello.</summary>
-        public IReadOnlyList<MessageArray> Arrays { get; }
+        /// <summary>What a hello says of it.</summary>
+        public IReadOnlyList<object> Description => description;
 
-        private MessageArray Form { get; }
+        /// <summary>How many bytes it always has; -1 where that varies.</summary>
+        public int Size => Numbers != null ? Numbers.Size
+            : Kind != "dict" && Kind != "tuple" || Parts.Any(part => part.Size < 0) ? -1 : Parts.Sum(part => part.Size);
 
-        /// <summary>The whole numbers from 0 on, so many of them.</summary>
-        public static GymSpace Discrete(long count) =>
-            new GymSpace("discrete", ToArray("int64", new double[1]), ToArray("int64", new double[] { count }));
+        /// <summary>How many numbers it has, of all parts together; -1 where that varies.</summary>
+        public int Count => Size < 0 ? -1 : Numbers?.Count ?? Parts.Sum(part => part.Count);
+
+        // Of a box, a discrete one and the like: how its numbers stand in a row.
+        internal SpaceNumbers Numbers { get; private set; }
+
+        internal GymSpace[] Parts { get; private set; } = new GymSpace[0];
+
+        internal string[] Keys { get; private set; } = new string[0];
+
+        // Of a text.
+        internal int Shortest { get; private set; }
+
+        internal int Longest { get; private set; }
+
+        internal string Characters { get; private set; } = "";
+
+        /// <summary>The whole numbers from a start on, so many of them.</summary>
+        public static GymSpace Discrete(long count, long start = 0) => new GymSpace(
+            "discrete", FormattableString.Invariant(
+                start == 0 ? (FormattableString)$"Discrete({count})" : $"Discrete({count}, start={start})"),
+            count, start, "int64")
+        {
+            Numbers = new SpaceNumbers("int64", new int[0], new double[] { start }, new double[] { start + count - 1 }),
+        };
 
         /// <summary>As many float32 as there are limits, each between two of them.</summary>
-        public static GymSpace Box(double[] low, double[] high) =>
-            Box(ToArray("float32", low, low.Length), ToArray("float32", high, high.Length));
+        public static GymSpace Box(double[] low, double[] high) => Box(
+            SpaceNumbers.Array("float32", low, low.Length), SpaceNumbers.Array("float32", high, high.Length));
+
+        /// <summary>float32 of a shape, all between the same two numbers.</summary>
+        public static GymSpace Box(double low, double high, params int[] shape)
+        {
+            var count = shape.Aggregate(1, (product, length) => product * length);
+            return Box(SpaceNumbers.Array("float32", Enumerable.Repeat(low, count).ToArray(), shape),
+                SpaceNumbers.Array("float32", Enumerable.Repeat(high, count).ToArray(), shape));
+        }
 
         /// <summary>Arrays of the same dtype and shape as these two, and between them.</summary>
-        public static GymSpace Box(MessageArray low, MessageArray high) => new GymSpace("box", low, low, high);
+        public static GymSpace Box(MessageArray low, MessageArray high)
+        {
+            var (least, most) = (SpaceNumbers.Of(low), SpaceNumbers.Of(high));
+            if (low.Dtype != high.Dtype || !low.Shape.SequenceEqual(high.Shape))
+                throw new ArgumentException("low and high of a box are arrays of one dtype and one shape");
+            return new GymSpace("box", $"Box({Shown(least)}, {Shown(most)}, {Shown(low.Shape)}, {low.Dtype})",
+                low.Dtype, low, high)
+            { Numbers = new SpaceNumbers(low.Dtype, low.Shape, least, most) };
+        }
 
         /// <summary>Pictures: uint8 [height, width, 3], the highest row first.</summary>
         public static GymSpace Picture(int height, int width) => Box(
             new MessageArray("uint8", new byte[height * width * 3], height, width, 3),
             new MessageArray("uint8", Enumerable.Repeat((byte)255, height * width * 3).ToArray(), height, width, 3));
 
-        /// <summary>The action of somebody who touches nothing: zeros.</summary>
-        public double[] Nothing => new double[low.Length];
-
-        /// <summary>Numbers as an array of this space; it is not checked whether they are in it.</summary>
-        /// <exception cref="MessageException">It has not so many.</exception>
-        public MessageArray Of(params double[] numbers) => numbers.Length == low.Length
-            ? ToArray(Form.Dtype, numbers, Form.Shape)
-            : throw new MessageException("not-in-space", $"{numbers.Length} numbers, and {this} has {low.Length}");
-
-        /// <summary>The numbers of an array that somebody sent.</summary>
-        /// <exception cref="MessageException">It is not in this space.</exception>
-        public double[] Read(IReadOnlyList<MessageArray> arrays)
+        /// <summary>Each is 0 or 1.</summary>
+        public static GymSpace MultiBinary(params int[] shape)
         {
-            if (arrays.Count != 1)
-                throw new MessageException("not-in-space", $"{arrays.Count} arrays are not one of {this}");
-            var array = arrays[0];
-            var numbers = Numbers(arrays[0]);
-            var inside = array.Dtype == Form.Dtype && array.Shape.SequenceEqual(Form.Shape);
-            // NaN is not between any two numbers.
-            for (var i = 0; inside && i < numbers.Length; i++) inside = numbers[i] >= low[i] && numbers[i] <= high[i];
-            if (inside) return numbers;
-            throw new MessageException("not-in-space",
-                $"{array.Dtype} {Shown(array.Shape)} {Shown(numbers)} is not in {this}");
+            var count = shape.Aggregate(1, (product, length) => product * length);
+            return new GymSpace("multi_binary", $"MultiBinary({Shown(shape)})",
+                shape.Select(length => (object)(long)length).ToList())
+            {
+                Numbers = new SpaceNumbers(
+                    "int8", shape, new double[count], Enumerable.Repeat(1.0, count).ToArray()),
+            };
         }
 
-        /// <summary>As people read it.</summary>
-        public override string ToString() => Kind == "discrete"
-            ? FormattableString.Invariant($"Discrete({high[0] + 1})")
-            : $"Box({Shown(low)}, {Shown(high)}, {Shown(Form.Shape)}, {Form.Dtype})";
+        /// <summary>Several whole numbers from 0 on, each with a count of its own.</summary>
+        public static GymSpace MultiDiscrete(params long[] counts)
+        {
+            var all = Array.ConvertAll(counts, count => (double)count);
+            return new GymSpace("multi_discrete", $"MultiDiscrete({Shown(counts)})",
+                SpaceNumbers.Array("int64", all, all.Length),
+                SpaceNumbers.Array("int64", new double[all.Length], all.Length), "int64")
+            {
+                Numbers = new SpaceNumbers("int64", new[] { all.Length }, new double[all.Length],
+                    Array.ConvertAll(all, count => count - 1)),
+            };
+        }
 
-        private static string Shown<T>(IReadOnlyCollection<T> items)
+        /// <summary>Texts of so many characters, all of which are among these.</summary>
+        public static GymSpace Text(int longest, int shortest = 1, string characters = Letters) =>
+            new GymSpace("text", FormattableString.Invariant($"Text({shortest}, {longest}, {characters})"),
+                (long)shortest, (long)longest, Require.Given("characters", characters))
+            { Shortest = shortest, Longest = longest, Characters = characters };
+
+        /// <summary>Parts that have names.</summary>
+        public static GymSpace Dict(params (string Key, GymSpace Space)[] parts) => new GymSpace("dict",
+            $"Dict({string.Join(", ", parts.Select(part => $"'{part.Key}': {part.Space}"))})",
+            parts.Select(part => (object)new List<object> { part.Key, part.Space.description }).ToList())
+        {
+            Keys = Array.ConvertAll(parts, part => part.Key),
+            Parts = Array.ConvertAll(parts, part => part.Space),
+        };
+
+        /// <summary>Parts that have numbers.</summary>
+        public static GymSpace Tuple(params GymSpace[] parts) => Of("tuple", "Tuple", parts);
+
+        /// <summary>Any number of things of one space; stacked, they are one array with one dimension more.</summary>
+        public static GymSpace Sequence(GymSpace space, bool stacked = false) =>
+            new GymSpace("sequence", $"Sequence({space})", Require.Given("space", space).description, stacked)
+            { Parts = new[] { space } };
+
+        /// <summary>Nodes, and edges that connect them. Without a space of edges there are none.</summary>
+        public static GymSpace Graph(GymSpace nodes, GymSpace edges = null) =>
+            new GymSpace("graph", $"Graph({nodes}, {edges})", Require.Given("nodes", nodes).description,
+                edges?.description)
+            { Parts = edges == null ? new[] { nodes } : new[] { nodes, edges } };
+
+        /// <summary>Something of one of these.</summary>
+        public static GymSpace OneOf(params GymSpace[] parts) => Of("one_of", "OneOf", parts);
+
+        /// <summary>As people read it.</summary>
+        public override string ToString() => text;
+
+        private static GymSpace Of(string kind, string name, GymSpace[] parts) =>
+            new GymSpace(kind, $"{name}({string.Join(", ", parts.Select(part => part.ToString()))})",
+                parts.Select(part => (object)part.description).ToList())
+            { Parts = parts };
+
+        internal static string Shown<T>(IReadOnlyCollection<T> items)
         {
             var few = items.Take(8).Select(item => Convert.ToString(item, CultureInfo.InvariantCulture));
             return $"[{string.Join(", ", few)}{(items.Count > 8 ? ", …" : "")}]";
         }
+    }
 
-        /// <summary>The numbers of an array of any dtype.</summary>
-        public static double[] Numbers(MessageArray array)
+    /// <summary>Numbers of one dtype in a row: how they stand there, and between which two each of them lies.</summary>
+    internal sealed class SpaceNumbers
+    {
+        private readonly double[] low, high;
+        private readonly bool limited;
+        private readonly int itemSize;
+
+        public SpaceNumbers(string dtype, int[] shape, double[] low, double[] high)
         {
-            double[] All<T>() where T : struct, IConvertible =>
-                Array.ConvertAll(array.Items<T>().ToArray(), item => item.ToDouble(CultureInfo.InvariantCulture));
-            switch (array.Dtype)
+            Dtype = dtype;
+            Shape = shape;
+            this.low = low;
+            this.high = high;
+            itemSize = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
+            // Whatever the bytes of a picture are, they are in the space.
+            limited = dtype != "uint8" || low.Any(one => one > 0) || high.Any(one => one < 255);
+        }
+
+        public string Dtype { get; }
+
+        public int[] Shape { get; }
+
+        public int Count => low.Length;
+
+        public int Size => Count * itemSize;
+
+        public bool IsSingle => Shape.Length == 0;
+
+        /// <summary>Reads a row into the numbers from a place on; false: it is not in the space.</summary>
+        public bool Read(ReadOnlySpan<byte> row, double[] numbers, int at)
+        {
+            var inside = true;
+            for (var i = 0; i < Count; i++)
             {
-                case "uint8": return All<byte>();
-                case "uint16": return All<ushort>();
-                case "int32": return All<int>();
-                case "int64": return All<long>();
-                case "float32": return All<float>();
-                default: return All<double>();
+                var number = Get(Dtype, row.Slice(i * itemSize, itemSize));
+                numbers[at + i] = number;
+                // NaN is not between any two numbers.
+                inside &= !limited || (number >= low[i] && number <= high[i]);
+            }
+            return inside;
+        }
+
+        public static double Get(string dtype, ReadOnlySpan<byte> bytes)
+        {
+            switch (dtype)
+            {
+                case "int8": return (sbyte)bytes[0];
+                case "uint8": return bytes[0];
+                case "uint16": return BitConverter.ToUInt16(bytes);
+                case "int32": return BitConverter.ToInt32(bytes);
+                case "int64": return BitConverter.ToInt64(bytes);
+                case "float32": return BitConverter.ToSingle(bytes);
+                default: return BitConverter.ToDouble(bytes);
             }
         }
 
-        private static MessageArray ToArray(string dtype, double[] numbers, params int[] shape)
+        public static void Put(string dtype, Span<byte> bytes, double number)
         {
-            MessageArray Make<T>(Converter<double, T> to) where T : struct => new MessageArray(
-                dtype, MemoryMarshal.AsBytes<T>(Array.ConvertAll(numbers, to)).ToArray(), shape);
             switch (dtype)
             {
-                case "uint8": return Make(number => (byte)number);
-                case "uint16": return Make(number => (ushort)number);
-                case "int32": return Make(number => (int)number);
-                case "int64": return Make(number => (long)number);
-                case "float32": return Make(number => (float)number);
-                default: return Make(number => number);
+                case "int8":
+                    bytes[0] = (byte)(sbyte)number;
+                    return;
+                case "uint8":
+                    bytes[0] = (byte)number;
+                    return;
+                case "uint16":
+                    BitConverter.TryWriteBytes(bytes, (ushort)number);
+                    return;
+                case "int32":
+                    BitConverter.TryWriteBytes(bytes, (int)number);
+                    return;
+                case "int64":
+                    BitConverter.TryWriteBytes(bytes, (long)number);
+                    return;
+                case "float32":
+                    BitConverter.TryWriteBytes(bytes, (float)number);
+                    return;
+                default:
+                    BitConverter.TryWriteBytes(bytes, number);
+                    return;
             }
+        }
+
+        public int ItemSize => itemSize;
+
+        public void Put(Span<byte> bytes, double number) => Put(Dtype, bytes, number);
+
+        /// <summary>The numbers of an array of any dtype.</summary>
+        public static double[] Of(MessageArray array)
+        {
+            var size = MessageArray.SizeOf(array.Dtype);
+            var numbers = new double[array.Data.Length / size];
+            for (var i = 0; i < numbers.Length; i++)
+                numbers[i] = Get(array.Dtype, array.Data.Span.Slice(i * size, size));
+            return numbers;
+        }
+
+        public static MessageArray Array(string dtype, double[] numbers, params int[] shape)
+        {
+            var size = MessageArray.SizeOf(dtype);
+            var data = new byte[numbers.Length * size];
+            for (var i = 0; i < numbers.Length; i++) Put(dtype, data.AsSpan(i * size, size), numbers[i]);
+            return new MessageArray(dtype, data, shape);
         }
     }
 }

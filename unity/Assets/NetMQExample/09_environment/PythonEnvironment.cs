@@ -17,6 +17,7 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5559";
 
+        private SpaceReader played;
         private bool together;
 
         /// <inheritdoc/>
@@ -50,10 +51,10 @@ namespace NetMQExample
         public abstract void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state);
 
         /// <summary>Does an action. Physics is simulated after it.</summary>
-        protected abstract void Act(double[] action);
+        protected abstract void Act(SpaceReader action);
 
         /// <inheritdoc/>
-        public abstract MessageArray Observe();
+        public abstract void Observe(SpaceWriter seen);
 
         /// <inheritdoc/>
         public abstract (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info);
@@ -61,12 +62,12 @@ namespace NetMQExample
         /// <inheritdoc/>
         public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
 
-        /// <summary>What a person does, from Input, when it is played by hand; if it is not overridden,
-        /// nothing.</summary>
-        protected virtual double[] Heuristic() => Action.Nothing;
+        /// <summary>What a person does, from Input, when it is played by hand: the numbers of an action, by default
+        /// zeros.</summary>
+        protected virtual double[] Heuristic() => SpaceReader.Nothing(Action);
 
         /// <inheritdoc/>
-        public void Apply(double[] action)
+        public void Apply(SpaceReader action)
         {
             Act(action);
             if (!together) Physics.Simulate((float)Dt);
@@ -92,7 +93,9 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override (double Reward, bool Over) StepByHand()
         {
-            Apply(Heuristic());
+            played ??= new SpaceReader(Action);
+            played.Set(Heuristic());
+            Apply(played);
             var (reward, terminated, truncated) = Judge(new Dictionary<string, object>());
             return (reward, terminated || truncated);
         }

@@ -58,24 +58,28 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public void Apply(double[] action)
+        public void Apply(SpaceReader action)
         {
             car.Step(Math.Max(0, action[1]), Math.Max(0, -action[1]), action[0]);
             metres += Progress();
         }
 
         /// <inheritdoc/>
-        public MessageArray Observe()
+        public void Observe(SpaceWriter seen)
         {
-            if (seesPictures) return Render();
+            if (seesPictures)
+            {
+                seen.Add(Render());
+                return;
+            }
             var (at, _) = road.Nearest(car.X, car.Y);
             var (x, y) = road.Points[at];
             var (toX, toY) = Along(at);
             var (farX, farY) = Along(at + Ahead);
             // To the right of the road's direction is (toY, -toX).
             var off = ((car.X - x) * toY - (car.Y - y) * toX) / Road.HalfWidth;
-            return Observation.Of(off, car.AheadX * toY - car.AheadY * toX, car.AheadX * toX + car.AheadY * toY,
-                car.Speed / 20, farX * toY - farY * toX);
+            seen.Add(off, car.AheadX * toY - car.AheadY * toX, car.AheadX * toX + car.AheadY * toY)
+                .Add(car.Speed / 20, farX * toY - farY * toX);
         }
 
         /// <inheritdoc/>

@@ -23,19 +23,20 @@ namespace NetMQExample
 
         /// <summary>Begins an episode.</summary>
         /// <param name="chance">Where all that is random comes from.</param>
-        /// <param name="options">What Python gave to reset: texts, numbers, true and false.</param>
+        /// <param name="options">What Python gave to reset, by name.</param>
         /// <param name="state">Where to begin, <see cref="StateSize"/> numbers; empty: by chance.</param>
         void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state);
 
         /// <summary>Does it, for <see cref="Dt"/> seconds.</summary>
-        /// <param name="action">In <see cref="Action"/>; of a discrete one its number.</param>
-        void Apply(double[] action);
+        /// <param name="action">In <see cref="Action"/>: <c>action[0]</c> is its first number. Whoever keeps it keeps
+        /// the numbers: the next one comes in the same object.</param>
+        void Apply(SpaceReader action);
 
-        /// <summary>What is seen now, such as <c>Observation.Of(x, y)</c>.</summary>
-        MessageArray Observe();
+        /// <summary>Says what is seen now, such as <c>seen.Add(x, y)</c>.</summary>
+        void Observe(SpaceWriter seen);
 
         /// <summary>How good that was, and whether the episode is over.</summary>
-        /// <param name="info">Takes whatever else Python is to know: texts, numbers, true and false.</param>
+        /// <param name="info">Takes whatever else Python is to know, by name.</param>
         (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info);
 
         /// <summary>A picture, uint8 [height, width, 3], the highest row first.</summary>

@@ -9,7 +9,8 @@ namespace NetMQExample
     /// never steps twice.</summary>
     public abstract class SimulatorBase
     {
-        private Message kept;
+        private readonly StepAnswer state = new StepAnswer();
+        private long id;
 
         /// <summary>Called with each mistake in the simulation. Python hears of it as well, in one line.</summary>
         public Action<Exception> Mistake { get; set; } = e => Console.Error.WriteLine(e);
@@ -23,107 +24,191 @@ namespace NetMQExample
         /// <summary>What it simulates.</summary>
         public abstract string Name { get; }
 
-        /// <summary>What an environment has to know. Its requests are counted anew.</summary>
-        public Message Hello() => kept = Describe();
+        /// <summary>The last answer, where it was in words; else null, and it is in <see cref="Frame"/>.</summary>
+        public Message Words { get; private set; }
 
-        /// <summary>The answer to a new id, or what was answered last.</summary>
-        /// <param name="request">Of any kind but close.</param>
-        /// <returns>Of kind error if the request cannot be answered.</returns>
-        public Message Answer(Message request)
+        /// <summary>The last answer to a reset or a step.</summary>
+        public ReadOnlyMemory<byte> Frame { get; private set; }
+
+        /// <summary>What an environment has to know. Its requests are counted anew.</summary>
+        public Message Hello()
         {
-            if (request.Id <= kept.Id) return kept;
+            id = 0;
+            return Words = Describe();
+        }
+
+        /// <summary>Answers a reset or a step, unless that was done before. The answer is kept.</summary>
+        public void Answer(StepRequest request)
+        {
+            if (request.Id <= id) return;
+            id = request.Id;
             try
             {
-                kept = Do(request);
-                // What cannot be written, such as a reward that is no number, is found out here.
-                kept.Header();
-            }
-            catch (MessageException e)
-            {
-                kept = Refusal(request, e.Code, e.Message.Substring(e.Code.Length + 2));
+                state.Begin(request);
+                Do(request, state);
+                Frame = state.Frame();
+                Words = null;
             }
             catch (Exception e)
             {
-                // A mistake in the simulation must not end it: its place is for whoever writes it.
-                Mistake(e);
-                kept = Refusal(request, "error-in-simulation", $"{e.GetType().Name}: {e.Message.Split('\n')[0]}");
+                Words = Refusal(e);
             }
-            return kept;
         }
 
-        private static Message Refusal(Message request, string code, string text) =>
-            new Message("error", request.Id) { Values = { ["code"] = code, ["text"] = text } };
+        /// <summary>Answers what was asked in words, unless that was done before. The answer is kept.</summary>
+        /// <param name="request">Of any kind but close.</param>
+        public void Answer(Message request)
+        {
+            if (request.Id <= id) return;
+            id = request.Id;
+            try
+            {
+                Words = Say(request);
+                // What cannot be written is found out here.
+                Words.Header();
+            }
+            catch (Exception e)
+            {
+                Words = Refusal(e);
+            }
+        }
 
         /// <summary>A hello: name, dt and spaces.</summary>
-        protected abstract Message Describe();
+        public abstract Message Describe();
 
-        /// <summary>Does what is asked for, and answers it.</summary>
-        protected abstract Message Do(Message request);
+        /// <summary>Resets or steps, and says what is seen then.</summary>
+        public abstract void Do(StepRequest request, StepAnswer answer);
+
+        /// <summary>Answers what is asked in words, such as render.</summary>
+        public abstract Message Say(Message request);
+
+        /// <summary>A hello, whose one array describes the spaces.</summary>
+        protected static Message HelloOf(string name, double dt, Dictionary<string, object> spaces)
+        {
+            var data = MessageTree.Write(spaces);
+            return new Message("hello")
+            {
+                Values = { ["name"] = name, ["dt"] = dt },
+                Arrays = { new MessageArray("uint8", data, data.Length) },
+            };
+        }
+
+        /// <summary>Whom an info is for, empty for the environment, and what it is.</summary>
+        protected static (string Agent, object Info) InfoOf(Message request) => request.Arrays.Count == 1
+            && MessageTree.Read(request.Arrays[0].Data) is List<object> pair
+            && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])
+            : throw new MessageException("bad-info", "it is no name with an info");
+
+        /// <summary>To throw: nobody knows what that is.</summary>
+        protected static MessageException Unknown(Message request, string known) => new MessageException("unknown-kind",
+            $"kind {MessageJson.Shown(request.Kind)} is none of reset, step, {known}, close");
+
+        private Message Refusal(Exception e)
+        {
+            if (e is MessageException known)
+                return Error(known.Code, known.Message.Substring(known.Code.Length + 2));
+            // A mistake in the simulation must not end it: its place is for whoever writes it.
+            Mistake(e);
+            return Error("error-in-simulation", $"{e.GetType().Name}: {e.Message.Split('\n')[0]}");
+        }
+
+        private Message Error(string code, string text) =>
+            new Message("error", id) { Values = { ["code"] = code, ["text"] = text } };
     }
 
-    /// <summary>Answers reset, step and render for one simulation. Lesson 17 derives from it.</summary>
+    /// <summary>Answers reset, step and render for one simulation, or for many areas of one kind.</summary>
     public class Simulator : SimulatorBase
     {
-        private readonly ISimulation simulation;
+        private readonly ISimulation[] areas;
+        private readonly SpaceReader[] actions;
+        private readonly SpaceWriter seen;
+        private readonly Dictionary<string, object> info = new Dictionary<string, object>();
 
-        /// <summary>For a simulation, which from then on nobody else steps.</summary>
-        public Simulator(ISimulation simulation) => this.simulation = Require.Given("simulation", simulation);
-
-        /// <inheritdoc/>
-        public override string Name => simulation.Name;
-
-        /// <inheritdoc/>
-        protected override Message Describe()
+        /// <summary>For simulations of one kind, which from then on nobody else steps.</summary>
+        public Simulator(params ISimulation[] areas)
         {
-            var hello = new Message("hello");
-            var see = simulation.Observation;
-            var act = simulation.Action;
-            hello.Values["name"] = simulation.Name;
-            hello.Values["dt"] = simulation.Dt;
-            hello.Values["observation"] = see.Kind;
-            hello.Values["action"] = act.Kind;
-            hello.Arrays.AddRange(see.Arrays.Concat(act.Arrays));
-            return hello;
+            this.areas = Require.Given("areas", areas);
+            if (areas.Length == 0) throw new ArgumentException("areas takes at least one simulation");
+            foreach (var area in areas) Require.Given("areas", area);
+            var action = areas[0].Action;
+            actions = Array.ConvertAll(areas, area => new SpaceReader(action));
+            seen = new SpaceWriter(areas[0].Observation);
+        }
+
+        /// <summary>Called when all that step have done their actions, and before any begins anew: in Unity physics
+        /// moves then.</summary>
+        public Action Moved { get; set; } = () => { };
+
+        /// <inheritdoc/>
+        public override string Name => areas[0].Name;
+
+        /// <summary>How many areas there are.</summary>
+        protected int Count => areas.Length;
+
+        /// <inheritdoc/>
+        public override Message Describe() => HelloOf(Name, areas[0].Dt, new Dictionary<string, object>
+        {
+            ["observation"] = areas[0].Observation.Description,
+            ["action"] = areas[0].Action.Description,
+        });
+
+        /// <inheritdoc/>
+        public override Message Say(Message request)
+        {
+            if (request.Kind != "render") throw Unknown(request, "render");
+            var picture = new Message("picture", request.Id);
+            picture.Arrays.AddRange(areas.Select(area => area.Render()));
+            return picture;
         }
 
         /// <inheritdoc/>
-        protected override Message Do(Message request)
+        public override void Do(StepRequest request, StepAnswer answer)
         {
-            var state = new Message(request.Kind == "render" ? "picture" : "state", request.Id);
-            switch (request.Kind)
+            if (request.Count != areas.Length)
+                throw new MessageException("wrong-areas", $"this simulator has {areas.Length} areas, not "
+                    + $"{request.Count}: make_vec(…, num_envs={areas.Length}), and a name that is registered with "
+                    + "vector_entry_point");
+            // All actions are looked at before the first area moves: half a step would be none.
+            for (var i = 0; i < areas.Length; i++)
+                if (request.OrderOf(i) == Order.Step) actions[i].Read(request.Row(i));
+            var resets = request.Has(Order.Reset);
+            var options = resets ? request.ReadOptions() : null;
+            var state = resets ? State(options) : null;
+            for (var i = 0; i < areas.Length; i++)
             {
-                case "reset":
-                    Reset(request);
-                    break;
-                case "step":
-                    simulation.Apply(simulation.Action.Read(request.Arrays));
-                    Steps++;
-                    var (reward, terminated, truncated) = simulation.Judge(state.Values);
-                    state.Values["reward"] = reward;
-                    state.Values["terminated"] = terminated;
-                    state.Values["truncated"] = truncated;
-                    break;
-                case "render":
-                    state.Arrays.Add(simulation.Render());
-                    return state;
-                default:
-                    throw new MessageException("unknown-kind",
-                        $"kind {MessageJson.Shown(request.Kind)} is none of reset, step, render, close");
+                if (request.OrderOf(i) != Order.Step) continue;
+                areas[i].Apply(actions[i]);
+                Steps++;
             }
-            state.Arrays.Add(simulation.Observe() ?? throw new InvalidOperationException("Observe gave null"));
-            return state;
+            if (request.Has(Order.Step)) Moved();
+            for (var i = 0; i < areas.Length; i++)
+            {
+                if (request.OrderOf(i) != Order.Reset) continue;
+                areas[i].ResetWorld(new Chance(request.Seed(i)), options, state);
+                Episodes++;
+            }
+            for (var i = 0; i < areas.Length; i++) See(i, request.OrderOf(i), answer);
         }
 
-        private void Reset(Message request)
+        private void See(int i, Order order, StepAnswer answer)
         {
-            if (!(request.Values.GetValueOrDefault("seed") is long seed))
-                throw new MessageException("missing-field", "reset needs a whole number 'seed'");
-            var state = request.Arrays.SelectMany(GymSpace.Numbers).ToArray();
-            if (state.Length != 0 && state.Length != simulation.StateSize)
-                throw new MessageException("bad-state",
-                    $"a state is {simulation.StateSize} numbers, not {state.Length}");
-            simulation.ResetWorld(new Chance(seed), request.Values, state);
-            Episodes++;
+            info.Clear();
+            var verdict = order == Order.Step ? areas[i].Judge(info) : (0, false, false);
+            areas[i].Observe(seen.Begin(answer.Rows));
+            seen.End();
+            answer.EndRow(Name, verdict, info);
+        }
+
+        private double[] State(Dictionary<string, object> options)
+        {
+            if (!options.Remove("state", out var given)) return new double[0];
+            var state = given is MessageArray array ? SpaceNumbers.Of(array)
+                : given is List<object> list && list.All(one => one is long || one is double)
+                    ? list.Select(Convert.ToDouble).ToArray()
+                : throw new MessageException("bad-state", "a state is numbers");
+            if (state.Length == 0 || state.Length == areas[0].StateSize) return state;
+            throw new MessageException("bad-state",
+                $"a state is {areas[0].StateSize} numbers, not {state.Length}");
         }
     }
 }

@@ -1,8 +1,9 @@
 // Lesson 09 in Unity: what every scene shares that Python steps, be it one world or many.
 //
-// Physics is stepped by this component alone, and stands still while Python thinks. A Python that thinks for less than
-// 10 ms is waited for, but no frame waits longer than that: else Python would make one step a frame. A game that Python
-// launches takes the endpoint from its command line, and quits when Python closes it.
+// Physics is stepped by this component alone, and stands still while Python thinks. A frame serves Python for as long
+// as it keeps asking, 30 ms at most; then Unity draws, and goes on at once: while Python steps there is no vSync and no
+// target frame rate, unless Keep Frame Rate is ticked. A game that Python launches takes the endpoint from its command
+// line, and quits when Python closes it, or ends.
 using System;
 using System.Collections.Generic;
 using System.Threading;
@@ -16,16 +17,21 @@ namespace NetMQExample
     {
         [SerializeField, Min(0), Tooltip("End after so many episodes; 0: when Python closes it")] private int count;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for an environment")] private float timeout = 30;
+        [SerializeField, Tooltip("Leave vSync and target frame rate as they are while Python steps")]
+        private bool keepFrameRate;
 
-        // How many milliseconds a frame may wait for Python's requests.
-        private const int MostMilliseconds = 10;
+        // How many milliseconds a frame serves Python, and how long it waits when Python thinks for longer than that.
+        private const int MostMilliseconds = 30, IdleMilliseconds = 10;
 
-        // Physics is everybody's: the first one that steps it takes it, and the last one gives it back.
+        // Physics and frames are everybody's: the first one that steps takes them, and the last one gives them back.
         private static readonly HashSet<SteppedBehaviour> Users = new HashSet<SteppedBehaviour>();
-        private static SimulationMode before;
+        private static readonly HashSet<SteppedBehaviour> Fast = new HashSet<SteppedBehaviour>();
+        private static SimulationMode modeBefore;
+        private static int vSyncBefore, rateBefore;
 
-        private readonly Stopwatch thinking = new Stopwatch();
-        private volatile bool launched, quick;
+        private readonly Stopwatch clock = new Stopwatch(), thinking = new Stopwatch();
+        private volatile Handover handover;
+        private volatile bool launched, quick, stepped;
 
         /// <summary>Where the environment listens.</summary>
         protected abstract string Endpoint { get; }
@@ -39,9 +45,12 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            if (Users.Count == 0) before = Physics.simulationMode;
+            if (Users.Count == 0) modeBefore = Physics.simulationMode;
             Users.Add(this);
             Physics.simulationMode = SimulationMode.Script;
+            stepped = false;
+            // A new one each time: what a run before this one has asked for is over.
+            handover = new Handover();
             if (Connects) base.Begin();
         }
 
@@ -49,7 +58,8 @@ namespace NetMQExample
         protected override void OnDisable()
         {
             if (Connects) base.OnDisable();
-            if (Users.Remove(this) && Users.Count == 0) Physics.simulationMode = before;
+            Slow();
+            if (Users.Remove(this) && Users.Count == 0) Physics.simulationMode = modeBefore;
         }
 
         /// <inheritdoc/>
@@ -63,27 +73,58 @@ namespace NetMQExample
             var simulator = MakeSimulator();
             simulator.Mistake = Debug.LogException;
             using var client = new EnvironmentClient(place, Seconds(timeout), Log);
-            client.Run(simulator, count, Perform, stop);
+            var own = handover;
+            client.Run(simulator, count, work => Perform(own, work, stop), stop);
             Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }
 
-        private Message Perform(Func<Message> answer)
+        private void Perform(Handover own, Action work, CancellationToken stop)
         {
             quick = thinking.ElapsedMilliseconds < MostMilliseconds;
-            var message = FromUpdate(answer);
+            own.Do(work, stop);
+            stepped = true;
             thinking.Restart();
-            return message;
         }
 
         /// <inheritdoc/>
         protected override void Update()
         {
-            // A Python that thinks fast makes many steps in a frame; else, or when time is up, it goes on.
-            var clock = Stopwatch.StartNew();
-            for (var wait = 0; Connects && clock.ElapsedMilliseconds < MostMilliseconds && DoNext(wait);)
-                wait = quick ? Math.Max(1, MostMilliseconds - (int)clock.ElapsedMilliseconds) : 1;
+            if (Connects) Serve();
+            if (stepped && Connects && !Done) Hurry();
+            else Slow();
             // In the editor this does nothing. Not before the last line was logged.
             if (launched && Done) Application.Quit();
+        }
+
+        // A Python that thinks fast makes many steps in a frame; else, or when time is up, it goes on.
+        private void Serve()
+        {
+            clock.Restart();
+            do
+            {
+                // What is logged comes before the step that it was logged ahead of.
+                while (DoNext(0)) { }
+                var left = MostMilliseconds - (int)clock.ElapsedMilliseconds;
+                if (left <= 0 || !handover.DoNext(quick ? left : stepped ? Math.Min(left, IdleMilliseconds) : 1)) return;
+            }
+            while (isActiveAndEnabled);
+        }
+
+        private void Hurry()
+        {
+            if (keepFrameRate || Fast.Contains(this)) return;
+            if (Fast.Count == 0) (vSyncBefore, rateBefore) = (QualitySettings.vSyncCount, Application.targetFrameRate);
+            Fast.Add(this);
+            QualitySettings.vSyncCount = 0;
+            Application.targetFrameRate = -1;
+        }
+
+        private void Slow()
+        {
+            if (!Fast.Remove(this) || Fast.Count > 0) return;
+            // What a script has set meanwhile stays.
+            if (QualitySettings.vSyncCount == 0) QualitySettings.vSyncCount = vSyncBefore;
+            if (Application.targetFrameRate == -1) Application.targetFrameRate = rateBefore;
         }
     }
 }

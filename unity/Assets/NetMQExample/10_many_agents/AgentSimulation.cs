@@ -21,20 +21,20 @@ namespace NetMQExample
 
         /// <summary>Begins an episode, in which all agents live.</summary>
         /// <param name="chance">Where all that is random comes from.</param>
-        /// <param name="options">What Python gave to reset: texts, numbers, true and false.</param>
+        /// <param name="options">What Python gave to reset, by name.</param>
         void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options);
 
         /// <summary>Does what the agents want, for <see cref="Dt"/> seconds.</summary>
-        /// <param name="actions">Of each agent that lives; of a discrete one its number.</param>
-        void Apply(IReadOnlyDictionary<string, double[]> actions);
+        /// <param name="actions">Of each agent that lives.</param>
+        void Apply(IReadOnlyDictionary<string, SpaceReader> actions);
 
-        /// <summary>What an agent sees now.</summary>
-        MessageArray Observe(string agent);
+        /// <summary>Says what an agent sees now.</summary>
+        void Observe(string agent, SpaceWriter seen);
 
         /// <summary>How good that was for an agent, and whether it is over for it: then it has no part any more.
         /// </summary>
         /// <param name="agent">Its name.</param>
-        /// <param name="info">Takes whatever else Python is to know of it: texts, numbers, true and false.</param>
+        /// <param name="info">Takes whatever else Python is to know of it, by name.</param>
         (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info);
 
         /// <summary>Python has said something to an agent; to the environment if the name is empty.</summary>

@@ -1,9 +1,9 @@
-// Lesson 10, agents: several of them in one world, and one message has an array for each that lives.
+// Lesson 10, agents: several of them in one world, and one message has an action for each that lives.
 //
-// A hello says in "agents" who there is and of what kind their spaces are. A step has an action for each agent that
-// lives, in the order of the hello. The answer's "infos" name these agents; its arrays are rewards float64 [n],
-// terminated and truncated uint8 [n], and what each of them sees. Whoever is over then has no part in the next step.
-// An info brings infos for agents, and takes back in "told" what the game had to say, as each answer does.
+// A hello describes in "agents" who there is and what each sees and does. A record (Records.cs) has a row for each of
+// them, in that order, and says of each whether it steps: all that live do. Whoever is over has no part in the next
+// step. The answer's options are what the game has told, [[agent, info], …]. The message info brings an info, as
+// [agent, info], and takes back what was told meanwhile.
 // The Python side is python/netmq_example/envs/parallel_env.py.
 // Trouble: stop the Python program in a game, and start it again.
 using System;
@@ -16,11 +16,15 @@ namespace NetMQExample
     public sealed class AgentSimulator : SimulatorBase
     {
         private readonly RealTime game;
-        private List<(string Name, GymSpace Observation, GymSpace Action)> living =
-            new List<(string, GymSpace, GymSpace)>();
+        private readonly Player[] players;
+        private readonly Dictionary<string, SpaceReader> actions = new Dictionary<string, SpaceReader>();
 
         /// <summary>For a game, which from then on nobody else steps.</summary>
-        public AgentSimulator(IAgentSimulation game) => this.game = new RealTime(game);
+        public AgentSimulator(IAgentSimulation game)
+        {
+            this.game = new RealTime(game);
+            players = game.Agents.Select(agent => new Player(agent.Name, agent.Observation, agent.Action)).ToArray();
+        }
 
         /// <inheritdoc/>
         public override string Name => game.Name;
@@ -29,76 +33,102 @@ namespace NetMQExample
         public void CatchUp() => game.CatchUp();
 
         /// <inheritdoc/>
-        protected override Message Describe()
+        public override Message Describe() => HelloOf(game.Name, game.Dt, new Dictionary<string, object>
         {
-            var hello = new Message("hello") { Values = { ["name"] = game.Name, ["dt"] = game.Dt } };
-            hello.Values["agents"] = Infos.Pack(game.Agents.Select(agent => One(agent.Name,
+            ["agents"] = game.Agents.Select(agent => (object)new List<object>
+            {
+                agent.Name,
                 new Dictionary<string, object>
-                { ["observation"] = agent.Observation.Kind, ["action"] = agent.Action.Kind })));
-            hello.Arrays.AddRange(game.Agents.SelectMany(a => a.Observation.Arrays.Concat(a.Action.Arrays)));
-            return hello;
+                { ["observation"] = agent.Observation.Description, ["action"] = agent.Action.Description },
+            }).ToList(),
+        });
+
+        /// <inheritdoc/>
+        public override void Do(StepRequest request, StepAnswer answer)
+        {
+            if (request.Count != players.Length)
+                throw new MessageException("wrong-agents",
+                    $"{request.Count} rows, but there are {players.Length} agents");
+            var resets = request.OrderOf(0) == Order.Reset;
+            if (resets) Reset(request);
+            else Step(request);
+            for (var i = 0; i < players.Length; i++) See(players[i], resets, answer);
+            answer.Options = game.Infos.Take();
         }
 
         /// <inheritdoc/>
-        protected override Message Do(Message request)
+        public override Message Say(Message request)
         {
-            switch (request.Kind)
+            if (request.Kind == "render") return new Message("picture", request.Id) { Arrays = { game.Render() } };
+            if (request.Kind != "info") throw Unknown(request, "info, render");
+            var (agent, info) = InfoOf(request);
+            if (agent != "" && players.All(player => player.Name != agent))
+                throw new MessageException("unknown-agent", $"there is no agent {MessageJson.Shown(agent)}");
+            game.OnInfo(agent, info as Dictionary<string, object> ?? throw new MessageException("bad-info", "it is no dict"));
+            var told = game.Infos.Take() ?? new byte[0];
+            return new Message("told", request.Id) { Arrays = { new MessageArray("uint8", told, told.Length) } };
+        }
+
+        private void Reset(StepRequest request)
+        {
+            game.ResetWorld(new Chance(request.Seed(0)), request.ReadOptions());
+            foreach (var player in players) player.Lives = true;
+            Episodes++;
+        }
+
+        private void Step(StepRequest request)
+        {
+            var living = 0;
+            for (var i = 0; i < players.Length; i++)
             {
-                case "reset":
-                    if (!(request.Values.GetValueOrDefault("seed") is long seed))
-                        throw new MessageException("missing-field", "reset needs a whole number 'seed'");
-                    game.ResetWorld(new Chance(seed), request.Values);
-                    living = game.Agents.ToList();
-                    Episodes++;
-                    return State(request, (agent, info) => (0, false, false));
-                case "step":
-                    game.Apply(Actions(request));
-                    Steps++;
-                    return State(request, game.Judge);
-                case "info":
-                    var infos = Infos.Unpack(request.Values.GetValueOrDefault("infos")).ToList();
-                    foreach (var (agent, info) in infos) Hear(agent, info);
-                    return new Message("told", request.Id) { Values = { ["told"] = game.Infos.Take() } };
-                case "render":
-                    return new Message("picture", request.Id) { Arrays = { game.Render() } };
-                default:
-                    throw new MessageException("unknown-kind",
-                        $"kind {MessageJson.Shown(request.Kind)} is none of reset, step, info, render, close");
+                if (players[i].Lives) living++;
+                if (players[i].Lives != (request.OrderOf(i) == Order.Step))
+                    throw new MessageException("wrong-agents",
+                        $"{players[i].Name} {(players[i].Lives ? "lives, and has no action" : "has an action, and is over")}");
+            }
+            if (living == 0) throw new MessageException("wrong-agents", "nobody lives: reset first");
+            // With the actions from before, which are read over now. All of them are looked at before anything moves.
+            game.CatchUp(game.Dt);
+            actions.Clear();
+            for (var i = 0; i < players.Length; i++)
+            {
+                if (!players[i].Lives) continue;
+                players[i].Action.Read(request.Row(i));
+                actions[players[i].Name] = players[i].Action;
+            }
+            game.Apply(actions);
+            Steps++;
+        }
+
+        private void See(Player player, bool resets, StepAnswer answer)
+        {
+            if (!player.Lives)
+            {
+                answer.SkipRow();
+                return;
+            }
+            player.Info.Clear();
+            var verdict = resets ? (0, false, false) : game.Judge(player.Name, player.Info);
+            game.Observe(player.Name, player.Seen.Begin(answer.Rows));
+            player.Seen.End();
+            answer.EndRow(player.Name, verdict, player.Info);
+            player.Lives = !verdict.Item2 && !verdict.Item3;
+        }
+
+        private sealed class Player
+        {
+            public readonly string Name;
+            public readonly SpaceReader Action;
+            public readonly SpaceWriter Seen;
+            public readonly Dictionary<string, object> Info = new Dictionary<string, object>();
+            public bool Lives;
+
+            public Player(string name, GymSpace observation, GymSpace action)
+            {
+                Name = name;
+                Seen = new SpaceWriter(observation);
+                Action = new SpaceReader(action);
             }
         }
-
-        private void Hear(string agent, IReadOnlyDictionary<string, object> info)
-        {
-            if (agent != "" && game.Agents.All(one => one.Name != agent))
-                throw new MessageException("unknown-agent", $"there is no agent {MessageJson.Shown(agent)}");
-            game.OnInfo(agent, info);
-        }
-
-        private Dictionary<string, double[]> Actions(Message request)
-        {
-            if (living.Count == 0 || request.Arrays.Count != living.Count)
-                throw new MessageException("wrong-agents",
-                    $"{request.Arrays.Count} actions, but {living.Count} agents live");
-            // All of them are looked at before anything moves.
-            return living.Zip(request.Arrays, (agent, array) => (agent, array))
-                .ToDictionary(one => one.agent.Name, one => one.agent.Action.Read(new[] { one.array }));
-        }
-
-        private Message State(Message request,
-            Func<string, IDictionary<string, object>, (double Reward, bool Terminated, bool Truncated)> judge)
-        {
-            var infos = living.Select(agent => new Dictionary<string, object>()).ToArray();
-            var judged = living.Select((agent, i) => judge(agent.Name, infos[i])).ToArray();
-            var state = new Message("state", request.Id);
-            state.Values["infos"] = Infos.Pack(living.Select((agent, i) => One(agent.Name, infos[i])));
-            state.Values["told"] = game.Infos.Take();
-            state.Arrays.AddRange(Infos.Judged(judged));
-            state.Arrays.AddRange(living.Select(agent => game.Observe(agent.Name)));
-            living = living.Where((agent, i) => !judged[i].Terminated && !judged[i].Truncated).ToList();
-            return state;
-        }
-
-        private static (object, IReadOnlyDictionary<string, object>) One(
-            string agent, Dictionary<string, object> info) => (agent, info);
     }
 }

@@ -23,14 +23,13 @@ namespace NetMQExample
 
         private readonly Player[] players = new[] { "hunter_0", "hunter_1", "hunter_2", "rabbit_0", "rabbit_1" }
             .Select(name => new Player(name)).ToArray();
-        private readonly GymSpace seen;
         private List<Player> gone = new List<Player>();
 
         /// <summary>Five players in the middle, until it is reset.</summary>
         public Pursuit()
         {
             var most = Enumerable.Repeat(2.0, 3 * players.Length).ToArray();
-            seen = GymSpace.Box(Array.ConvertAll(most, each => -each), most);
+            var seen = GymSpace.Box(Array.ConvertAll(most, each => -each), most);
             Agents = players.Select(player => (player.Name, seen, GymSpace.Discrete(Ways.Length))).ToList();
         }
 
@@ -70,7 +69,7 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public void Apply(IReadOnlyDictionary<string, double[]> actions)
+        public void Apply(IReadOnlyDictionary<string, SpaceReader> actions)
         {
             foreach (var player in players.Where(player => actions.ContainsKey(player.Name)))
             {
@@ -98,13 +97,12 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        public MessageArray Observe(string agent)
+        public void Observe(string agent, SpaceWriter seen)
         {
             var self = Find(agent);
-            var numbers = new List<double> { self.X, self.Y, self.Energy };
-            foreach (var player in players.Where(player => player != self))
-                numbers.AddRange(new[] { player.X - self.X, player.Y - self.Y, player.Lives ? 1.0 : 0.0 });
-            return seen.Of(numbers.ToArray());
+            seen.Add(self.X, self.Y, self.Energy);
+            foreach (var player in players)
+                if (player != self) seen.Add(player.X - self.X, player.Y - self.Y, player.Lives ? 1 : 0);
         }
 
         /// <inheritdoc/>

@@ -31,10 +31,10 @@ namespace NetMQExample
             world.ResetWorld(chance, options);
 
         /// <inheritdoc/>
-        protected override void Act(IReadOnlyDictionary<string, double[]> actions) => world.Apply(actions);
+        protected override void Act(IReadOnlyDictionary<string, SpaceReader> actions) => world.Apply(actions);
 
         /// <inheritdoc/>
-        public override MessageArray Observe(string agent) => world.Observe(agent);
+        public override void Observe(string agent, SpaceWriter seen) => world.Observe(agent, seen);
 
         /// <inheritdoc/>
         public override (double Reward, bool Terminated, bool Truncated) Judge(

@@ -36,10 +36,10 @@ namespace NetMQExample
         public abstract void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options);
 
         /// <summary>Does what the agents want. Physics is simulated after it.</summary>
-        protected abstract void Act(IReadOnlyDictionary<string, double[]> actions);
+        protected abstract void Act(IReadOnlyDictionary<string, SpaceReader> actions);
 
         /// <inheritdoc/>
-        public abstract MessageArray Observe(string agent);
+        public abstract void Observe(string agent, SpaceWriter seen);
 
         /// <inheritdoc/>
         public abstract (double Reward, bool Terminated, bool Truncated) Judge(
@@ -50,18 +50,18 @@ namespace NetMQExample
 
         /// <summary>Says something to Python, which gets it with the next answer.</summary>
         /// <param name="agent">Whose it is; empty: the environment's.</param>
-        /// <param name="info">Texts, numbers, true and false by name.</param>
+        /// <param name="info">Texts, numbers, true, false, arrays, lists and dictionaries by name.</param>
         protected void SendInfo(string agent, IReadOnlyDictionary<string, object> info) => Infos.Send(agent, info);
 
         /// <inheritdoc/>
         public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
 
-        /// <summary>What a person does for an agent, from Input, when it is played by hand; if it is not overridden,
-        /// nothing.</summary>
-        protected virtual double[] Heuristic(string agent) => Agents.First(one => one.Name == agent).Action.Nothing;
+        /// <summary>What a person does for an agent, from Input, when it is played by hand: the numbers of an action,
+        /// by default zeros.</summary>
+        protected virtual double[] Heuristic(string agent) => SpaceReader.Nothing(ActionOf(agent));
 
         /// <inheritdoc/>
-        public void Apply(IReadOnlyDictionary<string, double[]> actions)
+        public void Apply(IReadOnlyDictionary<string, SpaceReader> actions)
         {
             Act(actions);
             Physics.Simulate((float)Dt);
@@ -83,10 +83,19 @@ namespace NetMQExample
             living.AddRange(Agents.Select(agent => agent.Name));
         }
 
+        private GymSpace ActionOf(string agent) => Agents.First(one => one.Name == agent).Action;
+
+        private SpaceReader Played(string agent)
+        {
+            var action = new SpaceReader(ActionOf(agent));
+            action.Set(Heuristic(agent));
+            return action;
+        }
+
         /// <inheritdoc/>
         protected override (double Reward, bool Over) StepByHand()
         {
-            Apply(living.ToDictionary(agent => agent, Heuristic));
+            Apply(living.ToDictionary(agent => agent, Played));
             // Nobody reads them.
             Infos.Take();
             var total = 0.0;

@@ -20,12 +20,19 @@ namespace NetMQExample
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly Dictionary<string, Verdict> verdicts = new Dictionary<string, Verdict>();
         private List<string> living = new List<string>();
-        private IReadOnlyDictionary<string, double[]> actions;
+        private readonly Dictionary<string, SpaceReader> acting = new Dictionary<string, SpaceReader>();
+        private IReadOnlyDictionary<string, SpaceReader> actions;
+        private readonly Predicate<string> isOver;
         private bool real;
         private double next;
 
         /// <summary>Around a game, which from then on nobody else steps.</summary>
-        public RealTime(IAgentSimulation game) => this.game = Require.Given("game", game);
+        public RealTime(IAgentSimulation game)
+        {
+            this.game = Require.Given("game", game);
+            // Made once: a new one for each step would be garbage.
+            isOver = agent => verdicts[agent].Terminated || verdicts[agent].Truncated;
+        }
 
         /// <inheritdoc/>
         public string Name => game.Name;
@@ -46,15 +53,15 @@ namespace NetMQExample
             real = options.TryGetValue("real_time", out var value) && value is true;
             next = clock.Elapsed.TotalSeconds + Dt;
             living = Agents.Select(agent => agent.Name).ToList();
-            actions = new Dictionary<string, double[]>();
+            actions = new Dictionary<string, SpaceReader>();
             verdicts.Clear();
+            foreach (var agent in living) verdicts[agent] = new Verdict();
         }
 
         /// <inheritdoc/>
-        public void Apply(IReadOnlyDictionary<string, double[]> actions)
+        public void Apply(IReadOnlyDictionary<string, SpaceReader> actions)
         {
-            // The tick that is due now has the new actions, those before it the old ones.
-            CatchUp(Dt);
+            // The tick that is due now; those before it were made up for with the actions from then, by CatchUp.
             this.actions = actions;
             Tick();
         }
@@ -71,27 +78,35 @@ namespace NetMQExample
         {
             next += Dt;
             if (living.Count == 0) return;
-            game.Apply(living.Where(actions.ContainsKey).ToDictionary(agent => agent, agent => actions[agent]));
+            acting.Clear();
             foreach (var agent in living)
-            {
-                var info = new Dictionary<string, object>();
-                var (reward, terminated, truncated) = game.Judge(agent, info);
-                if (verdicts.TryGetValue(agent, out var before)) reward += before.Reward;
-                verdicts[agent] = new Verdict
-                { Reward = reward, Terminated = terminated, Truncated = truncated, Info = info };
-            }
-            living = living.Where(agent => !verdicts[agent].Terminated && !verdicts[agent].Truncated).ToList();
+                if (actions.TryGetValue(agent, out var action)) acting[agent] = action;
+            game.Apply(acting);
+            foreach (var agent in living) Judge(agent);
+            living.RemoveAll(isOver);
+        }
+
+        private void Judge(string agent)
+        {
+            var verdict = verdicts[agent];
+            verdict.Info.Clear();
+            var (reward, terminated, truncated) = game.Judge(agent, verdict.Info);
+            verdict.Reward += reward;
+            verdict.Terminated = terminated;
+            verdict.Truncated = truncated;
         }
 
         /// <inheritdoc/>
-        public MessageArray Observe(string agent) => game.Observe(agent);
+        public void Observe(string agent, SpaceWriter seen) => game.Observe(agent, seen);
 
         /// <inheritdoc/>
         public (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info)
         {
-            verdicts.Remove(agent, out var verdict);
+            var verdict = verdicts[agent];
             foreach (var value in verdict.Info) info[value.Key] = value.Value;
-            return (verdict.Reward, verdict.Terminated, verdict.Truncated);
+            var reward = verdict.Reward;
+            verdict.Reward = 0;
+            return (reward, verdict.Terminated, verdict.Truncated);
         }
 
         /// <inheritdoc/>
@@ -100,11 +115,11 @@ namespace NetMQExample
         /// <inheritdoc/>
         public MessageArray Render() => game.Render();
 
-        private struct Verdict
+        private sealed class Verdict
         {
+            public readonly Dictionary<string, object> Info = new Dictionary<string, object>();
             public double Reward;
             public bool Terminated, Truncated;
-            public Dictionary<string, object> Info;
         }
     }
 }

@@ -37,6 +37,17 @@ namespace NetMQExample
             Name = Require.Given("name", name);
             Locator = Require.Given("locator", locator);
             Read = Require.Given("read", read);
+            Text = locator.ToString();
+        }
+
+        /// <summary>Its locator's canonical text.</summary>
+        public string Text { get; }
+
+        /// <summary>Whether its value goes into the observation of this agent, perhaps among others.</summary>
+        public bool Names(string agent)
+        {
+            foreach (var mapping in Locator.Mappings) if (mapping.Names(agent)) return true;
+            return false;
         }
 
         /// <summary>For a person who must mend something.</summary>
@@ -68,7 +79,7 @@ namespace NetMQExample
             Scope = Locator.Parse(LocatorMapping.Quoted(name) + "@");
             foreach (var member in Observed.Members(Require.Given("observed", observed).GetType()))
                 Sources.Add(Make(member.FullName, member.Locator, member.Name, Scope, () => member.Read(observed)));
-            var twice = Sources.GroupBy(source => source.Locator.ToString())
+            var twice = Sources.GroupBy(source => source.Text)
                 .FirstOrDefault(group => group.Count() > 1 && !group.First().Locator.Mappings.Any(one => one.Appends));
             if (twice != null)
                 throw new ArgumentException(
@@ -131,18 +142,13 @@ namespace NetMQExample
         }
 
         // What Python is told is told once.
-        internal Dictionary<string, object> Take()
+        internal (double Reward, bool Terminated, bool Truncated) Take(Dictionary<string, object> info)
         {
-            var said = new Dictionary<string, object>
-            {
-                ["reward"] = reward,
-                ["terminated"] = terminated,
-                ["truncated"] = truncated,
-                ["infos"] = new List<object>(infos),
-            };
-            reward = 0;
+            if (infos.Count > 0) info["agent"] = new List<object>(infos);
             infos.Clear();
-            return said;
+            var taken = reward;
+            reward = 0;
+            return (taken, terminated, truncated);
         }
     }
 }

@@ -122,8 +122,8 @@ namespace NetMQExample
 
         private static object Whole(object value)
         {
-            try { return MessageTree.Checked(Convert.ToInt64(value)); }
-            catch (OverflowException) { throw new MessageException("bad-value", $"{value} is too large to be exact"); }
+            try { return Convert.ToInt64(value); }
+            catch (OverflowException) { throw new MessageException("bad-value", $"{value} is too large for an int64"); }
         }
 
         // DeclaredOnly, class by class: private members of base classes are not found otherwise.

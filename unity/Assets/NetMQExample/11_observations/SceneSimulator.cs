@@ -1,10 +1,9 @@
 // Lesson 11, the simulator of agents: answers for all of them in one message, and each request once.
 //
-//     reset, seed      {"agents": names, "options": {...}}      state    {"agents": {name: what is known of it},
-//     step             {"actions": {name: action}}                        "infos": [...],
-//     info             {"to": name or "", "info": value}        ok        "observations": [[locator, value], ...]}
-// Each { } is the text "state" of its message, a tree (MessageTree.cs). Only the agents that are asked for act, and
-// only what they see is sent.
+// Its resets and steps are records (lesson 09, Records.cs), with a row for each agent that is asked for. The options of
+// a reset are {"agents": names, "options": {...}}, and the rows keep the order of these names. An action is any value
+// (MessageTree.cs); what is seen are locators, each with a value, and an info is {"env": [...], "agent": [...]}. The
+// message info has [name or "", info]. Only the agents that are asked for act, and only what they see is sent.
 // The Python side is netmq_example/envs/unity_env.py.
 using System;
 using System.Collections.Generic;
@@ -20,6 +19,11 @@ namespace NetMQExample
         private readonly IReadOnlyList<Source> sensors;
         private readonly Action tick;
         private readonly List<object> infos = new List<object>();
+        private readonly List<Source> seen = new List<Source>();
+        private readonly Dictionary<string, object> info = new Dictionary<string, object>();
+        // Those of the last reset: each has a row.
+        private List<string> asked = new List<string>();
+        private Dictionary<string, object> options = new Dictionary<string, object>();
 
         /// <summary>Of the agents that are in the list when Python asks: they may come and go.</summary>
         /// <param name="name">The env_name in Python.</param>
@@ -60,59 +64,95 @@ namespace NetMQExample
         }
 
         /// <inheritdoc/>
-        protected override Message Describe() =>
-            new Message("hello") { Values = { ["name"] = Name, ["dt"] = dt } };
+        public override Message Describe() => HelloOf(Name, dt, new Dictionary<string, object>());
 
         /// <inheritdoc/>
-        protected override Message Do(Message request)
+        public override Message Say(Message request)
         {
-            if (!(request.Values.GetValueOrDefault("state") is string text)
-                || !(MessageTree.Read(text, request.Arrays) is Dictionary<string, object> said))
-                throw new MessageException("missing-field", "there is no text 'state' that is a dict");
-            switch (request.Kind)
+            if (request.Kind != "info") throw Unknown(request, "info");
+            var (to, said) = InfoOf(request);
+            if (to == "") OnInfo?.Invoke(said);
+            else Find(to).OnInfo(said);
+            return new Message("told", request.Id);
+        }
+
+        /// <inheritdoc/>
+        public override void Do(StepRequest request, StepAnswer answer)
+        {
+            if (request.Has(Order.Reset)) Ask(request.ReadOptions());
+            if (request.Count != asked.Count)
+                throw new MessageException("wrong-agents",
+                    $"{request.Count} rows, but {asked.Count} agents were asked for");
+            if (request.Has(Order.Step)) Step(request);
+            if (request.Has(Order.Reset)) Reset(request);
+            for (var i = 0; i < asked.Count; i++)
             {
-                case "reset" when said.GetValueOrDefault("agents") is List<object> names
-                    && said.GetValueOrDefault("options") is Dictionary<string, object> options
-                    && request.Values.GetValueOrDefault("seed") is long seed:
-                    return State(request, Reset(seed, options, names));
-                case "step" when said.GetValueOrDefault("actions") is Dictionary<string, object> actions:
-                    return State(request, Step(actions));
-                case "info" when said.GetValueOrDefault("to") is string to && said.ContainsKey("info"):
-                    if (to == "") OnInfo?.Invoke(said["info"]);
-                    else Find(to).OnInfo(said["info"]);
-                    return new Message("ok", request.Id);
+                var agent = request.OrderOf(i) == Order.Nothing ? null : There(asked[i]);
+                if (agent != null) See(agent.State, answer);
+                else if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
+                else answer.EndAbsent();
             }
-            throw new MessageException("unknown-kind",
-                $"kind {MessageJson.Shown(request.Kind)} with these fields is none of reset, step, info, close");
-        }
-
-        private List<IAgent> Reset(long seed, Dictionary<string, object> options, List<object> names)
-        {
-            var asked = names.Select(name => Find(name as string)).Distinct().ToList();
-            var chance = new Chance(seed);
             infos.Clear();
-            // Also for those whom Python does not ask: they move.
-            foreach (var agent in agents) agent.State.Begin(chance, options);
-            foreach (var agent in asked) agent.OnReset();
-            Episodes++;
-            return asked;
         }
 
-        private List<IAgent> Step(Dictionary<string, object> actions)
+        private void Ask(Dictionary<string, object> said)
         {
-            // Whoever has left since does not act; the answer is without it.
-            var asked = actions.Keys.Where(name => agents.Any(agent => agent.State.Name == name)).Select(Find).ToList();
-            foreach (var agent in asked) agent.OnAction(actions[agent.State.Name]);
-            var left = asked.Select(agent => agent.State.Period).DefaultIfEmpty().Max();
+            if (!(said.GetValueOrDefault("agents") is List<object> names
+                && said.GetValueOrDefault("options") is Dictionary<string, object> given))
+                throw new MessageException("missing-field", "a reset has a list of agents, and options");
+            options = given;
+            asked = names.Select(name => Find(name as string).State.Name).ToList();
+        }
+
+        private void Reset(StepRequest request)
+        {
+            // Agents of one seed draw from the same numbers, one after the other.
+            var chances = new Dictionary<long, Chance>();
+            var resetting = new List<IAgent>();
+            for (var i = 0; i < asked.Count; i++)
+            {
+                if (request.OrderOf(i) != Order.Reset) continue;
+                var seed = request.Seed(i);
+                if (!chances.ContainsKey(seed)) chances[seed] = new Chance(seed);
+                var agent = Find(asked[i]);
+                agent.State.Begin(chances[seed], options);
+                resetting.Add(agent);
+            }
+            if (resetting.Count == asked.Count)
+            {
+                infos.Clear();
+                // Also those whom Python does not ask: they move.
+                foreach (var agent in agents.Except(resetting)) agent.State.Begin(chances[request.Seed(0)], options);
+            }
+            foreach (var agent in resetting) agent.OnReset();
+            Episodes += resetting.Count;
+        }
+
+        private void Step(StepRequest request)
+        {
+            var acting = new List<(IAgent Agent, object Action)>();
+            for (var i = 0; i < asked.Count; i++)
+            {
+                // Whoever has left since does not act; the answer is without it.
+                var agent = request.OrderOf(i) == Order.Step ? There(asked[i]) : null;
+                if (agent != null) acting.Add((agent, MessageTree.Read(request.Row(i))));
+            }
+            foreach (var (agent, action) in acting) agent.OnAction(action);
+            var left = acting.Select(one => one.Agent.State.Period).DefaultIfEmpty().Max();
             // What comes after the end belongs to no step.
-            for (; left > 0 && !asked.All(agent => agent.State.Over); left--)
+            for (; left > 0 && !acting.All(one => one.Agent.State.Over); left--)
             {
                 foreach (var agent in agents.ToArray())
                     if (!agent.State.Over) agent.OnTick(dt);
                 tick?.Invoke();
             }
             Steps++;
-            return asked.Where(agents.Contains).ToList();
+        }
+
+        private IAgent There(string name)
+        {
+            foreach (var agent in agents) if (agent.State.Name == name) return agent;
+            return null;
         }
 
         private IAgent Find(string name)
@@ -126,23 +166,22 @@ namespace NetMQExample
         }
 
         // In the order of their locators: the whole of a thing before its parts, and the same on every side.
-        private Message State(Message request, List<IAgent> asked)
+        private void See(AgentState agent, StepAnswer answer)
         {
-            var state = new Message("state", request.Id);
-            var observations = new List<object>();
-            foreach (var source in agents.SelectMany(agent => agent.State.Sources).Concat(sensors)
-                .Where(source => asked.Any(agent => source.Locator.Mappings.Any(one => one.Names(agent.State.Name))))
-                .OrderBy(source => source.Locator.ToString(), StringComparer.Ordinal))
-                observations.Add(new List<object> { source.Locator.ToString(), source.Read() });
-            var tree = new Dictionary<string, object>
-            {
-                ["agents"] = asked.ToDictionary(agent => agent.State.Name, agent => (object)agent.State.Take()),
-                ["infos"] = new List<object>(infos),
-                ["observations"] = observations,
-            };
-            infos.Clear();
-            state.Values["state"] = MessageTree.Write(tree, state.Arrays);
-            return state;
+            seen.Clear();
+            foreach (var other in agents) Add(other.State.Sources, agent.Name);
+            Add(sensors, agent.Name);
+            MessageTree.WritePairs(answer.Rows, seen.OrderBy(source => source.Text, StringComparer.Ordinal)
+                .Select(source => (source.Text, source.Read())));
+            info.Clear();
+            var verdict = agent.Take(info);
+            if (infos.Count > 0) info["env"] = new List<object>(infos);
+            answer.EndRow(agent.Name, verdict, info);
+        }
+
+        private void Add(IReadOnlyList<Source> sources, string agent)
+        {
+            foreach (var source in sources) if (source.Names(agent)) seen.Add(source);
         }
     }
 }

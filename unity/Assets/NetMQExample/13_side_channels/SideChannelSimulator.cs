@@ -3,8 +3,7 @@
 //     protected override SimulatorBase MakeSimulator() => new SideChannelSimulator(base.MakeSimulator());
 //
 // So what Python sets before a step is there in that step, and what the scene records in it comes with its state.
-// Bytes: lesson 09's, with the value side_channel, true, and the exchange as one more array, the last one, uint8. The
-// Python side is simulation/side_channels.py.
+// Records.cs says where it stands. The Python side is simulation/side_channels.py.
 namespace NetMQExample.SideChannels
 {
     /// <summary>Around a simulator, whose requests and answers then carry this program's side channels.</summary>
@@ -19,27 +18,19 @@ namespace NetMQExample.SideChannels
         public override string Name => simulator.Name;
 
         /// <inheritdoc/>
-        protected override Message Describe() => simulator.Hello();
+        public override Message Describe() => simulator.Describe();
 
         /// <inheritdoc/>
-        protected override Message Do(Message request)
+        public override Message Say(Message request) => simulator.Say(request);
+
+        /// <inheritdoc/>
+        public override void Do(StepRequest request, StepAnswer answer)
         {
-            var carried = request.Values.Remove("side_channel") && request.Arrays.Count > 0;
-            if (carried)
-            {
-                var last = request.Arrays.Count - 1;
-                SideChannelManager.Receive(new[] { request.Arrays[last].Data.ToArray() });
-                request.Arrays.RemoveAt(last);
-            }
-            simulator.Mistake = Mistake;
-            var answer = simulator.Answer(request);
+            if (request.HasExchange) SideChannelManager.Receive(new[] { request.Exchange.ToArray() });
+            simulator.Do(request, answer);
             Episodes = simulator.Episodes;
             Steps = simulator.Steps;
-            if (!carried || answer.Kind == "error") return answer;
-            var data = SideChannelManager.GetSideChannelMessage();
-            answer.Values["side_channel"] = true;
-            answer.Arrays.Add(new MessageArray("uint8", data, data.Length));
-            return answer;
+            if (request.HasExchange) answer.Exchange = SideChannelManager.GetSideChannelMessage();
         }
     }
 }

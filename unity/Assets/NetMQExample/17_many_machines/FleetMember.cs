@@ -20,7 +20,7 @@ namespace NetMQExample
         protected override string Endpoint => endpoint;
 
         /// <inheritdoc/>
-        protected override SimulatorBase MakeSimulator() => new FleetSimulator(world, build);
+        protected override SimulatorBase MakeSimulator() => new FleetSimulator(new Simulator(world), build);
 
         private void Awake() => cart = Cube.Make(Vector3.one);
 

@@ -1,4 +1,5 @@
-// Lesson 17, the simulator: lesson 09's, which also says of which build it is. In Python: fleet/simulator.py.
+// Lesson 17, a simulator of the fleet: any of lessons 09 and 11, which also says of which build it is. In Python:
+// fleet/simulator.py.
 //
 // An episode that was begun elsewhere is done again here, and must go the same way. So the hub takes simulators of one
 // build only; write another one wherever yours computes differently.
@@ -7,16 +8,23 @@ using System.Threading;
 
 namespace NetMQExample
 {
-    /// <summary>Answers reset, step and render for one simulation of a fleet.</summary>
-    public sealed class FleetSimulator : Simulator
+    /// <summary>Around a simulator, which a hub then knows.</summary>
+    public sealed class FleetSimulator : SimulatorBase
     {
+        private readonly SimulatorBase simulator;
         private readonly string build;
 
-        /// <summary>For a simulation, which from then on nobody else steps.</summary>
-        /// <param name="simulation">The simulation.</param>
+        /// <summary>For a simulator, which from then on nobody else asks.</summary>
+        /// <param name="simulator">Of one world: a Simulator, or a SceneSimulator with one agent.</param>
         /// <param name="build">What the hub must expect.</param>
-        public FleetSimulator(ISimulation simulation, string build) : base(simulation) =>
+        public FleetSimulator(SimulatorBase simulator, string build)
+        {
+            this.simulator = Require.Given("simulator", simulator);
             this.build = Require.Given("build", build);
+        }
+
+        /// <inheritdoc/>
+        public override string Name => simulator.Name;
 
         /// <summary>Trouble on command: called instead of one more step than <see cref="CrashAfter"/>, if that is not
         /// 0.</summary>
@@ -29,22 +37,27 @@ namespace NetMQExample
         public TimeSpan Delay { get; set; }
 
         /// <inheritdoc/>
-        protected override Message Describe()
+        public override Message Describe()
         {
-            var hello = base.Describe();
+            var hello = simulator.Describe();
             hello.Values["build"] = build;
             return hello;
         }
 
         /// <inheritdoc/>
-        protected override Message Do(Message request)
+        public override Message Say(Message request) => simulator.Say(request);
+
+        /// <inheritdoc/>
+        public override void Do(StepRequest request, StepAnswer answer)
         {
-            if (request.Kind == "step")
+            if (request.Has(Order.Step))
             {
                 if (CrashAfter > 0 && Steps >= CrashAfter) Crash?.Invoke($"crash after {Steps} steps, as told");
                 Thread.Sleep(Delay);
             }
-            return base.Do(request);
+            simulator.Do(request, answer);
+            Episodes = simulator.Episodes;
+            Steps = simulator.Steps;
         }
     }
 }

@@ -1,0 +1,280 @@
+// Lesson 09, values of any kind as bytes: their form as JSON, and then their numbers.
+//
+//     uint32, little-endian       how many bytes the form has
+//     ...                         the form, JSON in ASCII
+//     ...                         the numbers, little-endian, one after the other, as the form says
+//
+//     "null"  "bool"  "int64"  "float64"        null, bool, long, double: 0, 1, 8 and 8 bytes
+//     "text"                                    string: uint32, how many bytes; then UTF-8
+//     "float32[2,3]"                            MessageArray
+//     [form, …]                                 List<object>
+//     {"dict": {"speed": form, …}}              Dictionary<string, object>
+//     {"graph": [nodes, edges, edge_links]}     MessageGraph; without edges both are "null"
+//
+// The form of most values stays the same from step to step, and so it is looked at once. The Python side is trees.py.
+using System;
+using System.Buffers;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Linq;
+using System.Text;
+using System.Text.RegularExpressions;
+
+namespace NetMQExample
+{
+    /// <summary>Points, what lies between them, and which it connects: Gymnasium's GraphInstance. Each is an array, or
+    /// null.</summary>
+    public sealed class MessageGraph
+    {
+        /// <summary>Without edges, the other two are left out.</summary>
+        public MessageGraph(object nodes, object edges = null, object edgeLinks = null)
+        {
+            Nodes = nodes;
+            Edges = edges;
+            EdgeLinks = edgeLinks;
+        }
+
+        /// <summary>An item for each node.</summary>
+        public object Nodes { get; }
+
+        /// <summary>An item for each edge.</summary>
+        public object Edges { get; }
+
+        /// <summary>For each edge the numbers of two nodes, counted from 0: int32 [edges, 2].</summary>
+        public object EdgeLinks { get; }
+    }
+
+    /// <summary>Values to and from bytes.</summary>
+    public static class MessageTree
+    {
+        private const int MostForms = 1000, MostDepth = 100;
+
+        private static readonly UTF8Encoding Utf8 = new UTF8Encoding(false, true);
+        private static readonly Regex ArrayForm = new Regex(
+            @"^([a-z]+[0-9]+)\[((?:[0-9]{1,9}(?:,[0-9]{1,9}){0,7})?)\]\z", RegexOptions.CultureInvariant);
+        private static readonly ConcurrentDictionary<string, object> Forms =
+            new ConcurrentDictionary<string, object>();
+
+        /// <summary>A value of the types above.</summary>
+        /// <exception cref="MessageException">It has no place in a message.</exception>
+        public static void Write(IBufferWriter<byte> to, object value)
+        {
+            var form = new StringBuilder();
+            var numbers = new ArrayBufferWriter<byte>();
+            Add(form, numbers, value, 0);
+            Finish(to, form, numbers);
+        }
+
+        /// <summary>The same, as an array of its own.</summary>
+        public static byte[] Write(object value)
+        {
+            var bytes = new ArrayBufferWriter<byte>();
+            Write(bytes, value);
+            return bytes.WrittenSpan.ToArray();
+        }
+
+        /// <summary>Texts, each with a value: as form they have [["text", form], …].</summary>
+        public static void WritePairs(IBufferWriter<byte> to, IEnumerable<(string Text, object Value)> pairs)
+        {
+            var form = new StringBuilder("[");
+            var numbers = new ArrayBufferWriter<byte>();
+            foreach (var (text, value) in pairs)
+            {
+                form.Append(form.Length > 1 ? ",[" : "[").Append(MessageJson.Quoted(text)).Append(',');
+                Add(form, numbers, value, 0);
+                form.Append(']');
+            }
+            form.Append(']');
+            Finish(to, form, numbers);
+        }
+
+        /// <summary>The value that these bytes are.</summary>
+        /// <exception cref="MessageException">They are none.</exception>
+        public static object Read(ReadOnlyMemory<byte> data)
+        {
+            try
+            {
+                var size = checked((int)BitConverter.ToUInt32(data.Span.Slice(0, 4)));
+                var form = Form(data.Slice(4, size));
+                var numbers = data.Slice(4 + size);
+                var value = Value(form, ref numbers);
+                return numbers.Length == 0 ? value : throw Bad("more follows it");
+            }
+            catch (Exception e) when (
+                e is ArgumentException || e is OverflowException || (e is MessageException m && m.Code == "bad-json"))
+            {
+                throw Bad(e.Message);
+            }
+        }
+
+        /// <summary>Numbers without a sign, as many as bytes can be: how many items follow.</summary>
+        internal static void WriteSize(IBufferWriter<byte> to, int size)
+        {
+            BitConverter.TryWriteBytes(to.GetSpan(4), (uint)size);
+            to.Advance(4);
+        }
+
+        internal static void WriteText(IBufferWriter<byte> to, string text)
+        {
+            try
+            {
+                var size = Utf8.GetByteCount(text);
+                WriteSize(to, size);
+                Utf8.GetBytes(text, to.GetSpan(size));
+                to.Advance(size);
+            }
+            catch (EncoderFallbackException e)
+            {
+                throw new MessageException("bad-tree", $"it is no text: {e.Message}");
+            }
+        }
+
+        internal static string ReadText(ref ReadOnlyMemory<byte> from) => Utf8.GetString(Take(ref from, Size(ref from)).Span);
+
+        internal static int Size(ref ReadOnlyMemory<byte> from) =>
+            checked((int)BitConverter.ToUInt32(Take(ref from, 4).Span));
+
+        internal static ReadOnlyMemory<byte> Take(ref ReadOnlyMemory<byte> from, int size)
+        {
+            var taken = from.Slice(0, size);
+            from = from.Slice(size);
+            return taken;
+        }
+
+        private static void Finish(IBufferWriter<byte> to, StringBuilder form, ArrayBufferWriter<byte> numbers)
+        {
+            WriteText(to, form.ToString());
+            to.Write(numbers.WrittenSpan);
+        }
+
+        private static void Add(StringBuilder form, ArrayBufferWriter<byte> numbers, object value, int depth)
+        {
+            // Without a limit, a list that holds itself would end the program.
+            if (depth > MostDepth) throw new MessageException("bad-tree", "it is nested too deeply, or has no end");
+            switch (value)
+            {
+                case null:
+                    form.Append("\"null\"");
+                    return;
+                case bool yes:
+                    form.Append("\"bool\"");
+                    numbers.GetSpan(1)[0] = (byte)(yes ? 1 : 0);
+                    numbers.Advance(1);
+                    return;
+                case string text:
+                    form.Append("\"text\"");
+                    WriteText(numbers, text);
+                    return;
+                case int _:
+                case long _:
+                    form.Append("\"int64\"");
+                    BitConverter.TryWriteBytes(numbers.GetSpan(8), Convert.ToInt64(value));
+                    numbers.Advance(8);
+                    return;
+                case float _:
+                case double _:
+                    form.Append("\"float64\"");
+                    BitConverter.TryWriteBytes(numbers.GetSpan(8), Finite(Convert.ToDouble(value)));
+                    numbers.Advance(8);
+                    return;
+                case MessageArray array:
+                    form.Append('"').Append(array.Dtype).Append('[').Append(string.Join(",", array.Shape)).Append("]\"");
+                    numbers.Write(array.Data.Span);
+                    return;
+                case MessageGraph graph:
+                    form.Append("{\"graph\":");
+                    AddAll(form, numbers, new[] { graph.Nodes, graph.Edges, graph.EdgeLinks }, depth);
+                    form.Append('}');
+                    return;
+                case IReadOnlyDictionary<string, object> parts:
+                    form.Append("{\"dict\":{");
+                    var first = true;
+                    foreach (var part in parts)
+                    {
+                        form.Append(first ? "" : ",").Append(MessageJson.Quoted(part.Key)).Append(':');
+                        Add(form, numbers, part.Value, depth + 1);
+                        first = false;
+                    }
+                    form.Append("}}");
+                    return;
+                case IReadOnlyList<object> items:
+                    AddAll(form, numbers, items, depth);
+                    return;
+            }
+            throw new MessageException("bad-tree", $"{value.GetType().Name} has no place in a message");
+        }
+
+        private static void AddAll(
+            StringBuilder form, ArrayBufferWriter<byte> numbers, IReadOnlyList<object> items, int depth)
+        {
+            form.Append('[');
+            for (var i = 0; i < items.Count; i++)
+            {
+                if (i > 0) form.Append(',');
+                Add(form, numbers, items[i], depth + 1);
+            }
+            form.Append(']');
+        }
+
+        private static object Form(ReadOnlyMemory<byte> bytes)
+        {
+            var text = Encoding.ASCII.GetString(bytes.Span);
+            if (Forms.TryGetValue(text, out var form)) return form;
+            // Whoever sends ever new ones fills no memory.
+            if (Forms.Count > MostForms) Forms.Clear();
+            return Forms[text] = MessageJson.Read(bytes.Span);
+        }
+
+        private static object Value(object form, ref ReadOnlyMemory<byte> numbers)
+        {
+            switch (form)
+            {
+                case "null": return null;
+                case "bool": return Take(ref numbers, 1).Span[0] != 0;
+                case "int64": return BitConverter.ToInt64(Take(ref numbers, 8).Span);
+                case "float64": return Finite(BitConverter.ToDouble(Take(ref numbers, 8).Span));
+                case "text": return ReadText(ref numbers);
+                case string array: return ReadArray(array, ref numbers);
+                case List<object> forms:
+                    var items = new List<object>(forms.Count);
+                    foreach (var one in forms) items.Add(Value(one, ref numbers));
+                    return items;
+                case Dictionary<string, object> fields when fields.Count == 1:
+                    if (fields.TryGetValue("dict", out var inside) && inside is Dictionary<string, object> parts)
+                    {
+                        var dict = new Dictionary<string, object>();
+                        foreach (var part in parts) dict[part.Key] = Value(part.Value, ref numbers);
+                        return dict;
+                    }
+                    if (fields.TryGetValue("graph", out inside) && inside is List<object> three && three.Count == 3)
+                        return new MessageGraph(
+                            Value(three[0], ref numbers), Value(three[1], ref numbers), Value(three[2], ref numbers));
+                    break;
+            }
+            throw Bad("a part of it has no form");
+        }
+
+        private static MessageArray ReadArray(string form, ref ReadOnlyMemory<byte> numbers)
+        {
+            var parts = ArrayForm.Match(form);
+            if (!parts.Success) throw Bad($"{MessageJson.Shown(form)} is no form");
+            var shape = parts.Groups[2].Value.Split(new[] { ',' }, StringSplitOptions.RemoveEmptyEntries)
+                .Select(length => int.Parse(length, CultureInfo.InvariantCulture)).ToArray();
+            var dtype = parts.Groups[1].Value;
+            // In double, which no product of eight sizes overflows.
+            var size = shape.Aggregate((double)MessageArray.SizeOf(dtype), (product, length) => product * length);
+            if (size > numbers.Length) throw Bad("it ends too early");
+            // A copy: what was received goes with its message.
+            return new MessageArray(dtype, Take(ref numbers, (int)size).ToArray(), shape);
+        }
+
+        // NaN is not less than anything.
+        private static double Finite(double number) => Math.Abs(number) < double.PositiveInfinity
+            ? number
+            : throw new MessageException("bad-value", FormattableString.Invariant($"{number} is not finite"));
+
+        private static MessageException Bad(string why) =>
+            new MessageException("bad-tree", $"this is no value: {why.Split('\n')[0]}");
+    }
+}

@@ -1,0 +1,160 @@
+// Lesson 09, an action: what Python wants, as numbers or as a value of any space.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Something of a space, as Python has sent it. It is used again for the next one.</summary>
+    public sealed class SpaceReader
+    {
+        private readonly GymSpace space;
+        private readonly double[] numbers;
+        private readonly List<SpaceNumbers> parts = new List<SpaceNumbers>();
+        private ReadOnlyMemory<byte> row;
+        private object value;
+
+        /// <summary>Of this space.</summary>
+        public SpaceReader(GymSpace space)
+        {
+            this.space = Require.Given("space", space);
+            numbers = new double[Math.Max(0, space.Count)];
+            if (space.Size >= 0) Collect(space, parts);
+        }
+
+        /// <summary>How many numbers it has, of all parts of its space together; 0 where that varies.</summary>
+        public int Count => numbers.Length;
+
+        /// <summary>One of its numbers; of a discrete space the one that it is.</summary>
+        public double this[int at] => numbers[at];
+
+        /// <summary>All of it: long, double, string, MessageArray, List&lt;object&gt;, Dictionary&lt;string, object&gt;,
+        /// MessageGraph; of one of several spaces a list, which one and what. It is made when it is asked for.</summary>
+        public object Value => value ??= Decoded(row);
+
+        /// <summary>Takes what Python has sent.</summary>
+        /// <exception cref="MessageException">It is not in the space.</exception>
+        public void Read(ReadOnlyMemory<byte> received)
+        {
+            row = received;
+            value = null;
+            if (space.Size < 0)
+            {
+                // Whether it is in the space shows when it is read.
+                value = Decoded(row);
+                return;
+            }
+            if (row.Length != space.Size) throw NotInSpace($"{row.Length} bytes are");
+            var inside = true;
+            for (int i = 0, at = 0, from = 0; i < parts.Count; i++)
+            {
+                inside &= parts[i].Read(row.Span.Slice(from, parts[i].Size), numbers, at);
+                at += parts[i].Count;
+                from += parts[i].Size;
+            }
+            if (!inside) throw NotInSpace($"{GymSpace.Shown(numbers)} is");
+        }
+
+        /// <summary>Takes numbers of somebody who plays by hand.</summary>
+        /// <exception cref="MessageException">They are not in the space.</exception>
+        public void Set(double[] given)
+        {
+            var writer = new SpaceWriter(space);
+            foreach (var number in given) writer.Add(number);
+            Read(writer.End());
+        }
+
+        /// <summary>The action of somebody who touches nothing: zeros.</summary>
+        public static double[] Nothing(GymSpace space) => new double[Math.Max(0, space.Count)];
+
+        internal static void Collect(GymSpace space, List<SpaceNumbers> into)
+        {
+            if (space.Numbers != null) into.Add(space.Numbers);
+            foreach (var part in space.Parts) Collect(part, into);
+        }
+
+        private object Decoded(ReadOnlyMemory<byte> bytes)
+        {
+            try
+            {
+                var decoded = Decode(space, ref bytes);
+                if (bytes.Length > 0) throw NotInSpace($"{bytes.Length} bytes more than there are in it are");
+                return decoded;
+            }
+            catch (Exception e) when (e is ArgumentException || e is OverflowException)
+            {
+                throw NotInSpace($"{row.Length} bytes are");
+            }
+        }
+
+        private object Decode(GymSpace part, ref ReadOnlyMemory<byte> from)
+        {
+            switch (part.Kind)
+            {
+                case "text":
+                    var text = MessageTree.ReadText(ref from);
+                    if (text.Length < part.Shortest || text.Length > part.Longest
+                        || text.Any(letter => part.Characters.IndexOf(letter) < 0))
+                        throw NotInSpace($"{MessageJson.Shown(text)} is");
+                    return text;
+                case "dict":
+                    var dict = new Dictionary<string, object>();
+                    for (var i = 0; i < part.Parts.Length; i++) dict[part.Keys[i]] = Decode(part.Parts[i], ref from);
+                    return dict;
+                case "tuple":
+                    var tuple = new List<object>();
+                    foreach (var one in part.Parts) tuple.Add(Decode(one, ref from));
+                    return tuple;
+                case "sequence":
+                    return Items(part.Parts[0], Least(MessageTree.Size(ref from), from), ref from);
+                case "one_of":
+                    var which = MessageTree.Size(ref from);
+                    if (which >= part.Parts.Length) throw NotInSpace($"{which} of {part.Parts.Length} is");
+                    return new List<object> { (long)which, Decode(part.Parts[which], ref from) };
+                case "graph": return Graph(part, ref from);
+                default: return Number(part.Numbers, ref from);
+            }
+        }
+
+        private object Number(SpaceNumbers part, ref ReadOnlyMemory<byte> from)
+        {
+            var bytes = MessageTree.Take(ref from, part.Size);
+            var read = new double[part.Count];
+            if (!part.Read(bytes.Span, read, 0)) throw NotInSpace($"{GymSpace.Shown(read)} is");
+            if (part.IsSingle) return part.Dtype == "int64" ? (object)BitConverter.ToInt64(bytes.Span) : read[0];
+            // What was received goes with its message; and a message has no int8.
+            return part.Dtype == "int8"
+                ? SpaceNumbers.Array("int32", read, part.Shape)
+                : new MessageArray(part.Dtype, bytes.ToArray(), part.Shape);
+        }
+
+        private object Graph(GymSpace part, ref ReadOnlyMemory<byte> from)
+        {
+            var nodes = MessageTree.Size(ref from);
+            var none = BitConverter.ToUInt32(from.Span) == uint.MaxValue;
+            var edges = none ? 0 : BitConverter.ToInt32(from.Span);
+            from = from.Slice(4);
+            var allNodes = Items(part.Parts[0], Least(nodes, from), ref from);
+            if (none) return new MessageGraph(allNodes);
+            if (part.Parts.Length < 2) throw NotInSpace("a graph with edges is");
+            var allEdges = Items(part.Parts[1], Least(edges, from), ref from);
+            var links = MessageTree.Take(ref from, checked(8 * edges)).ToArray();
+            return new MessageGraph(allNodes, allEdges, new MessageArray("int32", links, edges, 2));
+        }
+
+        private List<object> Items(GymSpace part, int count, ref ReadOnlyMemory<byte> from)
+        {
+            var items = new List<object>();
+            for (var i = 0; i < count; i++) items.Add(Decode(part, ref from));
+            return items;
+        }
+
+        // Each has a byte at least, or there are only few.
+        private int Least(int count, ReadOnlyMemory<byte> left) => count >= 0 && count <= left.Length + 1000
+            ? count
+            : throw NotInSpace($"{count} items in {left.Length} bytes are");
+
+        private MessageException NotInSpace(string what) =>
+            new MessageException("not-in-space", $"{what} not in {space}");
+    }
+}

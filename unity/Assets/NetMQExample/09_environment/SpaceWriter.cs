@@ -1,0 +1,234 @@
+// Lesson 09, an observation: its numbers, one after the other, or a value of any space.
+//
+//     seen.Add(place, speed, angle, turning);             a Box of four
+//     seen.Add(view.Look(pixels)).Add(speed);             a Dict of a picture and a number, in the order of its parts
+//     seen.Set(new Dictionary<string, object> { ["says"] = "hello", ["left"] = 3 });          any space
+using System;
+using System.Buffers;
+using System.Collections;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Takes what is seen. It is used again for the next observation, and then makes no garbage.</summary>
+    public sealed class SpaceWriter
+    {
+        private const uint NoEdges = uint.MaxValue;
+
+        private readonly GymSpace space;
+        private readonly List<SpaceNumbers> parts = new List<SpaceNumbers>();
+        private ArrayBufferWriter<byte> to = new ArrayBufferWriter<byte>();
+        // Which part comes next, how many of its numbers are there, and where the row began.
+        private int part, filled, began;
+        private bool whole;
+
+        /// <summary>For a space.</summary>
+        public SpaceWriter(GymSpace space)
+        {
+            this.space = Require.Given("space", space);
+            if (space.Size >= 0) SpaceReader.Collect(space, parts);
+        }
+
+        /// <summary>The next number.</summary>
+        /// <exception cref="MessageException">The space has no more, or what it has are no numbers.</exception>
+        public SpaceWriter Add(double number)
+        {
+            var next = Next();
+            next.Put(to.GetSpan(next.ItemSize), number);
+            to.Advance(next.ItemSize);
+            if (++filled == next.Count) Skip();
+            return this;
+        }
+
+        /// <summary>The next two numbers.</summary>
+        public SpaceWriter Add(double one, double two) => Add(one).Add(two);
+
+        /// <summary>The next three numbers.</summary>
+        public SpaceWriter Add(double one, double two, double three) => Add(one).Add(two).Add(three);
+
+        /// <summary>The next four numbers.</summary>
+        public SpaceWriter Add(double one, double two, double three, double four) =>
+            Add(one, two).Add(three, four);
+
+        /// <summary>The next numbers.</summary>
+        public SpaceWriter Add(double[] numbers)
+        {
+            foreach (var number in numbers) Add(number);
+            return this;
+        }
+
+        /// <summary>The next part as an array, such as a picture.</summary>
+        /// <exception cref="MessageException">It is of another dtype or shape.</exception>
+        public SpaceWriter Add(MessageArray array)
+        {
+            var next = Next();
+            if (filled > 0 || array.Dtype != next.Dtype || !Same(array.Shape, next.Shape))
+                throw NotInSpace($"{array.Dtype} {GymSpace.Shown(array.Shape)}");
+            to.Write(array.Data.Span);
+            Skip();
+            return this;
+        }
+
+        /// <summary>The whole, in the types of C#: numbers, bool, string, arrays, MessageArray, dictionaries, lists,
+        /// MessageGraph; for one of several spaces a list, which one and what.</summary>
+        /// <exception cref="MessageException">It is not in the space.</exception>
+        public void Set(object value)
+        {
+            if (whole || part > 0 || filled > 0) throw NotInSpace("more than one value");
+            Write(space, value);
+            whole = true;
+        }
+
+        /// <summary>Begins a row behind those that are there already.</summary>
+        internal SpaceWriter Begin(ArrayBufferWriter<byte> rows)
+        {
+            to = rows;
+            began = rows.WrittenCount;
+            part = 0;
+            filled = 0;
+            whole = false;
+            Skip(0);
+            return this;
+        }
+
+        /// <summary>Ends the row.</summary>
+        /// <exception cref="MessageException">It is not whole.</exception>
+        internal ReadOnlyMemory<byte> End()
+        {
+            if (!whole && (space.Size < 0 || part < parts.Count))
+                throw NotInSpace(space.Size < 0 ? "what was not given to Set" : $"{Given} numbers of {space.Count}");
+            return to.WrittenMemory.Slice(began);
+        }
+
+        private int Given => parts.Take(part).Sum(one => one.Count) + filled;
+
+        private SpaceNumbers Next() => !whole && part < parts.Count
+            ? parts[part]
+            : throw NotInSpace(space.Size < 0 ? "a number" : $"more than {space.Count} numbers");
+
+        // The part is full. One without numbers is full at once.
+        private void Skip(int by = 1)
+        {
+            filled = 0;
+            for (part += by; part < parts.Count && parts[part].Count == 0;) part++;
+        }
+
+        private static bool Same(int[] one, int[] other)
+        {
+            if (one.Length != other.Length) return false;
+            for (var i = 0; i < one.Length; i++) if (one[i] != other[i]) return false;
+            return true;
+        }
+
+        private void Write(GymSpace of, object value)
+        {
+            switch (of.Kind)
+            {
+                case "text":
+                    MessageTree.WriteText(to, value as string ?? throw Wrong(of, value));
+                    return;
+                case "dict":
+                    var dict = value as IReadOnlyDictionary<string, object> ?? throw Wrong(of, value);
+                    for (var i = 0; i < of.Parts.Length; i++)
+                        Write(of.Parts[i], dict.TryGetValue(of.Keys[i], out var item)
+                            ? item : throw NotInSpace($"a dictionary without '{of.Keys[i]}'"));
+                    return;
+                case "tuple":
+                    var items = Items(of, value);
+                    if (items.Count != of.Parts.Length) throw Wrong(of, value);
+                    for (var i = 0; i < items.Count; i++) Write(of.Parts[i], items[i]);
+                    return;
+                case "sequence":
+                    WriteItems(of.Parts[0], Items(of, value));
+                    return;
+                case "one_of":
+                    var pair = Items(of, value);
+                    var which = pair.Count == 2 ? Convert.ToInt32(pair[0]) : -1;
+                    if (which < 0 || which >= of.Parts.Length) throw Wrong(of, value);
+                    MessageTree.WriteSize(to, which);
+                    Write(of.Parts[which], pair[1]);
+                    return;
+                case "graph":
+                    WriteGraph(of, value as MessageGraph ?? throw Wrong(of, value));
+                    return;
+                default:
+                    WriteNumbers(of, value);
+                    return;
+            }
+        }
+
+        private void WriteItems(GymSpace of, IReadOnlyList<object> items)
+        {
+            MessageTree.WriteSize(to, items.Count);
+            foreach (var item in items) Write(of, item);
+        }
+
+        private void WriteGraph(GymSpace of, MessageGraph graph)
+        {
+            var nodes = Items(of, graph.Nodes);
+            var edges = graph.Edges == null || of.Parts.Length < 2 ? null : Items(of, graph.Edges);
+            MessageTree.WriteSize(to, nodes.Count);
+            MessageTree.WriteSize(to, edges?.Count ?? unchecked((int)NoEdges));
+            foreach (var node in nodes) Write(of.Parts[0], node);
+            if (edges == null) return;
+            foreach (var edge in edges) Write(of.Parts[1], edge);
+            var links = Flat(graph.EdgeLinks).ToList();
+            if (links.Count != 2 * edges.Count) throw Wrong(of, graph.EdgeLinks);
+            foreach (var link in links)
+            {
+                SpaceNumbers.Put("int32", to.GetSpan(4), link);
+                to.Advance(4);
+            }
+        }
+
+        private void WriteNumbers(GymSpace of, object value)
+        {
+            var form = of.Numbers;
+            if (value is MessageArray array && array.Dtype == form.Dtype && Same(array.Shape, form.Shape))
+            {
+                to.Write(array.Data.Span);
+                return;
+            }
+            var count = 0;
+            foreach (var number in Flat(value))
+            {
+                if (count++ == form.Count) throw Wrong(of, value);
+                form.Put(to.GetSpan(form.ItemSize), number);
+                to.Advance(form.ItemSize);
+            }
+            if (count != form.Count) throw Wrong(of, value);
+        }
+
+        // A number, or numbers in whatever holds them.
+        private IEnumerable<double> Flat(object value)
+        {
+            if (value is MessageArray array) return SpaceNumbers.Of(array);
+            if (value is bool yes) return new[] { yes ? 1.0 : 0.0 };
+            if (value is IConvertible && !(value is string)) return new[] { Convert.ToDouble(value) };
+            if (value is IEnumerable items && !(value is string)) return items.Cast<object>().SelectMany(Flat);
+            throw NotInSpace(value?.GetType().Name ?? "null");
+        }
+
+        private IReadOnlyList<object> Items(GymSpace of, object value)
+        {
+            if (value is IReadOnlyList<object> list) return list;
+            // One item for each number of the first dimension.
+            if (value is MessageArray array && array.Shape.Length > 0)
+            {
+                var shape = array.Shape.Skip(1).ToArray();
+                var size = array.Shape[0] == 0 ? 0 : array.Data.Length / array.Shape[0];
+                return Enumerable.Range(0, array.Shape[0]).Select(i =>
+                    (object)new MessageArray(array.Dtype, array.Data.Slice(i * size, size), shape)).ToList();
+            }
+            return value is IEnumerable items && !(value is string) ? items.Cast<object>().ToList()
+                : throw Wrong(of, value);
+        }
+
+        private MessageException Wrong(GymSpace of, object value) =>
+            new MessageException("not-in-space", $"{value?.GetType().Name ?? "null"} is not in {of}");
+
+        private MessageException NotInSpace(string what) =>
+            new MessageException("not-in-space", $"{what} is not in {space}");
+    }
+}

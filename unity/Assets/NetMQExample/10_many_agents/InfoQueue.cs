@@ -1,0 +1,44 @@
+// Lesson 10, infos: what a game says to Python, or of an agent, between two answers. In Python: simulation.py.
+using System.Collections.Generic;
+
+namespace NetMQExample
+{
+    /// <summary>What is said between two answers: no more than fits, and what was left out is counted.</summary>
+    public sealed class InfoQueue
+    {
+        private const int LimitBytes = 12_000;
+
+        private readonly List<object> infos = new List<object>();
+        private int size;
+        private long dropped;
+
+        /// <summary>Python gets it with the next answer.</summary>
+        /// <param name="agent">Whose it is; empty: the environment's.</param>
+        /// <param name="info">Texts, numbers, true, false, arrays, lists and dictionaries by name.</param>
+        /// <exception cref="MessageException">There is something else in it.</exception>
+        public void Send(string agent, IReadOnlyDictionary<string, object> info)
+        {
+            var one = new List<object> { agent, new Dictionary<string, object>(info) };
+            var length = MessageTree.Write(one).Length;
+            if (size + length > LimitBytes) dropped++;
+            else
+            {
+                size += length;
+                infos.Add(one);
+            }
+        }
+
+        /// <summary>All of it as a value, or null; and from then on it is empty.</summary>
+        public byte[] Take()
+        {
+            if (dropped > 0)
+                infos.Add(new List<object> { "", new Dictionary<string, object> { ["dropped"] = dropped } });
+            if (infos.Count == 0) return null;
+            var told = MessageTree.Write(infos);
+            infos.Clear();
+            size = 0;
+            dropped = 0;
+            return told;
+        }
+    }
+}
