@@ -48,12 +48,20 @@ def game(path: str | os.PathLike[str]) -> str:
 
 
 def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
-    """In a session of its own, so that all of it can be ended; Ctrl-C is then for Python alone, which ends it."""
+    """In a session of its own, so that all of it can be ended; Ctrl-C is then for Python alone, which ends it.
+
+    Its standard input is a pipe of this process, from which it learns that this one has ended, in whatever way.
+    """
+    environment = {**os.environ, "NETMQ_EXAMPLE_LAUNCHER": str(os.getpid())}
     try:
-        return subprocess.Popen(words, start_new_session=True)
+        process = subprocess.Popen(words, start_new_session=True, stdin=subprocess.PIPE, env=environment)
     except OSError as error:
         cure = f"a script needs its program: launch=[sys.executable, {os.path.basename(words[0])!r}]"
         raise OSError(f"launch cannot start {words[0]}: {error.strerror}; {cure}") from None
+    # By this byte it knows that it is this pipe. One that has ended already says why by its code.
+    with contextlib.suppress(OSError):
+        os.write(process.stdin.fileno(), b"\n")  # type: ignore[union-attr]
+    return process
 
 
 def end_program(process: subprocess.Popen[bytes]) -> None:
@@ -70,3 +78,5 @@ def end_program(process: subprocess.Popen[bytes]) -> None:
             with contextlib.suppress(OSError):
                 os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+        if process.stdin:
+            process.stdin.close()

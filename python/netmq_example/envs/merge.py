@@ -198,7 +198,9 @@ def fitted(space: Space[Any], value: Any, where: str) -> Any:
             return tuple(fitted(part, value[at], f"{where}[{at}]") for at, part in enumerate(space))
         case spaces.Sequence() if isinstance(value, Iterable) and not isinstance(value, str):
             return sequence(space, value, where)
-        case spaces.OneOf() if isinstance(value, list | tuple) and len(value) == 2 and value[0] in range(len(space.spaces)):
+        case spaces.OneOf() if (
+            isinstance(value, list | tuple) and len(value) == 2 and value[0] in range(len(space.spaces))
+        ):
             which = np.int64(value[0])
             return which, fitted(space.spaces[int(which)], value[1], f"{where}[{which}]")
         case spaces.Graph() if isinstance(value, GraphInstance):

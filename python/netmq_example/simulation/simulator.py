@@ -22,6 +22,7 @@ import zmq
 from netmq_example import check, records, trees
 from netmq_example.messages import LIMIT, Array, Message, MessageError
 from netmq_example.records import ANSWERS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards
+from netmq_example.simulation.launched import watch_launcher
 from netmq_example.simulation.simulation import Simulation
 from netmq_example.spaces import Bytes, described
 from netmq_example.split_mix import draws
@@ -204,6 +205,7 @@ class EnvironmentClient:
         """
         check.instance("simulator", simulator, SimulatorBase)
         check.count("count", count, least=0)
+        watch_launcher()
         self.heard = time.monotonic()
         self.why = NO_CONNECTION
         while time.monotonic() < self.heard + self.timeout:

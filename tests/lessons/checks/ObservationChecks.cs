@@ -1,13 +1,11 @@
 // What test_11_trees.py and test_11_observations.py ask of the C# side:
 //
-//     trees         each line of the input is a message, its frames in hexadecimal digits; its tree is read, and what is
-//                   printed is the message with the same value, written again, or "error" and the code
+//     trees         each line of the input is a value (MessageTree.cs) in hexadecimal digits; it is read, and what is printed
+//                   is the same value, written again, or "error" and the code
 //     attributes    what is seen of some classes, line by line, and what is wrong with others
 //     world --endpoint E    simulates agents that do what they are told
 using System;
 using System.Globalization;
-using System.Linq;
-using System.Text;
 
 namespace NetMQExample.Tests
 {
@@ -29,9 +27,7 @@ namespace NetMQExample.Tests
         {
             try
             {
-                var frames = line.Split(' ').Select(Hex.Bytes);
-                var message = Message.Read(frames.Select(frame => new ReadOnlyMemory<byte>(frame)).ToArray());
-                return Shown(MessageTree.Read((string)message.Values["tree"], message.Arrays));
+                return Shown(MessageTree.Read(Hex.Bytes(line)));
             }
             catch (MessageException e)
             {
@@ -39,12 +35,6 @@ namespace NetMQExample.Tests
             }
         }
 
-        internal static string Shown(object value)
-        {
-            var message = new Message("tree", 1);
-            message.Values["tree"] = MessageTree.Write(value, message.Arrays);
-            var frames = message.Arrays.Select(array => array.Data.ToArray()).Prepend(Encoding.UTF8.GetBytes(message.Header()));
-            return string.Join(" ", frames.Select(Hex.Digits));
-        }
+        internal static string Shown(object value) => Hex.Digits(MessageTree.Write(value));
     }
 }

@@ -224,10 +224,10 @@ namespace NetMQExample.Tests
         public void ResetWorld(Chance chance, IReadOnlyDictionary<string, object> options, double[] state) =>
             gravity = state.Length + Academy.Instance.EnvironmentParameters.GetWithDefault("gravity", 9.75f);
 
-        public void Apply(double[] action) =>
+        public void Apply(SpaceReader action) =>
             Academy.Instance.StatsRecorder.Add("action", (float)action[0], StatAggregationMethod.Sum);
 
-        public MessageArray Observe() => Observation.Of(gravity);
+        public void Observe(SpaceWriter seen) => seen.Add(gravity);
 
         public (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) => (0, false, false);
 

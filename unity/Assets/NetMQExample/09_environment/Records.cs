@@ -138,7 +138,7 @@ namespace NetMQExample
         private long id;
         private int count, rowsBefore, infosBefore;
 
-        /// <summary>What is seen, row after row: write one, then call <see cref="EndRow"/>.</summary>
+        /// <summary>What is seen, row after row: write one, then call EndRow.</summary>
         public ArrayBufferWriter<byte> Rows { get; } = new ArrayBufferWriter<byte>();
 
         /// <summary>What is told to all, a value; null: nothing.</summary>
