@@ -15,7 +15,7 @@ PLACE = Box(0, 10, (2,), np.float32)
 ACTION = Dict(push=Box(-1, 1, (2,), np.float32), boost=Discrete(2))
 
 
-def seen_space(wrong: bool) -> Dict[Any]:
+def seen_space(wrong: bool) -> "Dict[Any]":
     """With a mistake if it is wanted: the field is larger than 1 m."""
     return Dict(
         place=Box(0, 1, (2,), np.float32) if wrong else PLACE,

@@ -26,7 +26,9 @@ namespace UnityEngine
 
         public int layer { get; set; }
 
-        /// <summary>A thing that is seen. Unity gives it a collider too.</summary>
+        public bool CompareTag(string tag) => this.tag == tag;
+
+        /// <summary>A thing that is seen, and that rays meet.</summary>
         public static GameObject CreatePrimitive(PrimitiveType type)
         {
             MainThread.Only(nameof(CreatePrimitive));
@@ -35,6 +37,8 @@ namespace UnityEngine
                 throw new NotSupportedException("the player has only cubes and spheres");
             var thing = new GameObject($"{type}");
             thing.AddComponent<MeshRenderer>();
+            if (type == PrimitiveType.Cube) thing.AddComponent<BoxCollider>();
+            else thing.AddComponent<SphereCollider>();
             return thing;
         }
 
@@ -102,6 +106,10 @@ namespace UnityEngine
         {
             get { MainThread.Only("get_transform"); return Owner.transform; }
         }
+
+        public string tag { get => Owner.tag; set => Owner.tag = value; }
+
+        public bool CompareTag(string tag) => Owner.CompareTag(tag);
 
         public T GetComponent<T>()
         {

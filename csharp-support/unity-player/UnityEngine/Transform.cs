@@ -51,6 +51,11 @@ namespace UnityEngine
             set { MainThread.Only("set_localScale"); size = value; }
         }
 
+        public Vector3 lossyScale
+        {
+            get { MainThread.Only("get_lossyScale"); return above == null ? size : Vector3.Scale(above.lossyScale, size); }
+        }
+
         public Transform parent
         {
             get { MainThread.Only("get_parent"); return above; }
@@ -72,6 +77,8 @@ namespace UnityEngine
             MainThread.Only(nameof(SetPositionAndRotation));
             (this.position, this.rotation) = (position, rotation);
         }
+
+        public Vector3 TransformDirection(Vector3 direction) => rotation * direction;
 
         // Around its own axes: z first, then x, then y.
         public void Rotate(Vector3 eulers) => localRotation *= Quaternion.Euler(eulers);

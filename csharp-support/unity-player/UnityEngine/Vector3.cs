@@ -31,6 +31,11 @@ namespace UnityEngine
 
         public float sqrMagnitude => (x * x) + (y * y) + (z * z);
 
+        // Of what is too short there is no direction.
+        public Vector3 normalized => magnitude > 1e-5f ? this / magnitude : default;
+
+        public static Vector3 Scale(Vector3 a, Vector3 b) => new Vector3(a.x * b.x, a.y * b.y, a.z * b.z);
+
         public static float Distance(Vector3 a, Vector3 b) => (a - b).magnitude;
 
         // Unity's axes are left-handed, and so to the right times up is forward.

@@ -108,7 +108,7 @@ class Plan:
         at = 0
         where = ""
         try:
-            for where, step in self.steps:
+            for where, step in self.steps:  # noqa: B007, said when a step fails.
                 value, at = step(numbers, at)
                 values.append(value)
         except MessageError as error:
