@@ -23,7 +23,7 @@ def seen_space(wrong: bool) -> "Dict[Any]":
         left=Discrete(4),
         says=Text(min_length=0, max_length=40, charset=string.printable),
         last=ACTION,
-        camera=Box(0, 255, (24, 32, 3), np.uint8),
+        camera=Box(0, 255, (48, 64, 3), np.uint8),
     )
 
 

@@ -84,14 +84,17 @@ def of_one(batch: Any, area: int) -> Any:
 class PlainSpaces(gymnasium.Wrapper[Any, Any, Any, Any]):
     """What is seen becomes a Dict of arrays, and what is done one array from -1 to 1.
 
-    A part of a part has both keys, as `last.push`. Of a sequence of arrays the first 8 are seen, and zeros in place of
+    A part of a part has both keys, as `last_push`. Of a sequence of arrays the first 8 are seen, and zeros in place of
     those that are not there. Texts and graphs are left out. Of what is done, a number of a box goes from its lowest to
     its highest; of a discrete space there is a number for each choice, and the largest one is done.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
-        self.seen = dict(parts_of(env.observation_space, "", lambda value: value))
+        parts = list(parts_of(env.observation_space, "", lambda value: value))
+        self.seen = dict(parts)
+        if not parts or len(self.seen) < len(parts):
+            raise ValueError(f"nothing is left, or two parts have one name: {[key for key, _ in parts]}")
         self.observation_space = spaces.Dict({key: space for key, (space, _) in self.seen.items()})
         self.numbers = sum(count for count, _ in done_by(env.action_space))
         self.action_space = spaces.Box(-1, 1, (self.numbers,), np.float32)
@@ -120,10 +123,10 @@ def parts_of(space: Space[Any], key: str, look: Look) -> Any:
     match space:
         case spaces.Dict():
             for name, part in space.items():
-                yield from parts_of(part, f"{key}.{name}".strip("."), lambda seen, at=name: look(seen)[at])
+                yield from parts_of(part, joined(key, name), lambda seen, at=name: look(seen)[at])
         case spaces.Tuple():
             for at, part in enumerate(space):
-                yield from parts_of(part, f"{key}.{at}".strip("."), lambda seen, at=at: look(seen)[at])
+                yield from parts_of(part, joined(key, str(at)), lambda seen, at=at: look(seen)[at])
         case spaces.Sequence() if isinstance(space.feature_space, spaces.Box):
             box = space.feature_space
             many = spaces.Box(
@@ -134,6 +137,11 @@ def parts_of(space: Space[Any], key: str, look: Look) -> Any:
             yield key, (many, lambda seen: filled(many, look(seen)))
         case spaces.Box() | spaces.Discrete() | spaces.MultiDiscrete() | spaces.MultiBinary():
             yield key or "seen", (space, look)
+
+
+def joined(key: str, name: str) -> str:
+    # torch takes no point in the name of a part.
+    return f"{key}_{name}" if key else name
 
 
 def filled(many: spaces.Box, items: Any) -> Any:

@@ -73,12 +73,12 @@ class CoinCar(Agent):
         self.picture = self.draw()
 
     def draw(self) -> Any:
-        """The field from above, uint8 [24, 32, 3], the highest row first."""
-        picture = np.full((24, 32, 3), GRASS, np.uint8)
+        """The field from above, uint8 [48, 64, 3], the highest row first."""
+        picture = np.full((48, 64, 3), GRASS, np.uint8)
         for (x, y), colour in [*((spot, COIN) for spot in self.spots), ((self.x, self.y), CAR)]:
-            row = int((FIELD_METRES - y) / FIELD_METRES * 22)
-            column = int(x / FIELD_METRES * 30)
-            picture[row : row + 2, column : column + 2] = colour
+            row = int((FIELD_METRES - y) / FIELD_METRES * 44)
+            column = int(x / FIELD_METRES * 60)
+            picture[row : row + 4, column : column + 4] = colour
         return picture
 
 

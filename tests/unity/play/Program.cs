@@ -8,6 +8,7 @@
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
 //     … play.dll views front front                       a Play of lesson 12 with cameras of these names
 //     … play.dll drive fail=20 count=50 …                lesson 08 with what may happen to it; see Drives.cs
+//     … play.dll rays                                   what rays meet; see Rays.cs
 //     … play.dll cameras                                what a camera sees, and what it leaves; see Cameras.cs
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
@@ -51,6 +52,7 @@ namespace NetMQExample.PlayTest
                 case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
                 case "cameras": return Cameras.Run();
+                case "rays": return Rays.Run();
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
                 case "body": return Bodies.Run(words.Skip(1).ToArray());
                 case "forgotten": return Forget();

@@ -20,8 +20,17 @@ namespace NetMQExample
         private CameraView view;
         private byte[] picture;
 
-        /// <summary>The camera. Set it before the first answer.</summary>
+        /// <summary>The camera. Set it, and what follows, before the first answer.</summary>
         public Camera Camera { get => source; set => source = value; }
+
+        /// <summary>In pixels.</summary>
+        public int Width { get => width; set => width = value; }
+
+        /// <summary>In pixels.</summary>
+        public int Height { get => height; set => height = value; }
+
+        /// <summary>Whether the picture is [height, width] in place of [height, width, 3].</summary>
+        public bool Greyscale { get => greyscale; set => greyscale = value; }
 
         /// <inheritdoc/>
         protected override string Key => "camera";

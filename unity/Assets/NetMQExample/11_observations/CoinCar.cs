@@ -93,18 +93,18 @@ namespace NetMQExample
 
         [Box(".camera")] private byte[,,] picture => Draw();
 
-        // Uint8 [24, 32, 3], the highest row first.
+        // Uint8 [48, 64, 3], the highest row first.
         private byte[,,] Draw()
         {
-            var pixels = new byte[24, 32, 3];
+            var pixels = new byte[48, 64, 3];
             void Fill(int row, int column, int height, int width, byte[] colour)
             {
                 for (var i = 0; i < height * width * 3; i++)
                     pixels[row + i / 3 / width, column + i / 3 % width, i % 3] = colour[i % 3];
             }
             void Point((double X, double Y) spot, byte[] colour) =>
-                Fill((int)((Field - spot.Y) / Field * 22), (int)(spot.X / Field * 30), 2, 2, colour);
-            Fill(0, 0, 24, 32, Grass);
+                Fill((int)((Field - spot.Y) / Field * 44), (int)(spot.X / Field * 60), 4, 4, colour);
+            Fill(0, 0, 48, 64, Grass);
             foreach (var spot in Spots) Point(spot, Coin);
             Point(Spot, Car);
             return pixels;

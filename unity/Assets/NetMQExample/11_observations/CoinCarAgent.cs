@@ -43,7 +43,8 @@ namespace NetMQExample
             var eye = new GameObject("Eye").AddComponent<Camera>();
             // The whole field: half of it is 5 m, and 60 degrees from edge to edge.
             eye.transform.SetPositionAndRotation(Ground(5, 5, 8.7f), Quaternion.Euler(90, 0, 0));
-            GetComponent<CameraSensor>().Camera = eye;
+            var sensor = GetComponent<CameraSensor>();
+            (sensor.Camera, sensor.Width, sensor.Height) = (eye, 64, 48);
         }
 
         // Before the answer, so that the camera sees this moment.

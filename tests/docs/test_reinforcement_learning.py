@@ -1,0 +1,97 @@
+"""docs/guide/reinforcement_learning.md as a reader types it, with fewer steps: what of its libraries is installed here."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.programs import ROOT
+
+PAGE = (ROOT / "docs" / "guide" / "reinforcement_learning.md").read_text(encoding="utf-8")
+PYTHON = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+CSHARP = re.findall(r"```csharp\n(.*?)```", PAGE, re.DOTALL)
+# Enough for one update of each.
+FEWER = {
+    "4096": "512",
+    "20_480": "2048",
+    "2048)": "256)",
+    "range(5)": "range(1)",
+    "UPDATES = 16, 128, 80": "UPDATES = 16, 32, 16",
+}
+
+
+def run(number: int, folder: Path) -> str:
+    script = PYTHON[number]
+    for many, few in FEWER.items():
+        script = script.replace(many, few)
+    script = script.replace('"MlpPolicy", env, seed=1', '"MlpPolicy", env, n_steps=512, seed=1')
+    file = folder / f"block_{number}.py"
+    file.write_text(script, encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+    done = subprocess.run(
+        [sys.executable, str(file)],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """The kit's folder, as far as the page names it, with the reader's two scripts."""
+    for name in (
+        "python",
+        "kit.py",
+        "kitlib",
+        "csharp-console",
+        "csharp-support",
+        "unity",
+        *ROOT.glob("Directory.Build.*"),
+    ):
+        (tmp_path / Path(name).name).symlink_to(ROOT / name)
+    for code in CSHARP:
+        name = re.search(r"class (\w+)", code)
+        assert name
+        (tmp_path / f"{name[1]}.cs").write_text(code, encoding="utf-8")
+    return tmp_path
+
+
+def needs(*modules: str) -> pytest.MarkDecorator:
+    lacking = [name for name in modules if not importlib.util.find_spec(name)]
+    return pytest.mark.skipif(bool(lacking), reason=f"it needs {', '.join(lacking)}")
+
+
+@needs("stable_baselines3")
+def test_a_pole_is_learnt_and_filmed(folder: Path) -> None:
+    assert re.search(r"^512 steps: \d+ of 500$", run(0, folder), re.MULTILINE)
+    if importlib.util.find_spec("moviepy"):
+        run(1, folder)
+        assert [*(folder / "films").glob("*.mp4")]
+
+
+@needs("stable_baselines3")
+@pytest.mark.skipif(not shutil.which("dotnet"), reason="it needs .NET")
+def test_a_scene_of_ones_own_is_learnt(folder: Path) -> None:
+    assert re.search(r"^2048 steps: \d+ of 500$", run(2, folder), re.MULTILINE)
+
+
+@needs("stable_baselines3")
+def test_attributes_are_learnt(folder: Path) -> None:
+    run(3, folder)
+
+
+@needs("torch", "gymnasium")
+def test_the_loop_learns(folder: Path) -> None:
+    assert re.search(r"^8192 steps: \d+ of 500$", run(4, folder), re.MULTILINE)
