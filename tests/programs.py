@@ -53,6 +53,12 @@ def steady_port() -> int:
     raise AssertionError("no free port")
 
 
+def elsewhere(script: str) -> str:
+    """A script of a page that is written for the kit's folder, to be run in another one."""
+    script = script.replace('"kit.py"', repr(str(ROOT / "kit.py")))
+    return re.sub(r'"python(?=["/])', f'"{(ROOT / "python").as_posix()}', script)
+
+
 def steady_endpoint() -> str:
     return f"tcp://127.0.0.1:{steady_port()}"
 

@@ -101,10 +101,13 @@ def python_lines(text: str, name: str) -> range | None:
 
 
 def csharp_lines(text: str, name: str) -> range | None:
-    """From the attributes of the line that declares the name to its closing brace or semicolon, counted from 0."""
+    """From the attributes of the line that declares the name to its closing brace or semicolon, counted from 0.
+
+    What is abstract has nothing to show.
+    """
     lines = text.splitlines()
     attribute = r"\[[^\]]*\]\s*"
-    declares = re.compile(rf"^\s*({attribute})*(public|private|internal|protected)\b[^=;(]*\b{name}\b")
+    declares = re.compile(rf"^\s*({attribute})*(public|private|internal|protected)\b(?! abstract)[^=;(]*\b{name}\b")
     start = end = next((i for i, line in enumerate(lines) if declares.match(line)), None)
     if start is None or end is None:
         return None

@@ -1,4 +1,4 @@
-"""docs/guide/reinforcement_learning.md as a reader types it, with fewer steps: what of its libraries is installed here."""
+"""docs/guide/reinforcement_learning.md as a reader types it, with fewer steps, where its libraries are installed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.programs import ROOT
+from tests.programs import ROOT, elsewhere
 
 PAGE = (ROOT / "docs" / "guide" / "reinforcement_learning.md").read_text(encoding="utf-8")
 PYTHON = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
@@ -28,7 +28,7 @@ FEWER = {
 
 
 def run(number: int, folder: Path) -> str:
-    script = PYTHON[number]
+    script = elsewhere(PYTHON[number])
     for many, few in FEWER.items():
         script = script.replace(many, few)
     script = script.replace('"MlpPolicy", env, seed=1', '"MlpPolicy", env, n_steps=512, seed=1')
@@ -50,17 +50,7 @@ def run(number: int, folder: Path) -> str:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """The kit's folder, as far as the page names it, with the reader's two scripts."""
-    for name in (
-        "python",
-        "kit.py",
-        "kitlib",
-        "csharp-console",
-        "csharp-support",
-        "unity",
-        *ROOT.glob("Directory.Build.*"),
-    ):
-        (tmp_path / Path(name).name).symlink_to(ROOT / name)
+    """A reader's, with the scripts of the page."""
     for code in CSHARP:
         name = re.search(r"class (\w+)", code)
         assert name
