@@ -50,10 +50,17 @@ MANY = Contender("lesson 06, 64 in flight", "dotnet", "many@64", "06_many_in_fli
 # A trainer that launches its simulators itself: there is no server to start.
 STEPS = [
     Contender("Gymnasium's own, in process", "trainer", "own", "", "gymnasium"),
+    Contender(BARE.label, "trainer", "echo", "", "gymnasium"),
     Contender("lesson 09, C#", "trainer", "csharp", "", "gymnasium"),
     Contender("lesson 09, Python both sides", "trainer", "python", "", "gymnasium"),
     Contender("Gymnasium's own, 16 in process", "trainer", "own@16", "", "gymnasium"),
     Contender("lesson 10, 16 areas, C#", "trainer", "csharp@16", "", "gymnasium"),
+    Contender("lesson 11, C#", "trainer", "coins", "", "gymnasium"),
+    Contender("lesson 11, 16 agents, C#", "trainer", "coins@16", "", "gymnasium"),
+    Contender("lesson 09, in frames", "trainer", "player", "", "gymnasium"),
+    Contender("two in frames, async", "trainer", "async@2", "", "gymnasium"),
+    Contender("four in frames, sync", "trainer", "sync@4", "", "gymnasium"),
+    *(Contender(f"in frames, thinking {ms} ms", "trainer", f"player+{ms}", "", "gymnasium") for ms in (2, 5, 20)),
 ]
 
 
@@ -135,9 +142,12 @@ class Lab:
             if name == "grpc":
                 command = [str(self.python), str(LAB / "grpc_client.py")]
             elif name == "trainer":
-                console = dotnet.build(self.builds["dotnet"])
+                dlls = [
+                    dotnet.build(self.builds["dotnet"]),
+                    dotnet.build(self.builds["dotnet"], ROOT / "lab" / "csharp"),
+                ]
                 # What it launches would have to share its cores.
-                command, cores = [str(self.python), str(LAB / "trainer.py"), str(console)], set()
+                command, cores = [str(self.python), str(LAB / "trainer.py"), *map(str, dlls)], set()
             else:
                 dll = dotnet.build(self.builds[name], ROOT / "lab" / "csharp")
                 command = ["mono" if name == "mono" else "dotnet", str(dll)]

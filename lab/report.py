@@ -72,8 +72,21 @@ def goals(results: dict[str, Any]) -> list[str]:
     seen = "a picture of 230,400 B, an action back"
     ratio = middle(seen, "lesson 08", "rate") / middle(seen, "NetMQ alone", "rate")
     rows.append((f"lesson 08, {seen}, to NetMQ alone", "0.95", f"{ratio:.2f}", ""))
-    for label, aim in (("lesson 09, C#", "8,000"), ("lesson 10, 16 areas, C#", "60,000")):
+    for label, aim in (("lesson 09, C#", "8,000"), ("lesson 10, 16 areas, C#", "80,000")):
         rows.append((f"{label}, {STEPS}, a second", aim, f"{middle(STEPS, label, 'rate'):,.0f}", ""))
+    for label, other, aim in (
+        ("lesson 09, C#", "NetMQ alone", "0.75"),
+        ("lesson 10, 16 areas, C#", "Gymnasium's own, 16 in process", "1.50"),
+        ("two in frames, async", "lesson 09, in frames", "1.60"),
+        ("four in frames, sync", "lesson 09, in frames", "0.80"),
+    ):
+        rate, limit = (middle(STEPS, each, "rate") for each in (label, other))
+        rows.append((f"{label}, to {other}", aim, f"{rate / limit:.2f}", ""))
+    step = 1 / middle(STEPS, "lesson 09, in frames", "rate")
+    for ms in (2, 5, 20):
+        # Of what there would be if a step took no longer for it.
+        share = middle(STEPS, f"in frames, thinking {ms} ms", "rate") * (ms / 1000 + step)
+        rows.append((f"in frames, thinking {ms} ms, to 1 / ({ms} ms + a step)", "0.90", f"{share:.2f}", ""))
     for what, aim in (("32 B", "0.85"), ("230,400 B", "300 a second")):
         title = f"with keys, echo of {what}"
         curve, plain = (middle(title, each, "rate") for each in ("NetMQ with CURVE", "NetMQ alone"))

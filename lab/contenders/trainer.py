@@ -1,59 +1,121 @@
-"""The lab's trainer, in Python: steps of CartPole, in this process and in simulators that it launches.
+"""The lab's trainer, in Python: steps of simulators that it launches, and of environments in this process.
 
-    python lab/contenders/trainer.py PROGRAM.dll          the terminal clients, as .NET runs them
+    python lab/contenders/trainer.py CONSOLE.dll LAB.dll          the terminal clients, and the lab's own program
 
 steps own SECONDS            Gymnasium's own CartPole-v1, in this process
 steps own@16 SECONDS         sixteen of them, one after the other, as SyncVectorEnv steps them
+steps echo SECONDS           no environment: a DEALER in C# answers with as many bytes as a step and its answer have
 steps csharp SECONDS         lesson 09's simulator in C#; steps python the one in Python
 steps csharp@16 SECONDS      lesson 10's, with 16 areas in one message
+steps player SECONDS         lesson 09's, as Unity steps it: in frames
+steps player+5 SECONDS       the same, while Python thinks for 5 ms after each step
+steps async@2 SECONDS        two of these, side by side; steps sync@4 four, one after the other
+steps coins SECONDS          lesson 11's car, with attributes and a picture; steps coins@16 sixteen of them in one scene
 close
 """
 
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 import time
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "python"))
+sys.path += [str(ROOT / "python"), str(ROOT / "python" / "11_observations")]
 
 import gymnasium  # noqa: E402
 import numpy as np  # noqa: E402
+import zmq  # noqa: E402
+from collector import ACTION, seen_space  # noqa: E402
 
 import netmq_example.envs  # noqa: E402, F401, it registers the environments.
+from netmq_example.records import ANSWERS, ASKS, STEP, Record, rewards, seeds  # noqa: E402
+
+CONSOLE, LAB = sys.argv[1:3]
+
+
+class Echo:
+    """What ZeroMQ alone does with as many bytes."""
+
+    def __init__(self) -> None:
+        self.context = zmq.Context()
+        self.socket = self.context.socket(zmq.ROUTER)
+        port = self.socket.bind_to_random_port("tcp://127.0.0.1")
+        answer = Record(ANSWERS, 1, rewards([1.0]), [0], [bytes(16)])
+        words = ["dotnet", LAB, "respond", f"tcp://127.0.0.1:{port}", str(len(answer.frame()))]
+        self.program = subprocess.Popen(words, stdin=subprocess.PIPE)
+        self.peer, _ = self.socket.recv_multipart()
+        self.request = Record(ASKS, 1, seeds([0]), [STEP], [bytes(8)]).frame()
+
+    def reset(self, seed: int | None = None) -> tuple[Any, Any]:
+        return np.zeros(4), {}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, Any]:
+        self.socket.send_multipart([self.peer, self.request])
+        self.socket.recv_multipart()
+        return np.zeros(4), 0.0, False, False, {}
+
+    def close(self) -> None:
+        # Its standard input ends, and so does it.
+        self.program.communicate()
+        self.context.destroy()
 
 
 def make(name: str) -> Any:
     """An environment, or as many at once as its name says."""
     where, _, count = name.partition("@")
+    pole = "NetMQExample/CartPole-v0"
+    if where == "echo":
+        return Echo()
     if where == "own":
-        if count:
-            return gymnasium.make_vec("CartPole-v1", int(count), vectorization_mode="sync")
-        return gymnasium.make("CartPole-v1")
-    if count:
-        words = ["dotnet", sys.argv[1], "10", "--world", "CartPole", "--areas", count]
-        return gymnasium.make_vec("NetMQExample/CartPole-v0", int(count), launch=words)
+        return gymnasium.make_vec("CartPole-v1", int(count), "sync") if count else gymnasium.make("CartPole-v1")
+    if where == "coins":
+        words = {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION}
+        words["launch"] = ["dotnet", CONSOLE, "11", *(["--agents", count] if count else [])]
+        unity = "NetMQExample/Unity-v0"
+        return gymnasium.make_vec(unity, int(count), **words) if count else gymnasium.make(unity, **words)
+    player = ["dotnet", CONSOLE, "9", "--unity"]
+    if where in ("async", "sync"):
+        return gymnasium.make_vec(pole, int(count), where, launch=player)
+    if where == "csharp" and count:
+        words = ["dotnet", CONSOLE, "10", "--world", "CartPole", "--areas", count]
+        return gymnasium.make_vec(pole, int(count), launch=words)
     python = [sys.executable, str(ROOT / "python" / "09_environment" / "client.py")]
-    words = python if where == "python" else ["dotnet", sys.argv[1], "9"]
-    return gymnasium.make("NetMQExample/CartPole-v0", launch=words)
+    return gymnasium.make(pole, launch={"python": python, "csharp": player[:-1]}.get(where, player))
 
 
-def measure(env: Any, seconds: float) -> dict[str, object]:
-    """Steps of every agent, seconds, and each wait in microseconds; the pole is held by a rule, so that it stays up."""
+def policy(env: Any, seen: Any) -> Any:
+    """The pole is held by a rule, so that it stays up; the car stays where it is, so that its episode does not end."""
+    if isinstance(seen, dict):
+        return NOTHING[len(seen["left"]) if np.ndim(seen["left"]) else 0]
+    pushed = np.asarray(seen).T
+    return (pushed[2] + pushed[3] > 0).astype(np.int64)
+
+
+def nothing(count: int) -> Any:
+    shape = (count,) if count else ()
+    return {"push": np.zeros((*shape, 2), np.float32), "boost": np.zeros(shape, np.int64)[()]}
+
+
+NOTHING = {count: nothing(count) for count in (0, 16)}
+
+
+def measure(env: Any, seconds: float, thinking: float) -> dict[str, object]:
+    """Steps of every agent, seconds, and each wait in microseconds."""
     areas, waits = getattr(env, "num_envs", 1), list[float]()
     seen, _ = env.reset(seed=1)
     start = now = time.perf_counter()
     while not waits or now < start + seconds:
-        pushed = np.asarray(seen).T
-        action = (pushed[2] + pushed[3] > 0).astype(np.int64)
+        action = policy(env, seen)
+        time.sleep(thinking)
         before = time.perf_counter()
         seen, _, terminated, truncated, _ = env.step(action)
         now = time.perf_counter()
         waits.append(round((now - before) * 1e6, 1))
-        if areas == 1 and (terminated or truncated):
+        if areas == 1 and np.all(terminated | truncated):
             seen, _ = env.reset()
     return {"messages": areas * len(waits), "seconds": now - start, "waits": waits}
 
@@ -66,9 +128,10 @@ def main() -> None:
             while made:
                 made.popitem()[1].close()
         else:
-            if words[1] not in made:
-                made[words[1]] = make(words[1])
-            answer = measure(made[words[1]], float(words[2]))
+            name, _, thinking = words[1].partition("+")
+            if name not in made:
+                made[name] = make(name)
+            answer = measure(made[name], float(words[2]), float(thinking or 0) / 1000)
         print(json.dumps(answer), flush=True)
 
 

@@ -6,11 +6,15 @@
 //
 // Each line is answered with one line of JSON: messages, seconds, and how long each wait was in
 // microseconds. Clients stay connected from round to round, so that a round measures no start.
+// Started as `respond ENDPOINT SIZE` it answers what comes with SIZE bytes, for the lab's trainer, until its input ends.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
 using System.Linq;
+using System.Threading;
+using NetMQ;
+using NetMQ.Sockets;
 using UnityEngine;
 using UnityPlayer;
 
@@ -20,8 +24,13 @@ namespace NetMQExample.Lab
     {
         private static readonly Dictionary<string, Contender> Open = new Dictionary<string, Contender>();
 
-        private static void Main()
+        private static void Main(string[] words)
         {
+            if (words.Length > 0 && words[0] == "respond")
+            {
+                Respond(words[1], int.Parse(words[2], CultureInfo.InvariantCulture));
+                return;
+            }
             // As csharp-console/Program.cs does it.
             Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
             // NetMQ's threads stay while any client of this program does.
@@ -37,6 +46,25 @@ namespace NetMQExample.Lab
                     Console.WriteLine($"failed: {line}: {e.GetType().Name}: {e.Message.Split('\n')[0]}");
                 }
             }
+        }
+
+        // Answers whatever comes with so many bytes: what a simulator would do that has nothing to do.
+        private static void Respond(string endpoint, int size)
+        {
+            Environment.SetEnvironmentVariable("DOTNET_SYSTEM_NET_SOCKETS_INLINE_COMPLETIONS", "1");
+            using var lifetime = new NetMQLifetime();
+            using var socket = new DealerSocket();
+            socket.Options.Linger = TimeSpan.Zero;
+            socket.Connect(endpoint);
+            var ended = new ManualResetEventSlim();
+            new Thread(() => { while (Console.In.Read() >= 0) { } ended.Set(); }) { IsBackground = true }.Start();
+            var answer = new byte[size];
+            var msg = new Msg();
+            msg.InitEmpty();
+            socket.SendFrame(answer);
+            while (!ended.IsSet)
+                if (socket.TryReceive(ref msg, TimeSpan.FromMilliseconds(100))) socket.SendFrame(answer);
+            msg.Close();
         }
 
         private static string Answer(string[] words)

@@ -1,4 +1,4 @@
-"""Lesson 10, sixteen cameras: the page's robots look for a ball, as its policy drives them from their pictures alone."""
+"""Lesson 10, sixteen cameras: the page's robots look for a ball, and its policy drives them by their pictures alone."""
 
 from __future__ import annotations
 
