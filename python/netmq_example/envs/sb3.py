@@ -51,7 +51,7 @@ class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
         for area in np.flatnonzero(over):
             # The time was up, and not the world at its end: PPO then adds what it expects from the last observation.
             # Of an area that was lost while others began anew it is the one before.
-            last = infos["final_obs"][area] if known[area] else of_one(before, area)
+            last = infos["final_obs"][area] if known[area] else of_one(before, int(area))
             by_time = bool(truncated[area] and not terminated[area])
             said[area] = {"terminal_observation": last, "TimeLimit.truncated": by_time}
         return self.seen, rewards.astype(np.float32), over, said
@@ -123,10 +123,10 @@ def parts_of(space: Space[Any], key: str, look: Look) -> Any:
     match space:
         case spaces.Dict():
             for name, part in space.items():
-                yield from parts_of(part, joined(key, name), lambda seen, at=name: look(seen)[at])
+                yield from parts_of(part, joined(key, name), part_of(look, name))
         case spaces.Tuple():
             for at, part in enumerate(space):
-                yield from parts_of(part, joined(key, str(at)), lambda seen, at=at: look(seen)[at])
+                yield from parts_of(part, joined(key, str(at)), part_of(look, at))
         case spaces.Sequence() if isinstance(space.feature_space, spaces.Box):
             box = space.feature_space
             many = spaces.Box(
@@ -137,6 +137,10 @@ def parts_of(space: Space[Any], key: str, look: Look) -> Any:
             yield key, (many, lambda seen: filled(many, look(seen)))
         case spaces.Box() | spaces.Discrete() | spaces.MultiDiscrete() | spaces.MultiBinary():
             yield key or "seen", (space, look)
+
+
+def part_of(look: Look, key: str | int) -> Look:
+    return lambda seen: look(seen)[key]
 
 
 def joined(key: str, name: str) -> str:
