@@ -11,7 +11,8 @@ import pytest
 import zmq
 
 from kitlib.setup import dotnet
-from netmq_example.messages import Message, read
+from netmq_example import records
+from netmq_example.messages import Message
 from tests.programs import LIMIT, ROOT
 
 
@@ -87,7 +88,7 @@ class Inside(threading.Thread):
         while not self.over.is_set() and not self.gone.is_set():
             if not socket.poll(10):
                 continue
-            request = read(socket.recv_multipart())
+            request = records.read_frames(records.ASKS, socket.recv_multipart())
             self.asked.append(request)
             if request.kind == "close":
                 socket.send_multipart(Message("closed", request.id).frames())
