@@ -26,6 +26,7 @@ In C# it is Records.cs. MessageError says what is wrong with what a peer sent. I
 """
 
 import itertools
+import math
 import struct
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -123,3 +124,12 @@ def seeds(numbers: Sequence[int]) -> bytes:
 
 def rewards(numbers: Sequence[float]) -> bytes:
     return struct.pack(f"<{len(numbers)}d", *numbers)
+
+
+def rewards_in(answer: Record) -> tuple[float, ...]:
+    """One for each row. MessageError if one is not finite: whoever learned from it would know nothing any more."""
+    numbers: tuple[float, ...] = struct.unpack(f"<{len(answer.marks)}d", answer.numbers)
+    for number in numbers:
+        if not math.isfinite(number):
+            raise MessageError("bad-reward", f"the reward is {number}")
+    return numbers

@@ -17,7 +17,6 @@ came. The C# side is Simulator.cs.
 """
 
 import contextlib
-import struct
 from typing import Any
 
 import gymnasium
@@ -38,7 +37,7 @@ from netmq_example.envs.common import (
 )
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.messages import Message
-from netmq_example.records import ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
+from netmq_example.records import ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.spaces import Bytes, shown
 
 NO_SEED = seeds([0])
@@ -86,7 +85,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
             # Nobody knows what came after this observation. It is read anew: its user may have changed what he got.
             return self.observations.read(self.seen), 0.0, False, True, {"lost": str(lost)}
         seen = self.look(state)
-        (reward,) = struct.unpack("<d", state.numbers)
+        (reward,) = rewards_in(state)
         ends = state.marks[0]
         return seen, reward, bool(ends & TERMINATED), bool(ends & TRUNCATED), info_in(state.infos[0])
 

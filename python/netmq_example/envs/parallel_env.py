@@ -14,7 +14,6 @@ It needs pettingzoo.
 """
 
 import contextlib
-import struct
 import time
 from typing import Any
 
@@ -38,7 +37,7 @@ from netmq_example.envs.common import (
 )
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.messages import Array, Message, MessageError, take
-from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
+from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.spaces import Bytes, shown
 
 ENDPOINT = "tcp://127.0.0.1:5560"
@@ -88,7 +87,7 @@ class RemoteAgents:
     def read(self, state: Record, living: list[str]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminated, truncated and infos, each by agent."""
         at = {agent: number for number, agent in enumerate(self.spaces) if agent in living}
-        rewards = struct.unpack(f"<{len(self.spaces)}d", state.numbers)
+        rewards = rewards_in(state)
         last = {agent: bytes(state.rows[number]) for agent, number in at.items()}
         seen = self.seen(last)
         told = told_in(state.options)

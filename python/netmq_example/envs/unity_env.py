@@ -16,7 +16,6 @@ refusal, or says what is wrong with its answer. In C# the other side is SceneSim
 """
 
 import os
-import struct
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -32,7 +31,7 @@ from netmq_example.envs.merge import empty, fitted
 from netmq_example.envs.plan import Sight
 from netmq_example.locator import quoted
 from netmq_example.messages import DTYPES, ENCODER, Array, Message, MessageError
-from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, seeds
+from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.spaces import codec_of
 from netmq_example.trees import SIZE
 
@@ -159,7 +158,7 @@ class Agents:
 
     def results(self, names: Any, state: Record) -> dict[str, Any]:
         """What a state says of these agents."""
-        rewards = struct.unpack(f"<{len(self.names)}d", state.numbers)
+        rewards = rewards_in(state)
         results = dict[str, Any]()
         for at, name in enumerate(self.names):
             if name not in names:
