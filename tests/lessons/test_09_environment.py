@@ -198,7 +198,7 @@ def test_the_car_drives_the_same_in_both_languages(in_python, make, launch):
     for env in envs:
         for state in (-1, -0.5, float("nan"), float("inf"), 2000):
             with pytest.raises(MessageError, match="bad-state: the road has the points 0 to 1999"):
-                env.reset(options={"state": [state]})
+                env.reset(options={"state": np.array([state])})
         for state in (0, 1999):
             env.reset(options={"state": [state]})
 

@@ -24,10 +24,12 @@ np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 in
 
 KEY, ID = "09_environment", "NetMQExample/CartPole-v0"
 LESSON = ROOT / "python" / KEY
+from netmq_example import trees  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
-from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
+from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, read_frames, rewards, seeds  # noqa: E402
 from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
-from netmq_example.spaces import to_array  # noqa: E402
+from netmq_example.spaces import Bytes, described  # noqa: E402
 from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
@@ -46,19 +48,35 @@ def here(inside, make):
     return make_env
 
 
-def state(request, seen=None, **values):
-    """The answer to a request."""
-    fine = {"reward": 1.0, "terminated": False, "truncated": False, **values}
-    seen = np.zeros(4, np.float32) if seen is None else seen
-    return [Message("state", request.id, fine, [to_array(seen, seen.dtype)]).frames()]
+def state(request, *seen, reward=1.0, mark=0, info=b""):
+    """The answer to a request: what is seen of each area, or of one that sees zeros."""
+    rows = [array.tobytes() for array in seen or [np.zeros(4, np.float32)]]
+    count = len(rows)
+    return [Record(ANSWERS, request.id, rewards([reward] * count), [mark] * count, rows, [info] * count).frames()]
+
+
+def is_step(request):
+    return request.kind == ASKS and request.marks == bytes([STEP])
 
 
 def process(env):
     return env.unwrapped.simulators.process
 
 
-def step(id, action):
-    return Message("step", id, {}, [to_array(action, np.int64)])
+def reset(id, seed, options=b""):
+    return Record(ASKS, id, seeds([seed]), [RESET], [b""], options=options)
+
+
+def step(id, *rows):
+    return Record(ASKS, id, bytes(8 * len(rows)), [STEP] * len(rows), rows)
+
+
+def number(action):
+    return np.int64(action).tobytes()
+
+
+def answered(frames):
+    return read_frames(ANSWERS, frames)
 
 
 # Lost, slow, twice
@@ -144,30 +162,36 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
             client.wait_for("^trouble: the environment is gone, or silent", start=told)
         peer = heard()
 
-        def ask(kind, id, *arrays, **values):
-            router.send_multipart([peer, *Message(kind, id, values, list(arrays)).frames()])
+        def ask(request):
+            router.send_multipart([peer, *request.frames()])
             return router.recv_multipart()[1:]
 
-        ask("reset", 1, seed=7)
-        first = [ask("step", 2, to_array(1, np.int64)) for _ in range(3)]
+        world = CartPole()
+        ask(reset(1, 7))
+        first = [ask(step(2, number(1))) for _ in range(3)]
         assert all(answer == first[0] for answer in first)
-        assert ask("step", 3, to_array(1, np.int64)) != first[0]
+        assert ask(step(3, number(1))) != first[0]
         # What is no request, and what is not in a space, is named, and the simulator goes on.
-        refused = read(ask("step", 4, to_array(2, np.int64))).values
+        refused = read(ask(step(4, number(2)))).values
         assert refused["code"] == "not-in-space" and refused["text"].endswith("is not in Discrete(2)")
-        assert read(ask("step", 5, to_array(-1, np.int64))).values["code"] == "not-in-space"
-        assert read(ask("step", 6, to_array(1, np.int32))).values["code"] == "not-in-space"
-        assert read(ask("step", 7, to_array([1], np.int64))).values["code"] == "not-in-space"
-        assert read(ask("step", 8)).values["code"] == "not-in-space"
-        assert read(ask("jump", 9)).values["code"] == "unknown-kind"
-        assert read(ask("reset", 10, to_array([1.0], np.float64), seed=1)).values["code"] == "bad-state"
-        assert read(ask("reset", 11)).values["code"] in ("missing-field", "wrong-type")
-        seen = read(ask("step", 12, to_array(0, np.int64))).arrays[0].numpy()
-        assert read(ask("close", 13)).kind == "closed"
+        wrong = {
+            "not-in-space": [step(0, number(-1)), step(0, np.int32(1).tobytes()), step(0, number(1) * 2), step(0, b"")],
+            "unknown-kind": [Message("jump", 0)],
+            "wrong-areas": [step(0, number(1), number(1))],
+            "bad-state": [reset(0, 1, trees.write({"state": state})) for state in (np.ones(1), [1.0], "here", None)],
+            "bad-options": [reset(0, 1, trees.write([]))],
+            "bad-tree": [reset(0, 1, b"?"), reset(0, 1, trees.write({}) + b"?")],
+        }
+        id = 5
+        for code, requests in wrong.items():
+            for request in requests:
+                request.id = id = id + 1
+                assert read(ask(request)).values["code"] == code
+        seen = Bytes(world.observation).read(answered(ask(step(100, number(0)))).rows[0])
+        assert read(ask(Message("close", 101))).kind == "closed"
         assert client.wait() == 0
         assert client.lines[-1] == "done: 1 episodes, 3 steps", "a refused one is none"
         cable.listener.close()
-    world = CartPole()
     world.reset(draws(7), {}, [])
     for action in (1, 1, 0):
         world.apply(action)
@@ -191,10 +215,10 @@ def test_why_a_simulator_was_refused_is_in_its_last_line(kind, start, client_com
 def test_what_a_simulator_has_done_already_it_does_not_do_again():
     simulator = Simulator(CartPole())
     assert read(simulator.hello().frames()).kind == "hello"
-    assert read(simulator.answer(Message("step", 0))).kind == "hello"
-    simulator.answer(Message("reset", 1, {"seed": 1}))
+    assert read(simulator.answer(step(0, number(1)))).kind == "hello"
+    simulator.answer(reset(1, 1))
     for id in (2, 2, 3, 2):
-        answer = read(simulator.answer(step(id, 1)))
+        answer = answered(simulator.answer(step(id, number(1))))
     assert (simulator.steps, answer.id) == (2, 3)
 
 
@@ -202,7 +226,7 @@ def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(here):
     """More than a second for a step: it is sent again. And everything is answered twice."""
 
     def steps():
-        return [request.id for request in simulator.asked if request.kind == "step"]
+        return [request.id for request in simulator.asked if is_step(request)]
 
     def answer(request):
         if steps() == [2]:
@@ -218,7 +242,7 @@ def test_a_slow_simulator_is_asked_again_and_late_answers_are_left_alone(here):
 
 
 def test_a_silent_simulator_is_lost_after_the_timeout(make, inside):
-    simulator = inside(Simulator(CartPole()), lambda request: state(request) if request.kind == "reset" else [])
+    simulator = inside(Simulator(CartPole()), lambda request: [] if is_step(request) else state(request))
     env = make(socket=simulator.socket, disable_env_checker=True)
     env.reset()
     # From here on only: to come and to begin takes longer on a busy machine.
@@ -242,7 +266,7 @@ def test_a_second_simulator_is_told_that_there_is_one(here):
         second.linger = 0
 
         def answer(request):
-            if request.kind == "step":
+            if is_step(request):
                 second.connect(simulator.endpoint)
                 second.send_multipart(simulator.simulator.hello().frames())
                 assert second.poll(1000 * LIMIT)
@@ -296,24 +320,27 @@ def test_by_hand_it_plays_without_python(start, client_command):
 # Wrong
 
 WRONG = {
-    "NaN": (lambda request: [[frame.replace(b"1.0", b"NaN") for frame in state(request)[0]]], "bad-json"),
-    "no reward": (lambda request: state(request, reward="much"), "wrong-type: 'reward' must be float"),
-    "no end": (lambda request: state(request, terminated=1), "wrong-type: 'terminated' must be bool"),
-    "no limit": (lambda request: state(request, truncated=1), "wrong-type: 'truncated' must be bool"),
-    "shape": (lambda request: state(request, np.zeros(3, np.float32)), r"not-in-space: float32 \(3,\) .* Box\("),
-    "dtype": (lambda request: state(request, np.zeros(4, np.float64)), r"not-in-space: float64 \(4,\) .* Box\("),
-    "NaN seen": (lambda request: state(request, np.full(4, np.nan, np.float32)), r"not-in-space: .* Box\("),
-    "none": (lambda request: [Message("state", request.id).frames()], "not-in-space: 0 arrays are not one of Box"),
-    "hello": (lambda request: [Message("hello", request.id).frames()], "wrong-kind: 'hello' is no answer to step"),
+    "NaN": (lambda request: state(request, reward=np.nan), "^bad-reward: the reward is nan"),
+    "endless": (lambda request: state(request, reward=-np.inf), "^bad-reward: the reward is -inf"),
+    "mark": (lambda request: state(request, mark=5), "^bad-record: .*: mark 5 is none"),
+    "cut": (lambda request: [[state(request)[0][0][:-1]]], "^bad-record: .*: it has 56 bytes in place of 57"),
+    "info": (lambda request: state(request, info=b"?"), "^bad-tree: "),
+    "no info": (lambda request: state(request, info=trees.write([1])), r"^bad-info: an info is a dict, not \[1\]"),
+    "areas": (lambda request: state(request, *np.zeros((2, 4), np.float32)), "^wrong-areas: an answer for 2, but 1"),
+    "shape": (lambda request: state(request, np.zeros(3, np.float32)), r"^not-in-space: 12 bytes are not in Box\("),
+    "dtype": (lambda request: state(request, np.zeros(4)), r"^not-in-space: 32 bytes are not in Box\("),
+    "NaN seen": (lambda request: state(request, np.full(4, np.nan, np.float32)), r"^not-in-space: .* Box\("),
+    "none": (lambda request: state(request, np.empty(0)), r"^not-in-space: 0 bytes are not in Box\("),
+    "hello": (lambda request: [Message("hello", request.id).frames()], "^wrong-kind: 'hello' is no answer to step"),
     "refused": (lambda request: [Message("error", request.id, {"code": "x", "text": "y"}).frames()], "^x: y$"),
 }
 
 
 def test_a_wrong_answer_is_named_and_the_next_one_counts(here):
-    answers = {"reset": state}
-    env, _ = here(lambda request: answers[request.kind](request))
+    answers = []
+    env, _ = here(lambda request: answers[-1](request) if is_step(request) else state(request))
     for wrong, text in WRONG.values():
-        answers["step"] = wrong
+        answers.append(wrong)
         env.reset()
         with pytest.raises(MessageError, match=text):
             env.step(0)
@@ -323,25 +350,40 @@ def test_a_picture_that_is_none_is_named(here):
     arrays = []
     env, _ = here(lambda request: [Message("picture", request.id, {}, arrays).frames()], render_mode="rgb_array")
     for wrong in ([], [np.zeros((2, 2, 3), np.float32)], [np.zeros((2, 3), np.uint8)], [np.zeros((2, 2, 4), np.uint8)]):
-        arrays[:] = [to_array(one, one.dtype) for one in wrong]
+        arrays[:] = [Array(one.dtype.name, one.shape, one.tobytes()) for one in wrong]
         with pytest.raises(MessageError, match=r"^no-picture: .* is not one array uint8 \[height, width, 3\]$"):
             env.unwrapped.render()
 
 
+def hello_with(spaces, **values):
+    """CartPole's, and what is said of its spaces is this value."""
+    hello = Simulator(CartPole()).hello()
+    data = trees.write(spaces)
+    return Message("hello", 0, {**hello.values, **values}, [Array("uint8", (len(data),), data)])
+
+
+FINE = {"observation": described(CartPole().observation), "action": described(CartPole.action)}
+NO_HELLOS = {
+    r"unknown-space: space \['cube'\] is none of box, discrete": {**FINE, "observation": ["cube"]},
+    r"unknown-space: space \['box', 3\] is none": {**FINE, "observation": ["tuple", [["box", 3]]]},
+    "bad-space: .* makes no space: n .*have to be positive": {**FINE, "action": ["discrete", 0, 0, "int64"]},
+    "bad-space: .* makes no space: ": {**FINE, "action": ["box", "int42", np.zeros(1), np.ones(1)]},
+    "missing-field: .*'action'": {"observation": FINE["observation"]},
+    "no-spaces: what describes the spaces is no dict": [],
+}
 HELLOS = {
-    "unknown-space: space 'graph' is none of box, discrete": {"observation": "graph"},
-    "bad-space": {"action": "box"},
-    "wrong-name: this environment is CartPole, the simulator's is 'Car'": {"name": "Car"},
-    "wrong-type: 'dt' must be float": {"dt": "fast"},
+    **{text: hello_with(spaces) for text, spaces in NO_HELLOS.items()},
+    "wrong-name: this environment is CartPole, the simulator's is 'Car'": hello_with(FINE, name="Car"),
+    "wrong-type: 'dt' must be float": hello_with(FINE, dt="fast"),
+    "no-spaces: a hello of CartPole has one array": Message("hello", 0, {"name": "CartPole", "dt": 0.02}),
+    "bad-tree": Message("hello", 0, {"name": "CartPole", "dt": 0.02}, [Array("uint8", (1,), b"?")]),
 }
 
 
 @pytest.mark.parametrize("text", HELLOS)
 def test_a_wrong_hello_is_named_to_both_sides(text, inside):
-    hello = Simulator(CartPole()).hello()
-    hello.values |= HELLOS[text]
-    simulator = inside(None, hello=hello)
-    with pytest.raises(MessageError, match=text):
+    simulator = inside(None, hello=HELLOS[text])
+    with pytest.raises(MessageError, match=f"^{text}"):
         gymnasium.make(ID, socket=simulator.socket)
     end = time.monotonic() + LIMIT
     while not simulator.asked and time.monotonic() < end:
@@ -352,8 +394,7 @@ def test_a_wrong_hello_is_named_to_both_sides(text, inside):
 def test_a_simulator_with_other_spaces_does_not_take_the_place_of_one_that_was_lost(here):
     env, simulator = here()
     env.reset()
-    simulator.hello = Simulator(CartPole()).hello()
-    simulator.hello.arrays[-1] = to_array(3, np.int64)
+    simulator.hello = hello_with({**FINE, "action": ["discrete", 3, 0, "int64"]})
     simulator.lose()
     with pytest.raises(MessageError, match=r"^other-spaces: the simulator before this one had "):
         env.reset()
