@@ -119,7 +119,11 @@ def bad(why: str) -> MessageError:
 
 
 def seeds(numbers: Sequence[int]) -> bytes:
-    return struct.pack(f"<{len(numbers)}q", *numbers)
+    try:
+        return struct.pack(f"<{len(numbers)}q", *numbers)
+    except struct.error:
+        wrong = ", ".join(map(str, numbers))
+        raise ValueError(f"seed {wrong:.40} cannot be sent: it is a whole number below 2**63") from None
 
 
 def rewards(numbers: Sequence[float]) -> bytes:

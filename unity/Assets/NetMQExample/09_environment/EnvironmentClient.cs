@@ -97,10 +97,12 @@ namespace NetMQExample
         {
             var limit = timeout < Try ? timeout : Try;
             perform(() => simulator.Hello());
+            // Not the simulator's own: in Unity it is asked on the main thread alone.
+            var name = simulator.Words.Values["name"];
             Send(simulator.Words, limit, stop);
             var request = Receive(limit, stop);
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
-            report($"simulating {simulator.Name} for {endpoint}");
+            report($"simulating {name} for {endpoint}");
             // Without a request for so long, it says hello again. Who learns may be silent for an hour; lesson 17's hub
             // never is, and says for how long at most.
             var idle = TimeSpan.FromSeconds(
