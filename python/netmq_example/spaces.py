@@ -49,13 +49,13 @@ def described(space: Space[Any]) -> list[Any]:
     """For a hello. ValueError names a space that none of Gymnasium's own is."""
     match space:
         case spaces.Box():
-            return ["box", space.dtype.name, space.low, space.high]
+            return ["box", space.dtype.name, sendable(space.low), sendable(space.high)]
         case spaces.Discrete():
             return ["discrete", int(space.n), int(space.start), np.dtype(space.dtype).name]
         case spaces.MultiBinary():
             return ["multi_binary", list(map(int, space.shape))]
         case spaces.MultiDiscrete():
-            return ["multi_discrete", space.nvec, space.start, space.dtype.name]
+            return ["multi_discrete", sendable(space.nvec), sendable(space.start), space.dtype.name]
         case spaces.Text():
             return ["text", space.min_length, space.max_length, "".join(space.character_list)]
         case spaces.Dict():
@@ -70,6 +70,11 @@ def described(space: Space[Any]) -> list[Any]:
         case spaces.OneOf():
             return ["one_of", [described(part) for part in space.spaces]]
     raise ValueError(f"{space} has no place in a message; Gymnasium's own spaces have")
+
+
+def sendable(limits: Any) -> Any:
+    """No message has uint64: the same bits as int64, of which `made` makes them again."""
+    return limits.view(np.int64) if limits.dtype == np.uint64 else limits
 
 
 def space_of(description: Any) -> Space[Any]:
@@ -160,6 +165,11 @@ def together(space: Space[Any], values: list[Any]) -> Any:
     """A batch, as Gymnasium makes it of single ones."""
     room: Any = create_empty_array(space, len(values))
     return concatenate(space, values, room)
+
+
+def unstacked(space: Any, values: Any) -> list[Any]:
+    """The way back, however many they are."""
+    return list(iterate(batch_space(space, 1), values))
 
 
 class Codec(ABC):
@@ -287,7 +297,7 @@ class Sequence(Codec):
         self.feature = codec_of(space.feature_space)
 
     def write(self, value: Any, parts: list[bytes]) -> None:
-        items = list(iterate(self.space.stacked_feature_space, value) if self.space.stack else value)
+        items = unstacked(self.space.feature_space, value) if self.space.stack else list(value)
         parts.append(SIZE.pack(len(items)))
         for item in items:
             self.feature.write(item, parts)
@@ -306,7 +316,9 @@ class Graph(Codec):
 
     def write(self, value: Any, parts: list[bytes]) -> None:
         nodes, edges, links = value
+        nodes = unstacked(self.space.node_space, nodes)
         with_edges = self.edges is not None and edges is not None
+        edges = unstacked(self.space.edge_space, edges) if with_edges else []
         parts += [SIZE.pack(len(nodes)), SIZE.pack(len(edges) if with_edges else NO_EDGES)]
         for node in nodes:
             self.nodes.write(node, parts)

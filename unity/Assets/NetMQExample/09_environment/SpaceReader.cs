@@ -93,10 +93,7 @@ namespace NetMQExample
             {
                 case "text":
                     var text = MessageTree.ReadText(ref from);
-                    if (text.Length < part.Shortest || text.Length > part.Longest
-                        || text.Any(letter => part.Characters.IndexOf(letter) < 0))
-                        throw NotInSpace($"{MessageJson.Shown(text)} is");
-                    return text;
+                    return Fits(part, text) ? text : throw NotInSpace($"{MessageJson.Shown(text)} is");
                 case "dict":
                     var dict = new Dictionary<string, object>();
                     for (var i = 0; i < part.Parts.Length; i++) dict[part.Keys[i]] = Decode(part.Parts[i], ref from);
@@ -114,6 +111,18 @@ namespace NetMQExample
                 case "graph": return Graph(part, ref from);
                 default: return Number(part.Numbers, ref from);
             }
+        }
+
+        private static bool Fits(GymSpace part, string text)
+        {
+            var count = 0;
+            for (int at = 0, size; at < text.Length; at += size, count++)
+            {
+                // One character of Python's may be two here.
+                size = char.IsSurrogatePair(text, at) ? 2 : 1;
+                if (part.Characters.IndexOf(text.Substring(at, size), StringComparison.Ordinal) < 0) return false;
+            }
+            return count >= part.Shortest && count <= part.Longest;
         }
 
         private object Number(SpaceNumbers part, ref ReadOnlyMemory<byte> from)
@@ -138,8 +147,10 @@ namespace NetMQExample
             if (none) return new MessageGraph(allNodes);
             if (part.Parts.Length < 2) throw NotInSpace("a graph with edges is");
             var allEdges = Items(part.Parts[1], Least(edges, from), ref from);
-            var links = MessageTree.Take(ref from, checked(8 * edges)).ToArray();
-            return new MessageGraph(allNodes, allEdges, new MessageArray("int32", links, edges, 2));
+            var links = new MessageArray("int32", MessageTree.Take(ref from, checked(8 * edges)).ToArray(), edges, 2);
+            foreach (var node in SpaceNumbers.Of(links))
+                if (node < 0 || node >= nodes) throw NotInSpace($"a graph with an edge of node {node}, of {nodes}, is");
+            return new MessageGraph(allNodes, allEdges, links);
         }
 
         private List<object> Items(GymSpace part, int count, ref ReadOnlyMemory<byte> from)

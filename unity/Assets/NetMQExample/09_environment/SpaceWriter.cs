@@ -28,6 +28,7 @@ namespace NetMQExample
         {
             this.space = Require.Given("space", space);
             if (space.Size >= 0) SpaceReader.Collect(space, parts);
+            Skip(0);
         }
 
         /// <summary>The next number.</summary>
@@ -75,7 +76,7 @@ namespace NetMQExample
         /// <exception cref="MessageException">It is not in the space.</exception>
         public void Set(object value)
         {
-            if (whole || part > 0 || filled > 0) throw NotInSpace("more than one value");
+            if (whole || to.WrittenCount > began) throw NotInSpace("more than one value");
             Write(space, value);
             whole = true;
         }
