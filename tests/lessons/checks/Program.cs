@@ -21,6 +21,7 @@ namespace NetMQExample.Tests
                 case "locators": LocatorChecks.Run(); return 0;
                 case "messages": MessageChecks.Run(rest); return 0;
                 case "observations": ObservationChecks.Run(rest); return 0;
+                case "records": RecordChecks.Run(rest); return 0;
                 case "rules": RuleChecks.Run(); return 0;
                 case "scene": Scenes.Run(rest[0], rest[1], rest.Skip(2).ToArray()); return 0;
                 case "sidechannels": SideChannelChecks.Run(rest); return 0;

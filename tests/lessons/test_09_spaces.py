@@ -1,0 +1,379 @@
+"""Lesson 09: whatever a space of Gymnasium's can hold arrives as it was, in both languages: golden bytes, samples of
+every space, batches of them by Gymnasium's rules, and rows that are none.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import random
+import struct
+import subprocess
+import warnings
+
+import pytest
+
+from kitlib.setup import dotnet
+from tests.programs import LIMIT, ROOT, free_port
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
+from gymnasium.spaces import (  # noqa: E402
+    Box,
+    Dict,
+    Discrete,
+    Graph,
+    MultiBinary,
+    MultiDiscrete,
+    OneOf,
+    Sequence,
+    Text,
+    Tuple,
+)
+from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
+from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
+from gymnasium.vector.utils import iterate  # noqa: E402
+
+from netmq_example import trees  # noqa: E402
+from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
+from netmq_example.messages import MessageError  # noqa: E402
+from netmq_example.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
+from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
+from netmq_example.simulation.simulation import Simulation  # noqa: E402
+from netmq_example.simulation.simulator import Simulator  # noqa: E402
+from netmq_example.spaces import Bytes, described, space_of  # noqa: E402
+from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
+
+GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "09_environment.json").read_text(encoding="utf-8"))
+
+
+def limits(dtype, low, high):
+    return Box(np.array(low, dtype), np.array(high, dtype), dtype=np.dtype(dtype).type)
+
+
+PAIR = limits("float32", [-1, -2], [1, 2])
+# As in RecordChecks.cs.
+BOTH = {
+    "pair": PAIR,
+    "grid": Box(-1, 1, (2, 3)),
+    "number": Box(0, 1, ()),
+    "nothing": Box(0, 1, (0,)),
+    "picture": Box(0, 255, (4, 5, 3), np.uint8),
+    "float64": limits("float64", [-np.inf, 0], [np.inf, 1]),
+    "uint8": limits("uint8", [1, 2], [3, 200]),
+    "uint16": limits("uint16", [0, 7], [65535, 7]),
+    "int32": limits("int32", [-(2**31), -5], [2**31 - 1, 5]),
+    "int64": limits("int64", [-5, 0], [5, 2**40]),
+    "discrete": Discrete(3),
+    "shifted": Discrete(4, start=-2),
+    "bits": MultiBinary(5),
+    "bits2": MultiBinary([2, 3]),
+    "choices": MultiDiscrete([3, 4, 5]),
+    "text": Text(8),
+    "letters": Text(5, min_length=0, charset=" xäö€😀"),
+    "dict": Dict({"a": Discrete(3), "b": PAIR, "c": MultiBinary(5)}),
+    "tuple": Tuple([Text(8), Discrete(4, start=-2)]),
+    "sequence": Sequence(PAIR),
+    "words": Sequence(Text(8)),
+    "stack": Sequence(PAIR, stack=True),
+    "stacks": Sequence(Dict({"a": Discrete(3), "b": PAIR}), stack=True),
+    "nothings": Sequence(Box(0, 1, (0,))),
+    "graph": Graph(PAIR, Discrete(4, start=-2)),
+    "points": Graph(PAIR, None),
+    "one": OneOf([Discrete(3), PAIR, Text(8)]),
+    "nested": Dict(
+        {
+            "a": Tuple([Sequence(Dict({"x": PAIR, "y": Text(8)})), Discrete(3)]),
+            "b": OneOf([Graph(PAIR, Discrete(4, start=-2)), Sequence(Sequence(PAIR))]),
+        }
+    ),
+}
+# Which C# has no names for.
+PYTHON_ALONE = {
+    "int8": limits("int8", [-128, -3], [127, 3]),
+    "int16": limits("int16", [-300], [300]),
+    "uint32": limits("uint32", [0], [2**32 - 1]),
+    "uint64": limits("uint64", [0], [2**40]),
+    "float16": limits("float16", [-1, 0], [1, 2]),
+    "bool": Box(0, 1, (3,), np.bool_),
+    "small": Discrete(5, start=1, dtype=np.int32),
+    "choices2": MultiDiscrete(np.array([[3, 4], [5, 6]]), dtype=np.int32, start=np.array([[-1, 0], [2, 3]])),
+    "dicts": Sequence(
+        OneOf([Sequence(Discrete(2), stack=True), Dict({"z": Text(3), "a": Tuple([PAIR, Discrete(2)])})])
+    ),
+    "network": Graph(Box(0, 1, (2, 2), np.float64), Box(-1, 1, (3,))),
+    "cities": Graph(Dict({"x": PAIR, "n": Discrete(3)}), Tuple([Discrete(3), PAIR])),
+}
+
+
+class Echo(Simulation):
+    """One sees what was done last; after a reset, what its option `say` says."""
+
+    dt, size = 0.02, 0
+
+    def __init__(self, name, space):
+        self.name, self.observation, self.action = name, space, space
+        self.said, self.steps = None, 0
+
+    def reset(self, chance, options, state):
+        self.said, self.steps = options["say"], 0
+
+    def apply(self, action):
+        self.said = action
+        self.steps += 1
+
+    def observe(self):
+        return self.said
+
+    def judge(self):
+        steps = self.steps
+        return {"reward": 0.5 * steps, "terminated": steps == 3, "truncated": steps == 4, "steps": steps}
+
+
+def samples(space, count=6):
+    space.seed(1)
+    with warnings.catch_warnings():
+        # That a sequence of a stack may be empty.
+        warnings.simplefilter("ignore")
+        return [space.sample() for _ in range(count)]
+
+
+def without_uint64(space, sample):
+    """No option has it."""
+    return sample.astype(np.int64) if getattr(sample, "dtype", None) == np.uint64 else sample
+
+
+def without_stacks(space, sample):
+    """In C# even a stack is a list."""
+    stacked = isinstance(space, Sequence) and space.stack
+    return list(iterate(space.stacked_feature_space, sample)) if stacked else sample
+
+
+def echoes(env, said):
+    """Each sample comes back, of a reset and of a step: the same values of the same types."""
+    space = env.observation_space
+    before = None
+    for sample in samples(space):
+        seen, info = env.reset(options={"say": said(space, sample)})
+        assert data_equivalence(seen, sample, exact=True) and seen in space and info == {}
+        for step in range(1, 4):
+            before, (seen, *rest) = seen, env.step(sample)
+            assert data_equivalence(seen, sample, exact=True)
+            assert rest == [0.5 * step, step == 3, False, {"steps": step}]
+        # Whoever keeps it, or writes into it, has it for himself.
+        if isinstance(seen, np.ndarray):
+            assert seen.flags.writeable and not np.shares_memory(before, seen)
+
+
+@pytest.mark.parametrize("name", [*BOTH, *PYTHON_ALONE])
+def test_what_is_done_in_a_space_is_seen(name, inside):
+    space = (BOTH | PYTHON_ALONE)[name]
+    env = ZmqEnv(name, socket=inside(Simulator(Echo(name, space))).socket)
+    assert env.observation_space == env.action_space == space
+    # A Dict keeps the order of its keys, in which an agent flattens it.
+    assert str(env.observation_space) == str(space)
+    echoes(env, without_uint64)
+    env.close()
+
+
+@pytest.fixture(scope="module")
+def program(netmq):
+    return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "records"]
+
+
+def said_by(program, *words, lines=()):
+    done = subprocess.run([*program, *words], input="\n".join(lines), capture_output=True, text=True, timeout=LIMIT)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def test_what_is_done_in_a_space_is_seen_in_csharp(program, start):
+    endpoint = f"tcp://127.0.0.1:{free_port()}"
+    worlds = start(*program, "worlds", endpoint, *BOTH)
+    for name, space in BOTH.items():
+        env = ZmqEnv(name, endpoint=endpoint, wait=LIMIT)
+        assert env.observation_space == env.action_space == space
+        echoes(env, without_stacks)
+        env.close()
+    assert worlds.wait() == 0
+
+
+# Bytes
+
+
+def python_says(name, count, digits):
+    """What RecordChecks.cs says."""
+    try:
+        request = read(ASKS, bytes.fromhex(digits))
+    except MessageError as error:
+        return f"error {error.code}"
+    simulator = Simulator(*(Echo(name, BOTH[name]) for _ in range(count)))
+    (frame,) = simulator.answer(request)
+    return f"error {json.loads(frame)['values']['code']}" if frame[:1] == b"{" else frame.hex()
+
+
+def test_python_agrees_with_the_golden_bytes():
+    hello = Simulator(CartPole()).hello()
+    assert GOLDEN["spaces"].keys() == {"hello", *BOTH}
+    for name, space in BOTH.items():
+        digits = GOLDEN["spaces"][name]
+        assert trees.write(described(space)).hex() == digits, name
+        assert space_of(trees.read(bytes.fromhex(digits))) == space
+    assert bytes(hello.arrays[0].data).hex() == GOLDEN["spaces"]["hello"]
+    for entry in GOLDEN["records"]:
+        assert python_says(entry["space"], entry["areas"], entry["ask"]) == entry["says"], entry["name"]
+    # What they mean is said here once: two of three areas begin anew, and one does nothing.
+    (entry,) = [one for one in GOLDEN["records"] if one["name"] == "three areas"]
+    data = trees.write({"say": 1})
+    request = Record(ASKS, 2**40, seeds([7, -1, 0]), [RESET, RESET, STEP], [b"", b"", b"\2" + bytes(7)], options=data)
+    assert request.frame().hex() == entry["ask"]
+
+
+def test_csharp_agrees_with_the_golden_bytes(program):
+    assert dict(line.split() for line in said_by(program, "spaces")) == GOLDEN["spaces"]
+    lines = [f"{entry['space']} {entry['areas']} {entry['ask']}" for entry in GOLDEN["records"]]
+    for entry, answer in zip(GOLDEN["records"], said_by(program, "rows", lines=lines), strict=True):
+        assert answer == entry["says"], entry["name"]
+
+
+def stepped(row):
+    return Record(ASKS, 1, bytes(8), [STEP], [row]).frame()
+
+
+# Each is no row of its space.
+NO_ROWS = {
+    "pair": [struct.pack("<2f", *pair) for pair in ((1.1, 0), (0, -2.1), (np.nan, 0), (np.inf, 0))],
+    "float64": [struct.pack("<2d", *pair) for pair in ((np.nan, 0), (0, np.nextafter(1, 2)), (0, np.inf))],
+    "uint8": [b"\0\2", b"\3\xc9"],
+    "uint16": [struct.pack("<2H", 0, 6), struct.pack("<2H", 0, 8)],
+    "int32": [struct.pack("<2i", 0, 6), struct.pack("<2i", 0, -6)],
+    "int64": [struct.pack("<2q", 0, -1), struct.pack("<2q", 6, 0)],
+    "discrete": [struct.pack("<q", number) for number in (-1, 3, 2**63 - 1)],
+    "shifted": [struct.pack("<q", number) for number in (-3, 2)],
+    "bits": [b"\0\1\0\1\2", b"\0\1\0\1\xff"],
+    "choices": [struct.pack("<3q", 2, 3, 5), struct.pack("<3q", 2, -1, 4)],
+    "text": [
+        b"\0\0\0\0",
+        b"\2\0\0\0a ",
+        b"\x09\0\0\0" + 9 * b"a",
+        b"\1\0\0\0\xe4",
+        b"\xff\xff\xff\xffa",
+        b"\0\0\0\x80a",
+    ],
+    "letters": [b"\1\0\0\0y", b"\3\0\0\0\xed\xa0\xbd", b"\x06\0\0\0xxxxxx"],
+    "sequence": [b"\2\0\0\0" + bytes(8), b"\xff\xff\xff\xff", b"\xff\xff\xff\x7f", b"\xff\xff\xff\x1f" + bytes(64)],
+    "words": [b"\1\0\0\0\0\0\0\0", b"\xff\xff\xff\xff" + b"\1\0\0\0a" * 9],
+    "stack": [b"\2\0\0\0" + bytes(8), b"\xff\xff\xff\xff", b"\xff\xff\xff\x7f" + bytes(8)],
+    "nothings": [b"\xff\xff\xff\xff", b"\xff\xff\xff\x7f", b"\xff\xff\x7f\0"],
+    "graph": [
+        struct.pack("<2I", 2**32 - 1, 2**32 - 1),
+        struct.pack("<2I", 2**31 - 1, 0),
+        struct.pack("<2I2f", 1, 2**31 - 1, 0, 0),
+        struct.pack("<2I2f", 1, 2**29, 0, 0) + bytes(64),
+        # A link to a node that is not there, on either side.
+        *(struct.pack("<2I2fq2i", 1, 1, 0, 0, 0, 0, link) for link in (1, -1)),
+        struct.pack("<2I2f", 1, 2**32 - 1, 3, 0),
+        struct.pack("<I", 1),
+    ],
+    "points": [struct.pack("<2I2f", 1, 0, 0, 0)],
+    "one": [b"\3\0\0\0" + bytes(8), b"\xff\xff\xff\xff" + bytes(8), b"\0\0\0\0" + bytes(7), b"\1\0"],
+}
+
+
+def bad_rows():
+    """Those above; and samples of every space that are cut, or have a byte too many."""
+    for name, rows in NO_ROWS.items():
+        yield from ((name, row) for row in rows)
+    for name, space in BOTH.items():
+        for row in map(Bytes(space).write, samples(space, 3)):
+            yield name, row + b"\0"
+            if row:
+                yield name, row[:-1]
+
+
+def test_rows_that_are_none_are_refused_in_both_languages(program):
+    rows = [(name, stepped(row).hex()) for name, row in bad_rows()]
+    assert [one for one in rows if python_says(one[0], 1, one[1]) != "error not-in-space"] == []
+    answers = said_by(program, "rows", lines=[f"{name} 1 {frame}" for name, frame in rows])
+    found = zip(rows, answers, strict=True)
+    assert [(*one, answer) for one, answer in found if answer != "error not-in-space"] == []
+
+
+def test_both_languages_agree_on_rows_with_some_bytes_changed(program):
+    """Either it is not in the space, or it is the same that is seen."""
+    at_random = random.Random(1)
+    lines = []
+    # How many items of no bytes there may be is not the same.
+    for name in sorted(BOTH.keys() - {"nothings"}):
+        for row in map(bytearray, map(Bytes(BOTH[name]).write, samples(BOTH[name], 40))):
+            for _ in range(at_random.choice([0, 1, 1, 2, 3]) if row else 0):
+                # Small numbers too, which sizes are.
+                byte = at_random.choice([0, 1, 2, 3, 127, 128, 255, at_random.randrange(256)])
+                row[at_random.randrange(at_random.choice([len(row), min(8, len(row))]))] = byte
+            lines.append(f"{name} 1 {stepped(row).hex()}")
+    mine = [python_says(name, int(count), frame) for name, count, frame in map(str.split, lines)]
+    theirs = said_by(program, "rows", lines=lines)
+    different = [each for each in zip(lines, mine, theirs, strict=True) if each[1] != each[2]]
+    assert different == []
+    right = sum(not answer.startswith("error") for answer in mine)
+    assert len(lines) / 4 < right < len(lines)
+
+
+# Batches
+
+
+class Walk(Echo):
+    """It goes on until its steps are as many as its beginning has said."""
+
+    size = 1
+
+    def __init__(self, space):
+        super().__init__("Walk", space)
+
+    def reset(self, chance, options, state):
+        self.observation.seed(int(2**31 * next(chance)))
+        self.last = 2 + int(5 * next(chance))
+        self.said, self.steps = self.observation.sample(), 0
+
+    def judge(self):
+        over = self.steps == self.last
+        return {**super().judge(), "terminated": over and self.last % 2, "truncated": over and not self.last % 2}
+
+
+WALKS = {
+    "of a fixed size": Dict(
+        {"a": Discrete(3, start=1), "b": PAIR, "c": Tuple([MultiBinary(2), MultiDiscrete([2, 3])])}
+    ),
+    "of any size": Dict({"a": Text(4), "b": Sequence(PAIR), "c": OneOf([Discrete(2), PAIR]), "d": Graph(PAIR, None)}),
+}
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED])
+@pytest.mark.parametrize("kind", WALKS)
+def test_batches_are_those_of_gymnasium(kind, mode, inside):
+    space, count = WALKS[kind], 3
+
+    def walk():
+        return Walk(space_of(trees.read(trees.write(described(space)))))
+
+    def single():
+        return ZmqEnv("Walk", socket=inside(Simulator(walk())).socket)
+
+    areas = inside(AreaSimulator([walk() for _ in range(count)]))
+    ours = ZmqVectorEnv(count, "Walk", autoreset_mode=mode, socket=areas.socket)
+    theirs = SyncVectorEnv([single] * count, autoreset_mode=mode)
+    with contextlib.closing(ours), contextlib.closing(theirs):
+        assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
+        assert data_equivalence(ours.reset(seed=7), theirs.reset(seed=7), exact=True)
+        theirs.action_space.seed(1)
+        ends = np.zeros(2, int)
+        for _ in range(30):
+            action = theirs.action_space.sample()
+            mine, other = ours.step(action), theirs.step(action)
+            assert data_equivalence(mine, other, exact=True)
+            ends += mine[2].sum(), mine[3].sum()
+            over = mine[2] | mine[3]
+            if mode == AutoresetMode.DISABLED and over.any():
+                mine, other = (envs.reset(options={"reset_mask": over.copy()}) for envs in (ours, theirs))
+                assert data_equivalence(mine, other, exact=True)
+        assert (ends > 3).all(), "episodes ended both ways"
