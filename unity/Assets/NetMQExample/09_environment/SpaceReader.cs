@@ -1,7 +1,6 @@
 // Lesson 09, an action: what Python wants, as numbers or as a value of any space.
 using System;
 using System.Collections.Generic;
-using System.Linq;
 
 namespace NetMQExample
 {
