@@ -1,5 +1,6 @@
 // Lesson 09 in Unity: one thing after the other is done on the main thread, while the network thread waits for it.
 using System;
+using System.Runtime.ExceptionServices;
 using System.Threading;
 
 namespace NetMQExample
@@ -9,6 +10,7 @@ namespace NetMQExample
     {
         private readonly SemaphoreSlim asked = new SemaphoreSlim(0), done = new SemaphoreSlim(0);
         private Action work;
+        private ExceptionDispatchInfo mistake;
 
         /// <summary>Has it done, and waits for that. For the network thread.</summary>
         /// <param name="action">What may touch the scene.</param>
@@ -16,9 +18,11 @@ namespace NetMQExample
         public void Do(Action action, CancellationToken stop)
         {
             work = action;
+            mistake = null;
             asked.Release();
             // In slices, and not with the token: its callback would be garbage.
             while (!done.Wait(20)) stop.ThrowIfCancellationRequested();
+            mistake?.Throw();
         }
 
         /// <summary>Does what is asked for. For the main thread.</summary>
@@ -28,6 +32,8 @@ namespace NetMQExample
         {
             if (!asked.Wait(timeout)) return false;
             try { work(); }
+            // Whoever has asked for it ends by it, and says so.
+            catch (Exception e) { mistake = ExceptionDispatchInfo.Capture(e); }
             finally { done.Release(); }
             return true;
         }
