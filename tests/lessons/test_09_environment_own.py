@@ -363,6 +363,10 @@ def ball(tmp_path):
     for old, new in (
         ('Name => "Ball";', 'Name => gameObject == null ? "" : "Ball";\n' + TICKS),
         (
+            "Dt => 0.02;",
+            'Dt => Environment.GetEnvironmentVariable("NO_DT") == null ? 0.02 : throw new Exception("no dt");',
+        ),
+        (
             "=> seen.Add(place, speed);",
             "{ if (place < -5) seen.Add(place); else if (place < 5) seen.Add(place, speed); }",
         ),
@@ -397,6 +401,10 @@ def test_the_pages_own_environment_in_the_player(netmq, console, start, make, ba
     alone.wait_for(r"^by hand: \d+ steps, return -\d+\.\d$")
     # It ends with what it has started.
     alone.stop()
+    # What it says of itself may be wrong as well, and then it is on its network thread that it gives up.
+    wrong = start(PYTHON, "kit.py", "play", ball, "--endpoint", steady_endpoint(), NO_DT="1")
+    wrong.wait_for(r"^gave up: System\.Exception: no dt$")
+    wrong.stop()
     endpoint = steady_endpoint()
     player = start(PYTHON, "kit.py", "play", ball, "--endpoint", endpoint, "--timeout", "200")
     gymnasium.register("My/Ball-v0", "netmq_example.envs:ZmqEnv", kwargs={"name": "Ball"})

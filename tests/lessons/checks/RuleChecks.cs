@@ -142,6 +142,7 @@ namespace NetMQExample.Tests
             if (type == typeof(Func<NetMQSocket>)) return (Func<NetMQSocket>)(() => new DealerSocket());
             if (type == typeof(Locator)) return new CoinCar("x").State.Scope;
             if (type.IsValueType) return Activator.CreateInstance(type);
+            if (type == typeof(ISimulation[])) return new ISimulation[] { new CartPole() };
             if (type.IsArray) return Array.CreateInstance(type.GetElementType(), 0);
             if (type == typeof(Transform)) return new GameObject("x").transform;
             if (typeof(Component).IsAssignableFrom(type)) return new GameObject("x").AddComponent(type);
