@@ -218,8 +218,8 @@ namespace NetMQExample
         {
             switch (dtype)
             {
-                case "int8": return (sbyte)bytes[0];
-                case "uint8": return bytes[0];
+                case "int8": return (sbyte)StepRequest.ByteOf(bytes);
+                case "uint8": return StepRequest.ByteOf(bytes);
                 case "uint16": return BitConverter.ToUInt16(bytes);
                 case "int32": return BitConverter.ToInt32(bytes);
                 case "int64": return BitConverter.ToInt64(bytes);

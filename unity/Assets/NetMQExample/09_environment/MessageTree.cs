@@ -231,7 +231,7 @@ namespace NetMQExample
             switch (form)
             {
                 case "null": return null;
-                case "bool": return Take(ref numbers, 1).Span[0] != 0;
+                case "bool": return StepRequest.ByteOf(Take(ref numbers, 1).Span) != 0;
                 case "int64": return BitConverter.ToInt64(Take(ref numbers, 8).Span);
                 case "float64": return Finite(BitConverter.ToDouble(Take(ref numbers, 8).Span));
                 case "text": return ReadText(ref numbers);

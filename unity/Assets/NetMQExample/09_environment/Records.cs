@@ -63,7 +63,7 @@ namespace NetMQExample
         public ReadOnlyMemory<byte> Exchange { get; private set; }
 
         /// <summary>Whether a frame is one, and no message of lesson 05.</summary>
-        public static bool Is(ReadOnlySpan<byte> frame) => frame.Length > 0 && frame[0] == 1;
+        public static bool Is(ReadOnlySpan<byte> frame) => frame.Length > 0 && ByteOf(frame) == 1;
 
         /// <summary>Takes what stands in a frame, which must not change meanwhile.</summary>
         /// <exception cref="MessageException">It is no request.</exception>
@@ -76,7 +76,7 @@ namespace NetMQExample
             if (!Is(bytes) || bytes.Length < Head) throw Bad("it ends too early");
             var count = BitConverter.ToUInt32(bytes.Slice(4));
             Id = BitConverter.ToInt64(bytes.Slice(8));
-            HasExchange = (bytes[1] & 1) != 0;
+            HasExchange = (ByteOf(bytes.Slice(1)) & 1) != 0;
             if (count == 0 || Head + (long)Each * count > bytes.Length || Id < 0)
                 throw Bad($"id {Id} and {count} rows cannot be");
             Count = (int)count;
@@ -121,7 +121,10 @@ namespace NetMQExample
                 ?? throw new MessageException("bad-options", "options are a dict");
         }
 
-        private byte Mark(int row) => frame.Span[Head + 16 * Count + row];
+        // Mono has no indexer of a ReadOnlySpan.
+        internal static byte ByteOf(ReadOnlySpan<byte> bytes) => MemoryMarshal.Read<byte>(bytes);
+
+        private byte Mark(int row) => ByteOf(frame.Span.Slice(Head + 16 * Count + row));
 
         private static MessageException Bad(string why) =>
             new MessageException("bad-record", $"this is no reset and no step: {why}");
