@@ -15,6 +15,7 @@ import pytest
 
 from kitlib.setup import dotnet
 from tests.programs import LIMIT, ROOT, free_port
+from tests.unity.test_unity_play import needs_mono
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
@@ -179,9 +180,12 @@ def test_what_is_done_in_a_space_is_seen(name, inside):
     env.close()
 
 
-@pytest.fixture(scope="module")
-def program(netmq):
-    return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "records"]
+@pytest.fixture(scope="module", params=["dotnet", "mono"])
+def program(request, netmq):
+    """Unity's runtime is a Mono."""
+    if request.param == "mono":
+        needs_mono()
+    return [request.param, str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "records"]
 
 
 def said_by(program, *words, lines=()):
