@@ -70,8 +70,10 @@ class AgentSimulator(SimulatorBase):
         if request.kind != "info":
             raise unknown(request, "info, render")
         agent, info = info_of(request)
-        if agent not in ("", *self.game.agents) or type(info) is not dict:
-            raise MessageError("unknown-agent", f"{agent!a:.40} is none of {list(self.game.agents)}, or has no dict")
+        if agent not in ("", *self.game.agents):
+            raise MessageError("unknown-agent", f"{agent!a:.40} is none of {list(self.game.agents)}")
+        if type(info) is not dict:
+            raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")
         self.game.on_info(agent, info)
         told = self.game.infos.take()
         return Message("told", request.id, {}, [Array("uint8", (len(told),), told)])

@@ -49,7 +49,7 @@ namespace NetMQExample
             if (request.Count != players.Length)
                 throw new MessageException("wrong-agents",
                     $"{request.Count} rows, but there are {players.Length} agents");
-            var resets = request.OrderOf(0) == Order.Reset;
+            var resets = !request.Has(Order.Step) && !request.Has(Order.Nothing);
             if (resets) Reset(request);
             else Step(request);
             for (var i = 0; i < players.Length; i++) See(players[i], resets, answer);
@@ -82,7 +82,7 @@ namespace NetMQExample
             for (var i = 0; i < players.Length; i++)
             {
                 if (players[i].Lives) living++;
-                if (players[i].Lives != (request.OrderOf(i) == Order.Step))
+                if (request.OrderOf(i) != (players[i].Lives ? Order.Step : Order.Nothing))
                     throw new MessageException("wrong-agents",
                         $"{players[i].Name} {(players[i].Lives ? "lives, and has no action" : "has an action, and is over")}");
             }
