@@ -114,8 +114,9 @@ class RemoteAgents:
 def told_in(data: Any) -> dict[str, list[Any]]:
     """What the game has sent since the answer before: lists of infos by agent, those of the environment as `env`."""
     told: dict[str, list[Any]] = {}
-    for pair in trees.read(data) if data else []:
-        if type(pair) is not list or len(pair) != 2 or not isinstance(pair[0], str):
+    pairs = trees.read(data) if data else []
+    for pair in pairs if type(pairs) is list else [pairs]:
+        if type(pair) is not list or [type(part) for part in pair] != [str, dict]:
             raise MessageError("bad-info", f"{pair!a:.40} is no agent and its info")
         told.setdefault(pair[0] or "env", []).append(pair[1])
     return told
