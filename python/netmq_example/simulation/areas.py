@@ -17,7 +17,8 @@ class AreaSimulator(Simulator):
     """Answers reset, step and render for all areas at once."""
 
     def __init__(self, areas: Sequence[Simulation]) -> None:
-        if not isinstance(areas, Sequence) or not areas:
+        known = isinstance(areas, Sequence) and all(isinstance(area, Simulation) for area in areas)
+        if not known or not areas:
             raise ValueError(f"areas takes a list of simulations, at least one, not {areas!r:.40}")
         super().__init__(*areas)
 
