@@ -25,15 +25,17 @@ from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
 
 KEY, AREAS = "10_many_agents", 4
 sys.path.append(str(ROOT / "python" / KEY))
+from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
-from netmq_example.infos import InfoQueue, pack, unpack  # noqa: E402
-from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
+from netmq_example.records import ANSWERS, ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
+from netmq_example.records import read as read_record  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import RealTime  # noqa: E402
+from netmq_example.simulation.simulation import InfoQueue, RealTime  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
-from netmq_example.spaces import to_array  # noqa: E402
+from netmq_example.spaces import Bytes  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
@@ -76,6 +78,26 @@ def played(kind, kept, launch):
     if kind not in kept:
         kept[kind] = ZmqParallelEnv(launch=launch(kind, key=KEY), render_mode="rgb_array")
     return kept[kind]
+
+
+def said(simulator, request):
+    """The record that answers one."""
+    return read_record(ANSWERS, *simulator.answer(request))
+
+
+def steps(*numbers):
+    """What Python would send for so many that step, each with the number of a discrete action."""
+    rows = [number.to_bytes(8, "little") for number in numbers]
+    return Record(ASKS, 0, bytes(8 * len(rows)), [STEP] * len(rows), rows)
+
+
+def resets(orders, options=b""):
+    return Record(ASKS, 0, seeds([1] * len(orders)), orders, [b""] * len(orders), options=options)
+
+
+def info(value):
+    data = trees.write(value)
+    return Message("info", 0, {}, [Array("uint8", (len(data),), data)])
 
 
 # Areas
@@ -121,15 +143,11 @@ def test_areas_are_what_gymnasiums_own_vector_makes_of_as_many_environments(mode
 def test_infos_of_a_simulation_come_from_each_area():
     """The car says how many metres it has come; a road is left sooner or later."""
     simulator = AreaSimulator([RoadCar(), RoadCar()])
-    lots = [to_array([1, 1], np.uint8), to_array([1, 2], np.int64)]
-    first = read(simulator.answer(Message("reset", 1, {}, lots)))
-    assert (first.arrays[0].shape, unpack(first.values["infos"], int)) == ((2, 5), [])
-    lots[0] = to_array([0, 1], np.uint8)
-    actions = to_array([[0, 1], [0, 1]], np.float32)
-    second = read(simulator.answer(Message("step", 2, {}, [actions, *lots])))
-    assert [(area, list(info)) for area, info in unpack(second.values["infos"], int)] == [(0, ["metres"])], (
-        "one was reset"
-    )
+    first = said(simulator, Record(ASKS, 1, seeds([1, 2]), [RESET, RESET], [b"", b""]))
+    assert (list(map(len, first.rows)), list(map(len, first.infos))) == ([20, 20], [0, 0])
+    action = Bytes(RoadCar.action).write([0, 1])
+    second = said(simulator, Record(ASKS, 2, seeds([0, 3]), [STEP, RESET], [action, b""]))
+    assert list(trees.read(second.infos[0])) == ["metres"] and len(second.infos[1]) == 0, "one was reset"
     assert (simulator.episodes, simulator.steps) == (3, 1)
 
 
@@ -174,32 +192,28 @@ def test_each_area_has_its_picture(csharp_areas, inside):
 
 
 def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, inside):
-    flat, seeds = to_array([1] * AREAS, np.uint8), to_array([1] * AREAS, np.int64)
-    fine = to_array([1] * AREAS, np.int64)
+    orders = [RESET] * AREAS
     for envs in csharp_areas, areas(inside):
         seen, _ = envs.reset(seed=1)
         for actions in (np.array([0, 1, 2, 1]), np.array([0, 1]), np.zeros(AREAS)):
             with pytest.raises(ValueError, match=r"are not in MultiDiscrete\(\[2 2 2 2\]\)"):
                 envs.step(actions)
         # And when they come all the same, the simulator refuses them.
-        for kind, values, arrays, text in (
-            ("step", {}, [to_array([1, 1, 1, 2], np.int64)], r"not-in-space: .* is not in Discrete\(2\)"),
-            ("step", {}, [to_array([1, 1], np.int64)], "wrong-areas"),
-            ("step", {}, [to_array(1, np.int64)], "wrong-areas"),
-            ("step", {}, [], "no-mask"),
-            ("step", {}, [fine, flat], "no-mask"),
-            ("reset", {"seed": 1}, [], r"no-mask: this simulator has 4 areas: make_vec\(…, num_envs=4\)"),
-            ("reset", {}, [to_array(np.zeros((AREAS, 2)), np.uint8), seeds], "wrong-areas"),
-            ("reset", {}, [to_array(np.zeros((AREAS, 1)), np.uint8), seeds], "wrong-areas"),
-            ("reset", {}, [flat, to_array([np.nan] * AREAS, np.float64)], "wrong-areas|bad-dtype"),
-            ("reset", {}, [flat, to_array([1, 2, 3], np.int64)], "wrong-areas"),
-            ("reset", {}, [flat, seeds, to_array([1, 2], np.float64)], "bad-state: a state is 4 numbers, not 2"),
-            ("jump", {}, [], "unknown-kind: kind .?jump.? is none of reset, step, render, close"),
+        short = steps(1, 1, 1, 1)
+        short.rows[3] = short.rows[3][:4]
+        for request, text in (
+            (steps(1, 1, 1, 2), r"not-in-space: .* is not in Discrete\(2\)"),
+            (short, r"not-in-space: 4 bytes are not in Discrete\(2\)"),
+            (steps(1, 1), r"wrong-areas: this simulator has 4 areas, not 2: make_vec\(…, num_envs=4\)"),
+            (resets(orders, b"x"), "bad-tree"),
+            (resets(orders, trees.write([])), "bad-options: options are a dict"),
+            (resets(orders, trees.write({"state": [1.0, 2.0]})), "bad-state: a state is 4 numbers, not 2"),
+            (resets(orders, trees.write({"state": "here"})), "bad-state: a state is numbers"),
+            (Message("jump"), "unknown-kind: kind .?jump.? is none of reset, step, render, close"),
         ):
             with pytest.raises(MessageError, match=text):
-                envs.areas.ask(kind, values, arrays)
-        mask = to_array([0] * AREAS, np.uint8)
-        assert np.array_equal(envs.areas.read(envs.areas.ask("reset", {}, [mask, seeds]))[0], seen)
+                envs.areas.ask(request)
+        assert np.array_equal(envs.areas.read(envs.areas.ask(resets([NOTHING] * AREAS)))[0], seen)
     envs.close()
 
 
@@ -269,25 +283,26 @@ def test_an_agent_nobody_knows_and_an_action_outside_its_space(played):
         played.step({**fine, "rabbit_1": 5})
     with pytest.raises(ValueError, match="agent 'ghost' is none of"):
         played.send_info({}, "ghost")
-    for kind, values, arrays, text in (
-        (
-            "step",
-            {},
-            [to_array(0, np.int64)] * 4 + [to_array(5, np.int64)],
-            r"not-in-space: .* is not in Discrete\(5\)",
-        ),
-        ("step", {}, [to_array(0, np.int64)] * 4, "wrong-agents: 4 actions, but 5 agents live"),
-        ("info", {"infos": pack([("ghost", {})])}, [], "unknown-agent: .*ghost"),
-        ("info", {"infos": '{"a": [1]}'}, [], "bad-infos"),
-        ("info", {"infos": '[["hunter_0"]]'}, [], "bad-infos"),
-        ("info", {"infos": "[[1,{}]]"}, [], "bad-infos|unknown-agent"),
-        ("info", {"infos": '[["hunter_0",[]]]'}, [], "bad-infos"),
-        ("info", {"infos": 5}, [], "bad-infos|wrong-type"),
-        ("reset", {"seed": "x"}, [], "missing-field|wrong-type"),
-        ("jump", {}, [], "unknown-kind: kind .?jump.? is none of reset, step, info, render, close"),
+    mixed = steps(0, 0, 0, 0, 0)
+    mixed.marks = bytes([RESET, STEP, STEP, STEP, STEP])
+    partly = steps(0, 0, 0, 0, 0)
+    partly.marks = bytes([STEP, STEP, NOTHING, STEP, STEP])
+    for request, text in (
+        (steps(0, 0, 0, 0, 5), r"not-in-space: .* is not in Discrete\(5\)"),
+        (steps(0, 0, 0, 0), "wrong-agents: 4 rows, but there are 5 agents"),
+        (mixed, "wrong-agents"),
+        (partly, "wrong-agents"),
+        (resets([RESET] * 5, trees.write("rain")), "bad-options: options are a dict"),
+        (info(["ghost", {}]), "unknown-agent: .*ghost"),
+        (info({"a": [1]}), "bad-info"),
+        (info(["hunter_0"]), "bad-info"),
+        (info([1, {}]), "bad-info"),
+        (info(["hunter_0", []]), "bad-info"),
+        (Message("info"), "bad-info"),
+        (Message("jump"), "unknown-kind: kind .?jump.? is none of reset, step, info, render, close"),
     ):
         with pytest.raises(MessageError, match=text):
-            played.remote.ask(kind, values, arrays)
+            played.remote.ask(request)
     assert set(played.step(fine)[0]) == set(fine), "it goes on"
 
 
@@ -300,25 +315,35 @@ def test_a_game_hears_and_says_at_any_time():
             self.infos.send(agent, {"heard": str(info)})
 
     simulator = AgentSimulator(Talkative())
-    said = Message("info", 1, {"infos": pack([("rabbit_1", {"a": 1}), ("", {})])})
-    answer = read(simulator.answer(said)).values["told"]
-    assert unpack(answer) == [("rabbit_1", {"heard": "{'a': 1}"}), ("", {"heard": "{}"})]
-    assert read(simulator.answer(said)).values["told"] == answer, "asked again it is not said twice"
-    assert unpack(read(simulator.answer(Message("info", 2, {"infos": "[]"}))).values["told"]) == []
-    answers = [read(simulator.answer(Message("step", id, {}, []))).values["text"] for id in (3, 4)]
-    assert answers == ["0 actions, but 0 agents live"] * 2, "before the first reset"
+    asked = info(["rabbit_1", {"a": 1}])
+    asked.id = 1
+    answer = simulator.answer(asked)
+    assert trees.read(read(answer).arrays[0].data) == [["rabbit_1", {"heard": "{'a': 1}"}]]
+    assert simulator.answer(asked) == answer, "asked again it is not said twice"
+    # What nobody has taken comes with the next step.
+    simulator.game.infos.send("", {"at": np.zeros(2)})
+    begun = said(simulator, Record(ASKS, 2, seeds([1] * 5), [RESET] * 5, [b""] * 5))
+    ((agent, told),) = trees.read(begun.options)
+    assert (agent, told["at"].tolist()) == ("", [0, 0])
+
+
+def test_before_the_first_reset_nobody_lives():
+    wrong = steps(0, 0, 0, 0, 0)
+    wrong.id = 1
+    error = read(AgentSimulator(Pursuit()).answer(wrong)).values
+    assert error["code"] == "wrong-agents" and error["text"].endswith("but those that live are []")
 
 
 def test_the_queue_of_infos_is_bounded_and_says_so():
     queue = InfoQueue()
     for number in range(1000):
         queue.send("hunter_0", {"number": number, "text": 'é"' * 20})
-    kept = unpack(queue.take())
-    assert kept[-1] == ("", {"dropped": 1000 - len(kept) + 1})
-    assert [info["number"] for _, info in kept[:-1]] == list(range(len(kept) - 1)), "the first ones, in their order"
-    assert queue.take() == "[]"
-    with pytest.raises(ValueError, match="info 'list' of '' must be text, a number, true or false"):
-        queue.send("", {"list": [1]})
+    kept = trees.read(queue.take())
+    assert kept[-1] == ["", {"dropped": 1000 - len(kept) + 1}]
+    assert [said["number"] for _, said in kept[:-1]] == list(range(len(kept) - 1)), "the first ones, in their order"
+    assert queue.take() == b""
+    with pytest.raises(MessageError, match="set has no place in a message"):
+        queue.send("", {"many": {1}})
 
 
 # Real time

@@ -16,16 +16,19 @@ np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 i
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
 
 KEY = "10_many_agents"
+from gymnasium.spaces import Box  # noqa: E402
+
+from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
+from netmq_example.envs.common import info_in  # noqa: E402
 from netmq_example.envs.connection import Lost  # noqa: E402
-from netmq_example.envs.parallel_env import RemoteAgents  # noqa: E402
+from netmq_example.envs.parallel_env import LONGEST_INFO, RemoteAgents, told_in  # noqa: E402
 from netmq_example.envs.vector_env import RemoteAreas  # noqa: E402
-from netmq_example.infos import LONGEST, pack, unpack  # noqa: E402
-from netmq_example.messages import EXACT, Message, MessageError, read  # noqa: E402
+from netmq_example.messages import EXACT, Array, MessageError, read  # noqa: E402
+from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
 from netmq_example.simulation.simulation import RealTime  # noqa: E402
-from netmq_example.spaces import to_array  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 
@@ -101,7 +104,7 @@ def test_who_is_lost_between_a_step_and_the_reset_in_it_ends_as_well(areas):
 
     def ask_and_kill(*request):
         answer = ask(*request)
-        if request[0] == "step":
+        if STEP in request[0].marks:
             envs.simulator.lose()
         return answer
 
@@ -192,43 +195,52 @@ def test_a_wrong_mask_or_seed_is_named(areas):
         envs.step(ONE)
 
 
-def answered(remote, message):
-    """What a remote makes of an answer that a simulator of the test's own gives."""
-    remote.ask = lambda *request: message
-    return remote
+def zeros(*lengths):
+    return [bytes(length) for length in lengths]
 
 
-FINE = {"infos": "[]"}
-ONES = [to_array(np.zeros((2, 4)), np.float32), to_array([1, 1], np.float64), *[to_array([0, 0], np.uint8)] * 2]
+def as_form(form, *numbers):
+    """A value of this form, whatever its numbers are."""
+    form = form.encode()
+    return b"".join([len(form).to_bytes(4, "little"), form, *numbers])
+
+
+FINE = {"numbers": rewards([1, 1]), "marks": [0, 0], "rows": zeros(16, 16)}
+NOT_FINITE = np.array([np.nan]).tobytes()
 AREAS = {
-    "NaN": ({1: to_array([1, np.nan], np.float64)}, "not-in-space: float64"),
-    "NaN seen": ({0: to_array(np.full((2, 4), np.nan), np.float32)}, "not-in-space: float32"),
-    "shape": ({0: to_array(np.zeros((3, 4)), np.float32)}, r"not-in-space: float32 \(3, 4\)"),
-    "flags": ({2: to_array([0, 2], np.uint8)}, r"not-in-space: uint8 \(2,\)"),
+    "NaN": ({"numbers": rewards([1, float("nan")])}, "bad-reward: the rewards are"),
+    "NaN seen": ({"rows": [bytes(16), np.full(4, np.nan, "<f4").tobytes()]}, "not-in-space: float32"),
+    "too short": ({"rows": zeros(16, 12)}, r"not-in-space: 12 bytes are not in Box"),
+    "too long": ({"rows": zeros(16, 20)}, r"not-in-space: 20 bytes are not in Box"),
+    "nothing": ({"rows": zeros(16, 0)}, r"not-in-space: 0 bytes are not in Box"),
+    "marks": ({"marks": [0, 5]}, "bad-record: .*mark 5 is none"),
+    "another area": (
+        {"numbers": rewards([1] * 3), "marks": [0] * 3, "rows": zeros(16, 16, 16)},
+        "wrong-areas: an answer for 3, but 2 were asked",
+    ),
+    "a list": ({"infos": [b"", trees.write([1])]}, "bad-info: an info is a dict, not"),
+    "an info cut short": ({"infos": [trees.write({"a": 1})[:-1], b""]}, "bad-tree"),
+    "its own word": ({"infos": [b"", trees.write({"lost": "me"})]}, "bad-info: these names are the environment's own"),
+    "another one": ({"infos": [b"", trees.write({"final_obs": 1})]}, "bad-info: these names are the environment's own"),
+    "infinite": ({"infos": [as_form('{"dict":{"a":"float64"}}', NOT_FINITE), b""]}, "bad-value: nan is not finite"),
 }
 
 
 @pytest.mark.parametrize("what", AREAS)
-def test_a_wrong_state_of_areas_is_named(what):
+def test_a_wrong_state_of_areas_is_named(what, inside):
+    """Which the environment asks for, and its simulator gives by hand."""
     wrong, text = AREAS[what]
-    arrays = [wrong.get(number, array) for number, array in enumerate(ONES)]
+
+    def answer(request):
+        given = {**FINE, **(wrong if STEP in request.marks else {})}
+        return [Record(ANSWERS, request.id, **given).frames()]
+
+    simulator = inside(AreaSimulator([CartPole(), CartPole()]), answer)
+    envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 2, socket=simulator.socket)
+    envs.reset(seed=1)
     with pytest.raises(MessageError, match=text):
-        areas_that_answer(Message("state", 1, FINE, arrays)).step(np.zeros(2, int), np.zeros(2, bool))
-
-
-@pytest.mark.parametrize(
-    "infos", ["[[2,{}]]", "[[-1,{}]]", '[["x",{}]]', "[[[],{}]]", "[[0,{}", "[0]", '[[0,{"a":[1]}]]', 7]
-)
-def test_wrong_infos_of_areas_are_named(infos):
-    with pytest.raises(MessageError, match="bad-infos"):
-        areas_that_answer(Message("state", 1, {"infos": infos}, ONES)).step(np.zeros(2, int), np.zeros(2, bool))
-
-
-def areas_that_answer(message):
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
-        remote = RemoteAreas(2, "CartPole", 10, socket=socket, endpoint=bound(socket))
-        remote.accept(AreaSimulator([CartPole(), CartPole()]).hello())
-        return answered(remote, message)
+        envs.step(np.zeros(2, int))
+    envs.close()
 
 
 def bound(socket):
@@ -236,15 +248,26 @@ def bound(socket):
     return socket.last_endpoint.decode()
 
 
-@pytest.mark.parametrize("wrong", ["[]", '[["hunter_0",{}]]', "nothing"])
-def test_a_state_of_other_agents_is_named(wrong):
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        ({"rows": zeros(0, 60, 60, 60, 60)}, "not-in-space: 0 bytes"),
+        ({"infos": [trees.write({"told": 1}), *zeros(0, 0, 0, 0)]}, "bad-info: .*told, lost"),
+        ({"infos": [trees.write([]), *zeros(0, 0, 0, 0)]}, "bad-info: an info is a dict"),
+        ({"options": trees.write([["env"]])}, "bad-info"),
+    ],
+)
+def test_a_wrong_state_of_agents_is_named(wrong, text):
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
         remote = RemoteAgents("Pursuit", socket=socket, endpoint=bound(socket))
         simulator = AgentSimulator(Pursuit())
         remote.accept(simulator.hello())
-        state = read(simulator.answer(Message("reset", 1, {"seed": 1})))
-        state.values["infos"] = wrong
-        with pytest.raises(MessageError, match=r"wrong-agents|bad-infos"):
+        asked = remote.request(RESET, dict.fromkeys(remote.spaces, b""))
+        asked.id = 1
+        state = records.read(ANSWERS, *simulator.answer(asked))
+        for name, value in wrong.items():
+            setattr(state, name, value)
+        with pytest.raises(MessageError, match=text):
             remote.read(state, list(remote.spaces))
 
 
@@ -254,39 +277,34 @@ def test_a_reward_that_is_no_number_is_the_simulations_mistake():
             return {"reward": float("nan"), "terminated": False, "truncated": False}
 
     simulator = AgentSimulator(Broken())
-    simulator.answer(Message("reset", 1, {"seed": 1}))
-    answer = read(simulator.answer(Message("step", 2, {}, [to_array(0, np.int64)] * 5)))
+    simulator.answer(Record(ASKS, 1, bytes(40), [RESET] * 5, [b""] * 5))
+    answer = read(simulator.answer(Record(ASKS, 2, bytes(40), [STEP] * 5, zeros(8, 8, 8, 8, 8))))
     assert (answer.kind, answer.values["code"]) == ("error", "bad-reward")
 
 
-INFOS = {
-    "a list": '[["hunter_0",[]]]',
-    "a number": '[["hunter_0",5]]',
-    "nobody": "[[[],{}]]",
-    "an area": "[[0,{}]]",
-    "too large": f'[["hunter_0",{{"a":{EXACT}}}]]',
-    "infinite": '[["hunter_0",{"a":1e400}]]',
-    "half a character": '[["hunter_0",{"a":"\\ud800"}]]',
-    "its own word": '[["hunter_0",{"told":5}]]',
-}
-
-
 def test_infos_that_are_none_are_named():
-    for text in INFOS.values():
-        with pytest.raises(MessageError, match=r"^bad-infos: these are no infos: "):
-            unpack(text, reserved=("told", "lost"))
+    for value in ([], 5, "text", None, True):
+        with pytest.raises(MessageError, match=r"^bad-info: an info is a dict, not "):
+            info_in(trees.write(value))
+    half = as_form('{"dict":{"\\ud800":"null"}}')
+    for data in (half, b"x", as_form('{"dict":{"a":"int64"}}', bytes(7)), as_form("{", b"")):
+        with pytest.raises(MessageError, match=r"^bad-tree: "):
+            info_in(data)
+    for told in (5, "text", {"": {}}, [5], [["", []]], [["", {}, {}]], [[1, {}]], [["a"]]):
+        with pytest.raises(MessageError, match=r"^bad-info: .* is no agent and its info$"):
+            told_in(trees.write(told))
 
 
 class Peer:
-    """A simulator with another value in each message of one kind."""
+    """A simulator that changes its hello, or its records."""
 
-    def __init__(self, socket, simulator, *change):
-        self.socket, self.simulator, self.change = socket, simulator, change
+    def __init__(self, socket, simulator, kind, change):
+        self.socket, self.simulator, self.kind, self.change = socket, simulator, kind, change
 
     def say(self, frames):
-        message, (kind, name, value) = read(frames), self.change
-        if message.kind == kind:
-            message.values[name] = value
+        message = records.read_frames(ANSWERS, frames)
+        if message.kind == self.kind:
+            self.change(message)
         self.socket.send_multipart(message.frames())
 
     def run(self, requests):
@@ -294,24 +312,35 @@ class Peer:
         self.say(self.simulator.hello().frames())
         for _ in range(requests):
             assert self.socket.poll(1000 * LIMIT), "no request came"
-            if (request := read(self.socket.recv_multipart())).kind == "error":
+            request = records.read_frames(ASKS, self.socket.recv_multipart())
+            if request.kind == "error":
                 return
             if request.kind != "welcome":
                 self.say(self.simulator.answer(request))
 
 
-def agent(name):
-    return f'[["{name}",{{"observation":"box","action":"discrete"}}]]'
+def with_agents(*names):
+    def change(hello):
+        spaces = trees.read(hello.arrays[0].data)["agents"][0][1]
+        data = trees.write({"agents": [[name, spaces] for name in names]})
+        hello.arrays[0] = Array("uint8", (len(data),), data)
+
+    return "hello", change
+
+
+def with_info(value):
+    return ANSWERS, lambda state: state.infos.__setitem__(0, trees.write(value))
 
 
 AGENTS = {
-    "no dict": ("state", "infos", '[["hunter_0",[]],["hunter_1",{}],["hunter_2",{}],["rabbit_0",{}],["rabbit_1",{}]]'),
-    "its own word": ("state", "infos", '[["hunter_0",{"told":5}]]'),
-    "told nothing": ("state", "told", '[["",[]]]'),
-    "an agent env": ("hello", "agents", agent("env")),
-    "a nameless one": ("hello", "agents", agent("")),
-    "a number": ("hello", "agents", '[[5,{"observation":"box","action":"discrete"}]]'),
-    "one twice": ("hello", "agents", "[" + ",".join([agent("a")[1:-1]] * 2) + "]"),
+    "no dict": with_info([]),
+    "its own word": with_info({"told": 5}),
+    "told nothing": (ANSWERS, lambda state: setattr(state, "options", trees.write([["", []]]))),
+    "an agent env": with_agents("env"),
+    "a nameless one": with_agents(""),
+    "a number": with_agents(5),
+    "one twice": with_agents("a", "a"),
+    "nobody": with_agents(),
 }
 
 
@@ -322,7 +351,7 @@ def test_the_server_of_a_game_names_what_is_wrong_and_goes_on(serve):
             socket.linger, before = 0, len(server.lines)
             socket.connect(endpoint)
             Peer(socket, AgentSimulator(Pursuit()), *change).run(3)
-            server.wait_for("^trouble: .*bad-(infos|agents): ", start=before)
+            server.wait_for("^trouble: .*bad-(info|agents): ", start=before)
             server.wait_for("^waiting for a simulator", start=len(server.lines))
     assert "Traceback" not in server.output
 
@@ -330,8 +359,9 @@ def test_the_server_of_a_game_names_what_is_wrong_and_goes_on(serve):
 def test_areas_that_no_message_can_hold_are_refused():
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
         remote = RemoteAreas(1024, "CartPole", socket=socket, endpoint=bound(socket))
-        hello = AreaSimulator([CartPole()] * 1024).hello()
-        hello.arrays[:2] = [to_array(np.full(4_000_000, end), np.float32) for end in (-1, 1)]
+        large = CartPole()
+        large.observation = Box(-1, 1, (4_000_000,))
+        hello = AreaSimulator([large] * 1024).hello()
         text = "too-big: 16384000000 bytes of 1024 areas are more than a message has, 67108864"
         with pytest.raises(MessageError, match=text):
             remote.accept(hello)
@@ -375,32 +405,33 @@ def test_options_that_are_no_dict_are_named(areas, game):
         for each in envs, game:
             with pytest.raises(ValueError, match=r"^options must be a dict, without seed"):
                 each.reset(options=options)
-    with pytest.raises(ValueError, match=r"^state cannot be sent: a game begins by chance"):
-        game.reset(options={"state": [1]})
+            with pytest.raises(ValueError, match=r"^option 'what' cannot be sent: set has no place in a message$"):
+                each.reset(options={"what": {1}})
 
 
 UNSENDABLE = {
-    "no dict": ([1], "is no dict"),
-    "a list": ({"a": [1]}, "'a' of '' must be text, a number, true or false"),
-    "a number for a name": ({5: 1}, "5 of '' must be text, a number, true or false"),
-    "too large": ({"a": 2**70}, "'a' of '' is too large to be exact"),
+    "a set": ({"a": {1}}, "set has no place in a message"),
+    "a number for a name": ({5: 1}, "the keys of a dict are texts, not 5"),
+    "too large": ({"a": 2**70}, "is too large for an int64"),
     "half a character": ({"a": "\ud800"}, "surrogates not allowed"),
-    "no number": ({"a": float("nan")}, "not JSON compliant"),
+    "no number": ({"a": float("nan")}, "nan is not finite"),
 }
 
 
 def test_an_info_that_cannot_be_sent_is_named_before_it_is(game):
     for info, said in UNSENDABLE.values():
-        with pytest.raises(ValueError, match=said):
+        with pytest.raises(ValueError, match=f"^the info cannot be sent: .*{said}"):
             game.send_info(info)
-    with pytest.raises(ValueError, match=f"at most {LONGEST} characters"):
-        game.send_info({"long": "x" * LONGEST})
+    with pytest.raises(TypeError, match=r"^info takes a dict, not \[1\]$"):
+        game.send_info([1])
+    with pytest.raises(ValueError, match=f"an info has at most {LONGEST_INFO} bytes"):
+        game.send_info({"long": "x" * LONGEST_INFO})
     assert len(game.step(dict.fromkeys(game.agents, 0))[0]) == 5, "it goes on"
 
 
 def test_infos_take_numpys_numbers():
     info = {"a": np.float32(0.5), "b": np.int32(3), "c": np.bool_(True)}
-    assert unpack(pack([("", info)])) == [("", {"a": 0.5, "b": 3, "c": True})]
+    assert info_in(trees.write(info)) == {"a": 0.5, "b": 3, "c": True}
 
 
 def test_actions_that_are_no_dict_are_named(game):
