@@ -77,9 +77,7 @@ def frames_per_second(hello: Message) -> int:
 
 def options_as_bytes(options: Any, **others: Any) -> bytes:
     """What reset sends, beside these others. ValueError names what no simulator could read."""
-    options = {} if options is None else options
-    if not isinstance(options, Mapping) or "seed" in options:
-        raise ValueError(f"options must be a dict, without seed, which is reset's own: {options!r:.80}")
+    options = checked_options(options)
     for name, value in options.items():
         try:
             trees.write({name: value})
@@ -89,6 +87,13 @@ def options_as_bytes(options: Any, **others: Any) -> bytes:
     if len(data) > LONGEST_OPTIONS:
         raise ValueError(f"options of {len(data)} bytes cannot be sent: at most {LONGEST_OPTIONS}")
     return data
+
+
+def checked_options(options: Any) -> dict[str, Any]:
+    options = {} if options is None else options
+    if not isinstance(options, Mapping) or "seed" in options:
+        raise ValueError(f"options must be a dict, without seed, which is reset's own: {options!r:.80}")
+    return dict(options)
 
 
 def info_in(data: Any) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from gymnasium.vector.utils import batch_space, iterate
 from netmq_example import check
 from netmq_example.envs.common import (
     MadeAnew,
+    checked_options,
     frames_per_second,
     gives_pictures,
     hello_from,
@@ -221,7 +222,7 @@ class AreasEnv(MadeAnew, VectorEnv[Any, Any, Any]):
         self.closed = False
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        options = dict(options or {})
+        options = checked_options(options)
         mask = np.asarray(options.pop("reset_mask", np.ones(self.num_envs, bool)))
         if mask.shape != (self.num_envs,) or mask.dtype != bool or not mask.any():
             raise ValueError(f"reset_mask must be {self.num_envs} times true or false, one of them true: {mask!r:.80}")
