@@ -413,7 +413,7 @@ UNSENDABLE = {
     "a set": ({"a": {1}}, "set has no place in a message"),
     "a number for a name": ({5: 1}, "the keys of a dict are texts, not 5"),
     "too large": ({"a": 2**70}, "is too large for an int64"),
-    "half a character": ({"a": "\ud800"}, "surrogates not allowed"),
+    "half a character": ({"a": "\ud800"}, "can't encode character"),
     "no number": ({"a": float("nan")}, "nan is not finite"),
 }
 
