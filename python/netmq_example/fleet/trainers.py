@@ -73,6 +73,8 @@ class Trainer:
                 episode.release()
             self.count["episodes"] += 1
             self.episodes[area] = Episode(part, partial(self.ready, area))
+        if not parts:
+            self.ready(0)
 
     def under_way(self) -> list[Episode]:
         """Those whose answers are still to come."""
