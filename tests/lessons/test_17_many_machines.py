@@ -22,13 +22,15 @@ np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 i
 KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
 import netmq_example.envs  # noqa: E402, F401
-from netmq_example import messages  # noqa: E402
+from netmq_example import messages, records  # noqa: E402
 from netmq_example.fleet.beacon import Beacon, find, fingerprint  # noqa: E402
 from netmq_example.fleet.hub import Hub  # noqa: E402
 from netmq_example.fleet.members import Episode, Member  # noqa: E402
 from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
+from netmq_example.records import ANSWERS, ASKS, Record, seeds  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
+from netmq_example.simulation.simulator import Simulator  # noqa: E402
 from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
@@ -133,15 +135,13 @@ def test_a_client_does_as_it_is_told_and_says_hello_again_to_a_silent_hub(kind, 
         assert len(peers) == 2
         if kind == "unity":
             return
-        action = messages.Array("int64", (), bytes(8))
-        asked = [("reset", {"seed": 3}, []), *[("step", {}, [action])] * 3]
-        for number, (what, values, arrays) in enumerate(asked, 1):
+        for number, order in enumerate([records.RESET, *[records.STEP] * 3], 1):
             begin = time.monotonic()
-            hub.send_multipart([peer, *messages.Message(what, number, values, arrays).frames()])
-            if number < len(asked):
-                answer = messages.read(hub.recv_multipart()[1:])
-                assert (answer.kind, answer.id) == ("state", number)
-                assert time.monotonic() - begin > 0.29 * (what == "step")
+            request = Record(ASKS, number, seeds([3]), [order], [bytes(8) if order == records.STEP else b""])
+            hub.send_multipart([peer, request.frame()])
+            if number < 4:
+                assert records.read(ANSWERS, hub.recv_multipart()[1]).id == number
+                assert time.monotonic() - begin > 0.29 * (order == records.STEP)
         assert client.wait() == 1
         assert client.lines[-1] == "crash after 2 steps, as told"
 
@@ -214,7 +214,7 @@ def test_an_episode_that_is_lost_while_another_begins_is_begun_anew():
 
 
 def test_deaths_by_chance_are_not_taken_for_what_ends_each_simulator():
-    begun = Episode(messages.Message("reset"), lambda: None)
+    begun = Episode(Record(ASKS, 0, seeds([0]), [records.RESET], [b""]), lambda: None)
     for number, done in enumerate([*(i % 5 for i in range(40)), *[7] * 9]):
         run = Member(number, "CartPole", lambda message: True)
         run.lease(begun)
@@ -404,9 +404,10 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
         ("key", lambda: find(5567, None, 1)),
         ("port", lambda: find(0, b"", 1)),
         ("timeout", lambda: find(5567, b"", -1)),
-        ("crash_after", lambda: FleetSimulator(CartPole(), crash_after=-1)),
-        ("delay", lambda: FleetSimulator(CartPole(), delay="1")),
-        ("build", lambda: FleetSimulator(CartPole(), None)),
+        ("simulator", lambda: FleetSimulator(CartPole())),
+        ("crash_after", lambda: FleetSimulator(Simulator(CartPole()), crash_after=-1)),
+        ("delay", lambda: FleetSimulator(Simulator(CartPole()), delay="1")),
+        ("build", lambda: FleetSimulator(Simulator(CartPole()), None)),
         ("endpoint", lambda: FleetSocket(None, "CartPole", 1)),
         ("name", lambda: FleetSocket("tcp://127.0.0.1:5567", "", 1)),
         ("areas", lambda: FleetSocket("tcp://127.0.0.1:5567", "CartPole", 0)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import os
 import re
@@ -14,19 +15,32 @@ from types import SimpleNamespace
 import pytest
 import zmq
 
-from netmq_example import messages
+from netmq_example import messages, records
+from netmq_example.envs.connection import name_of
 from netmq_example.fleet.board import MOST_LINES, MOST_ROWS, Board, rows_of
 from netmq_example.fleet.hub import Hub
+from netmq_example.records import ANSWERS, ASKS, NOTHING, Record, rewards
 from tests.conftest import PYTHON
 from tests.lessons.test_17_many_machines import KEY, NoSocket
 from tests.programs import ROOT, Program
 
 Array, Message = messages.Array, messages.Message
-# What a trainer with one area sends.
-RESET = [Array("uint8", (1,), b"\1"), Array("int64", (1,), bytes(8))]
-ACTION = [Array("int64", (1,), bytes(8))]
-SEEN = Array("float32", (1,), bytes(4))
-STATE = Message("state", 0, {"reward": 1.0, "terminated": False, "truncated": False}, [SEEN])
+
+
+def asks(*orders):
+    """What a trainer with so many areas sends."""
+    rows = [bytes(8 * (order == records.STEP)) for order in orders]
+    return Record(ASKS, 0, bytes(8 * len(orders)), orders, rows)
+
+
+def state(*rows):
+    return Record(ANSWERS, 0, rewards([1.0] * len(rows)), bytes(len(rows)), rows)
+
+
+RESET, STEP = asks(records.RESET), asks(records.STEP)
+STATE = state(bytes(4))
+# What a hello describes the spaces with, which the hub does not read; and a picture.
+SPACES = PIXEL = Array("uint8", (1, 1, 3), bytes(3))
 # A world of its own for each test: a hub brings together what has one name.
 WORLDS = itertools.count()
 SERVER = ROOT / "python" / KEY / "server.py"
@@ -40,35 +54,47 @@ class Peer:
         socket.linger = 0
         socket.connect(hub)
 
-    def say(self, kind, values=None, arrays=(), id=0):
-        self.socket.send_multipart(Message(kind, id, values or {}, list(arrays)).frames())
+    def say(self, message, id=0):
+        message = copy.copy(message)
+        message.id = id
+        self.socket.send_multipart(message.frames())
 
     def hear(self, *kinds):
         """The next message of one of these kinds; what the hub repeats is passed over."""
         end = time.monotonic() + 20
         while time.monotonic() < end and self.socket.poll(20_000):
-            message = messages.read(self.socket.recv_multipart())
-            if message.kind in kinds and (message.id > self.asked or not message.id):
+            message = received(self.socket)
+            if kind_of(message) in kinds and (message.id > self.asked or not message.id):
                 self.asked = message.id
                 return message
         raise AssertionError(f"heard none of {kinds}")
 
     def answer(self, request, answer):
-        self.say(answer.kind, answer.values, answer.arrays, request.id)
+        self.say(answer, request.id)
 
-    def hello(self, seen=SEEN, *answers):
-        values = {"name": self.world, "dt": 0.02, "observation": "box", "action": "discrete"}
-        self.say("hello", values, [seen, seen, Array("int64", (), bytes(8))])
+    def hello(self, spaces=SPACES, *answers):
+        self.say(Message("hello", 0, {"name": self.world, "dt": 0.02}, [spaces]))
         if answers:
             return self.hear(*answers)
         assert self.hear("welcome").values == {"silence": 3.0}
         return self
 
     def join(self, areas=1, wait=True):
-        self.say("join", {"name": self.world, "areas": areas})
+        self.say(Message("join", 0, {"name": self.world, "areas": areas}))
         if wait:
             self.hear("hello")
         return self
+
+
+def received(socket):
+    frames = socket.recv_multipart()
+    return records.read_frames(frames[0][0], frames)
+
+
+def kind_of(message):
+    if isinstance(message, Message):
+        return message.kind
+    return "state" if message.kind == ANSWERS else name_of(message)
 
 
 class Listening(Program):
@@ -114,16 +140,14 @@ def picture(*arrays):
 
 
 NONSENSE = {
-    "a reward in words": ("step", Message("state", 0, {"reward": "much"}, [SEEN])),
-    "a reward that says NaN": ("step", Message("state", 0, {"reward": "nan"}, [SEEN])),
-    "another shape": ("reset", Message("state", 0, {}, [Array("float32", (3,), bytes(12))])),
-    "another type": ("reset", Message("state", 0, {}, [Array("int32", (1,), bytes(4))])),
-    "a picture for a reset": ("reset", picture(SEEN)),
+    "two states": ("step", state(b"", b"")),
+    "a picture for a reset": ("reset", picture(PIXEL)),
     "a kind of its own for a reset": ("reset", Message("fine")),
     "a picture of nothing": ("render", picture()),
-    "two pictures": ("render", picture(SEEN, SEEN)),
+    "two pictures": ("render", picture(PIXEL, PIXEL)),
     "a state for a picture": ("render", STATE),
 }
+ASKED = {"step": STEP, "render": Message("render")}
 
 
 @pytest.mark.parametrize("what", NONSENSE)
@@ -131,31 +155,41 @@ def test_whoever_answers_nonsense_is_let_go_and_the_hub_stays(what, hub, peer):
     asked, nonsense = NONSENSE[what]
     begin = len(hub.lines)
     liar, trainer = peer(hub).hello(), peer(hub).join()
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     if asked != "reset":
         liar.answer(liar.hear("reset"), STATE)
         trainer.hear("state")
-        trainer.say(asked, {}, ACTION if asked == "step" else (), 2)
+        trainer.say(ASKED[asked], 2)
     liar.answer(liar.hear(asked), nonsense)
     hub.wait_for(r"^simulator \d+ is gone: its answer is not what it has announced$", start=begin)
     honest = peer(hub).hello()
     honest.answer(honest.hear("reset"), STATE)
     if asked != "reset":
-        honest.answer(honest.hear(asked), picture(SEEN) if asked == "render" else STATE)
-    assert trainer.hear("state", "picture", "error").kind == ("picture" if asked == "render" else "state")
+        honest.answer(honest.hear(asked), picture(PIXEL) if asked == "render" else STATE)
+    assert kind_of(trainer.hear("state", "picture", "error")) == ("picture" if asked == "render" else "state")
+
+
+def test_bytes_that_are_no_record_are_named_and_the_hub_stays(hub, peer):
+    simulator, trainer = peer(hub).hello(), peer(hub).join()
+    for one, first in (simulator, b"\2"), (trainer, b"\1"):
+        one.socket.send(first + bytes(40))
+        assert one.hear("error").values["code"] == "bad-record"
+    trainer.say(RESET, 1)
+    simulator.answer(simulator.hear("reset"), STATE)
+    trainer.hear("state")
 
 
 def test_simulators_of_one_name_have_the_same_spaces_as_long_as_one_is_here(hub, peer):
     stranger, begin = peer(hub), len(hub.lines)
     for values, arrays, why in [
         ({}, [], "no-spaces"),
-        ({"areas": 2}, [SEEN], "areas-here"),
-        ({"build": "2"}, [SEEN], "other-build"),
+        ({"areas": 2}, [SPACES], "areas-here"),
+        ({"build": "2"}, [SPACES], "other-build"),
     ]:
-        stranger.say("hello", {"name": stranger.world, **values}, arrays)
+        stranger.say(Message("hello", 0, {"name": stranger.world, **values}, arrays))
         assert stranger.hear("welcome", "error").values["code"] == why
     hub.wait_for("^refused: areas-here: a simulator of the hub is one world, and not many areas$", start=begin)
-    first, wider = peer(hub).hello(), Array("float32", (2,), bytes(8))
+    first, wider = peer(hub).hello(), Array("uint8", (4,), bytes(4))
     assert peer(hub).hello(wider, "error").values["code"] == "other-spaces"
     first.socket.close()
     hub.wait_for(r"^simulator \d+ is gone: its connection is$", start=begin)
@@ -166,10 +200,10 @@ def test_simulators_of_one_name_have_the_same_spaces_as_long_as_one_is_here(hub,
 
 def test_a_trainer_that_was_not_admitted_gets_no_simulator(hub, peer):
     simulator, early = peer(hub).hello(), peer(hub).join(2, wait=False)
-    early.say("reset", {}, [Array("uint8", (2,), b"\1\1"), Array("int64", (2,), bytes(16))], 1)
+    early.say(asks(records.RESET, records.RESET), 1)
     assert early.hear("error").values["code"] == "unknown-peer"
     trainer = peer(hub).join()
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     simulator.answer(simulator.hear("reset"), STATE)
     trainer.hear("state")
 
@@ -177,34 +211,36 @@ def test_a_trainer_that_was_not_admitted_gets_no_simulator(hub, peer):
 def test_a_trainer_that_has_closed_or_died_leaves_its_simulators_to_the_next(hub, peer):
     peer(hub).hello()
     first = peer(hub).join()
-    first.say("close", id=1)
+    first.say(Message("close"), 1)
     first.hear("closed")
     second = peer(hub).join()
-    second.say("reset", {}, RESET, 1)
+    second.say(RESET, 1)
     second.socket.close()
     peer(hub).join()
 
 
 WRONG_REQUESTS = [
-    ("step", ACTION, "no-episode"),
-    ("render", [], "no-episode"),
-    ("reset", RESET[:1], "no-mask"),
-    ("reset", [Array("uint8", (2,), b"\1\1"), RESET[1]], "no-mask"),
-    ("reset", [*RESET, SEEN, SEEN], "no-mask"),
-    ("jump", [], "unknown-kind"),
-    ("step", [], "wrong-areas"),
-    ("step", [Array("int64", (2,), bytes(16))], "wrong-areas"),
+    (STEP, "no-episode"),
+    (asks(NOTHING), "no-episode"),
+    (Message("render"), "no-episode"),
+    (asks(records.RESET, records.RESET), "wrong-areas"),
+    (asks(records.STEP, records.STEP), "wrong-areas"),
+    (Message("jump"), "unknown-kind"),
+    (picture(PIXEL), "unknown-kind"),
 ]
 
 
 def test_what_a_trainer_cannot_ask_is_named_and_it_may_go_on(hub, peer):
     simulator, trainer = peer(hub).hello(), peer(hub).join()
-    for number, (kind, arrays, code) in enumerate(WRONG_REQUESTS, 1):
-        trainer.say(kind, {}, arrays, number)
-        assert trainer.hear("error").values["code"] == code, kind
-    trainer.say("reset", {}, RESET, 20)
+    for number, (request, code) in enumerate(WRONG_REQUESTS, 1):
+        trainer.say(request, number)
+        assert trainer.hear("error").values["code"] == code, kind_of(request)
+    trainer.say(RESET, 20)
     simulator.answer(simulator.hear("reset"), STATE)
-    trainer.hear("state")
+    seen = trainer.hear("state").rows
+    # Nothing to be done is done at once.
+    trainer.say(asks(NOTHING), 21)
+    assert trainer.hear("state").rows == seen
     for areas in (0, 1025):
         greedy = peer(hub).join(areas, wait=False)
         assert greedy.hear("error").values["code"] == "bad-areas"
@@ -212,50 +248,50 @@ def test_what_a_trainer_cannot_ask_is_named_and_it_may_go_on(hub, peer):
 
 def test_what_is_asked_again_is_answered_again_and_done_once(hub, peer):
     simulator, trainer = peer(hub).hello(), peer(hub).join()
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     simulator.answer(simulator.hear("reset"), STATE)
     first = trainer.hear("state")
     trainer.asked = 0
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     assert trainer.hear("state").frames() == first.frames()
-    trainer.say("step", {}, ACTION, 2)
-    assert simulator.hear("reset", "step").kind == "step"
+    trainer.say(STEP, 2)
+    assert simulator.hear("reset", "step").marks == STEP.marks
 
 
 def test_an_episode_waits_from_the_death_of_its_simulator_on(hasty, peer):
     dying, trainer = peer(hasty).hello(), peer(hasty).join()
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     begin = len(hasty.lines)
     # It is asked again each half second: longer than the timeout for a simulator.
     for _ in range(4):
-        assert messages.read(dying.socket.recv_multipart()).kind in ("welcome", "reset")
+        assert kind_of(received(dying.socket)) in ("welcome", "reset")
     spare = peer(hasty)
     dying.socket.close()
     hasty.wait_for(r"^simulator \d+ is gone", start=begin)
     spare.hello()
     spare.answer(spare.hear("reset"), STATE)
-    assert trainer.hear("state", "error").kind == "state"
+    assert kind_of(trainer.hear("state", "error")) == "state"
     spare.socket.close()
-    trainer.say("step", {}, ACTION, 2)
+    trainer.say(STEP, 2)
     why = "no simulator for an episode within 1 s: 0 are here, start more"
     assert trainer.hear("state", "error").values == {"code": "no-simulator", "text": why}
 
 
 def test_what_a_straggler_is_late_with_is_asked_for_elsewhere(hasty, peer):
     straggler, trainer = peer(hasty).hello(), peer(hasty).join()
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     late = straggler.hear("reset")
     other = peer(hasty).hello()
     other.answer(other.hear("reset"), STATE)
     trainer.hear("state")
     # It is free again once it has answered, too, and the other one has the episode.
     straggler.answer(late, STATE)
-    trainer.say("step", {}, ACTION, 2)
+    trainer.say(STEP, 2)
     other.answer(other.hear("step"), STATE)
     trainer.hear("state")
     hasty.wait_for(r"[1-9]\d* asked elsewhere$")
     other.socket.close()
-    trainer.say("step", {}, ACTION, 3)
+    trainer.say(STEP, 3)
     for kind in ("reset", "step", "step"):
         straggler.answer(straggler.hear(kind), STATE)
     trainer.hear("state")
@@ -273,7 +309,7 @@ def test_a_spare_simulator_is_not_sent_home_while_a_trainer_may_need_it(hasty, p
 
 def test_an_episode_that_ends_each_simulator_is_given_up(hub, peer):
     first, trainer = peer(hub).hello(), peer(hub).join()
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     for victim in [first, *(peer(hub).hello() for _ in range(9))]:
         victim.answer(victim.hear("reset"), Message("state"))
     error = trainer.hear("error")
@@ -285,13 +321,13 @@ def test_an_episode_that_ends_each_simulator_is_given_up(hub, peer):
 
 def test_a_simulator_that_goes_another_way_is_told_of(hub, peer):
     first, trainer = peer(hub).hello(), peer(hub).join()
-    trainer.say("reset", {}, RESET, 1)
+    trainer.say(RESET, 1)
     first.answer(first.hear("reset"), STATE)
     trainer.hear("state")
     first.socket.close()
-    trainer.say("step", {}, ACTION, 2)
+    trainer.say(STEP, 2)
     begin, other = len(hub.lines), peer(hub).hello()
-    other.answer(other.hear("reset"), Message("state", 0, {}, [Array("float32", (1,), b"abcd")]))
+    other.answer(other.hear("reset"), state(b"abcd"))
     hub.wait_for(r"^simulator \d+ goes another way than the one before it: use one build everywhere$", start=begin)
     other.answer(other.hear("step"), STATE)
     trainer.hear("state")
@@ -332,8 +368,8 @@ def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(capsys):
 def test_the_table_has_a_row_for_each_of_the_first_simulators():
     hub = Hub(Silent())
     for number in range(MOST_ROWS + 2):
-        values = {"name": "World", "dt": 0.02, "observation": "box", "action": "discrete"}
-        hub.take(b"%d" % number, Message("hello", 0, values, [SEEN, SEEN]).frames())
+        hello = Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES])
+        hub.take(b"%d" % number, hello.frames())
     *rows, last = rows_of(hub)
     assert len(rows) == MOST_ROWS and last == "  and 2 more"
     assert re.fullmatch(r"  simulator 1: 'World', free, heard \d+\.\d s ago", rows[0])
