@@ -2,6 +2,7 @@
 //
 //     dotnet run --project csharp-console -- 10                                hunters and rabbits, until it is closed
 //     dotnet run --project csharp-console -- 10 --world CartPole --areas 16    sixteen poles on sixteen carts
+//     dotnet run --project csharp-console -- 10 --world Car --areas 16         sixteen of lesson 08's cars
 //     dotnet run --project csharp-console -- 10 --count 3                      leave after so many games
 using System;
 using System.Linq;
@@ -23,8 +24,9 @@ namespace NetMQExample.Terminal
             SimulatorBase simulator = world switch
             {
                 "CartPole" => new AreaSimulator(Enumerable.Range(0, areas).Select(_ => new CartPole())),
+                "Car" => new AreaSimulator(Enumerable.Range(0, areas).Select(_ => new RoadCar(false))),
                 "Pursuit" => new AgentSimulator(new Pursuit()),
-                _ => throw new UsageException($"--world takes CartPole or Pursuit, not '{world}'"),
+                _ => throw new UsageException($"--world takes CartPole, Car or Pursuit, not '{world}'"),
             };
             using var client = new EnvironmentClient(endpoint, timeout, Console.WriteLine);
             Console.WriteLine($"asking {endpoint}");

@@ -2,6 +2,7 @@
 
     python python/10_many_agents/client.py                                hunters and rabbits, until it is closed
     python python/10_many_agents/client.py --world CartPole --areas 16    sixteen poles on sixteen carts
+    python python/10_many_agents/client.py --world Car --areas 16         sixteen of lesson 08's cars, each on its road
     python python/10_many_agents/client.py --count 3                      leave after so many games
 
 Bytes: records, see records.py, simulation/agents.py and simulation/areas.py.
@@ -21,16 +22,18 @@ with importing("gymnasium; kit.py run 10 installs it", stopped="stopped"):
     from netmq_example.simulation.simulator import EnvironmentClient
     from netmq_example.worlds.cart_pole import CartPole
     from netmq_example.worlds.pursuit import Pursuit
+    from netmq_example.worlds.road_car import RoadCar
 
 
 def main() -> None:
     parser = client_options("Simulates what an environment steps, many at once.", "tcp://127.0.0.1:5560", timeout=30)
-    parser.add_argument("--world", choices=["CartPole", "Pursuit"], default="Pursuit", help="what to simulate")
-    parser.add_argument("--areas", type=players.areas, default=16, help="how many areas of CartPole")
+    parser.add_argument("--world", choices=["CartPole", "Car", "Pursuit"], default="Pursuit", help="what to simulate")
+    parser.add_argument("--areas", type=players.areas, default=16, help="how many areas of CartPole or Car")
     parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
     options = parser.parse_args()
     show(f"asking {options.endpoint}")
-    areas = [CartPole() for _ in range(options.areas)]
+    kind = RoadCar if options.world == "Car" else CartPole
+    areas = [kind() for _ in range(options.areas)]
     simulator = AgentSimulator(Pursuit()) if options.world == "Pursuit" else AreaSimulator(areas)
     EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")

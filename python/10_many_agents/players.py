@@ -60,12 +60,24 @@ class Game:
         return f"game {self.seed}: {self.steps} steps, {self.caught} of 2 rabbits caught{self.lost}"
 
 
-class Poles:
-    """So many steps of all areas. Where a pole falls, its area begins anew by itself."""
+def balance(seen: Any) -> Any:
+    """Push each cart to where its pole falls."""
+    return (seen[:, 2] + seen[:, 3] > 0).astype(np.int64)
+
+
+def drive(seen: Any) -> Any:
+    """Steer each car back to the middle of its road."""
+    steer = 2 * seen[:, 4] - seen[:, 0] - 2 * seen[:, 1]
+    return np.column_stack([np.clip(steer, -1, 1), np.full(len(seen), 0.4)]).astype(np.float32)
+
+
+class Crowd:
+    """So many steps of all areas. Where a pole falls, or a car leaves its road, the area begins anew by itself."""
 
     seed = 1
 
-    def __init__(self) -> None:
+    def __init__(self, world: str) -> None:
+        self.policy = {"CartPole": balance, "Car": drive}[world]
         self.areas = 0
         self.steps = 0
         self.ended = 0
@@ -76,8 +88,7 @@ class Poles:
         return self.steps < STEPS
 
     def actions(self, envs: Any, seen: Any) -> Any:
-        """Push each cart to where its pole falls."""
-        return (seen[:, 2] + seen[:, 3] > 0).astype(np.int64)
+        return self.policy(seen)
 
     def count(self, terminated: Any, truncated: Any, infos: dict[str, Any]) -> None:
         self.steps += 1

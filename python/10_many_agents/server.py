@@ -3,6 +3,7 @@
     python python/10_many_agents/server.py                prints: listening on tcp://127.0.0.1:5560
     dotnet run --project csharp-console -- 10             or: python python/10_many_agents/client.py
     python python/10_many_agents/server.py --world CartPole --areas 16          and a client with the same words
+    python python/10_many_agents/server.py --world Car --areas 16               whose actions are numbers to steer by
 
 Plays ten games of hunters and rabbits with each simulator that comes, and prints a line for each; or 1000 steps of all
 areas.
@@ -23,7 +24,7 @@ from netmq_example.program import importing, listening, run, server_options
 
 with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
     import gymnasium
-    from players import Game, Poles, areas
+    from players import Crowd, Game, areas
 
     import netmq_example.envs  # noqa: F401, it registers the vector environment.
     from netmq_example.envs import ZmqParallelEnv
@@ -32,7 +33,7 @@ with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
 GAMES = 10
 
 
-def play(env: Any, player: Game | Poles) -> None:
+def play(env: Any, player: Game | Crowd) -> None:
     """One step is one message: it has the actions of all agents, or of all areas, and its reply what they see then."""
     seen, infos = env.reset(seed=player.seed)
     while player.plays(env):
@@ -43,8 +44,8 @@ def play(env: Any, player: Game | Poles) -> None:
 
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5560")
-    parser.add_argument("--world", choices=["CartPole", "Pursuit"], default="Pursuit", help="what is played")
-    parser.add_argument("--areas", type=areas, default=16, help="how many areas of CartPole")
+    parser.add_argument("--world", choices=["CartPole", "Car", "Pursuit"], default="Pursuit", help="what is played")
+    parser.add_argument("--areas", type=areas, default=16, help="how many areas of CartPole or Car")
     parser.add_argument("--real-time", action="store_true", help="hunters and rabbits run as fast as one can watch")
     options = parser.parse_args()
     with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket:
@@ -55,8 +56,9 @@ def main() -> None:
                         for number in range(1, GAMES + 1):
                             play(env, Game(number))
                 else:
-                    with closing(gymnasium.make_vec("NetMQExample/CartPole-v0", options.areas, socket=socket)) as envs:
-                        play(envs, Poles())
+                    id = f"NetMQExample/{options.world}-v0"
+                    with closing(gymnasium.make_vec(id, options.areas, socket=socket)) as envs:
+                        play(envs, Crowd(options.world))
             except (OSError, MessageError, ValueError, LookupError) as error:
                 print(f"trouble: {str(error)!a:.200}", flush=True)
                 # One such line a second: many that come with a wrong hello must not fill a disk.

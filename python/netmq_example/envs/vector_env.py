@@ -77,7 +77,7 @@ class RemoteAreas:
         described = hello_from(hello, self.name)
         areas = hello.values.get("areas", 1)
         if areas != self.count:
-            cure = f"put {self.count} areas below it, in lesson 10 by --world CartPole --areas {self.count}"
+            cure = f"put {self.count} areas below it, in lesson 10 by --world {self.name} --areas {self.count}"
             raise MessageError("wrong-areas", f"num_envs is {self.count}, the simulator has {areas!a:.20}: {cure}")
         self.spaces = same(observation_and_action(described), self.spaces)
         self.observations, self.actions = map(Bytes, self.spaces)
