@@ -8,6 +8,8 @@ import importlib
 import sys
 import time
 import warnings
+from collections import OrderedDict
+from typing import ClassVar
 
 import pytest
 
@@ -17,6 +19,7 @@ from tests.programs import ROOT
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: kit.py run 10 installs it")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
+from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.wrappers.vector import RecordEpisodeStatistics  # noqa: E402
@@ -33,14 +36,15 @@ from netmq_example.records import ANSWERS, ASKS, NOTHING, RESET, STEP, Record, s
 from netmq_example.records import read as read_record  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulation import InfoQueue, RealTime  # noqa: E402
+from netmq_example.simulation.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
 from netmq_example.spaces import Bytes  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 
-policy = importlib.import_module("players").policy
+players = importlib.import_module("players")
+policy, drive = players.policy, players.drive
 each_client = pytest.mark.parametrize("kind", CLIENTS)
 MODES = [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED]
 
@@ -167,6 +171,36 @@ def test_both_languages_step_areas_alike(csharp_areas, inside):
     states = [each.reset(options={"state": [0.1, 0.2, 0, 0]})[0] for each in envs]
     assert np.array_equal(*states) and (states[0][:, 1] == np.float32(0.2)).all()
     envs[1].close()
+
+
+def test_both_languages_drive_cars_alike(launch, inside):
+    """To the last bit, by actions that are no whole numbers; and one of them leaves its road."""
+    words = launch("csharp", "--world", "Car", "--areas", "3", key=KEY)
+    ours = inside(AreaSimulator([RoadCar() for _ in range(3)])).socket
+    envs = [gymnasium.make_vec("NetMQExample/Car-v0", 3, **where) for where in ({"launch": words}, {"socket": ours})]
+    seen = [each.reset(seed=5) for each in envs]
+    same(*seen)
+    ends = 0
+    for step in range(150):
+        action = np.array([[1, 1], *drive(seen[0][0])[1:]], np.float32)
+        action[2, 0] *= np.float32(0.1 * (step % 10))
+        seen = [each.step(action) for each in envs]
+        same(*seen)
+        ends += seen[0][2].sum()
+    assert ends and seen[0][-1]["metres"][1] > 1
+    for each in envs:
+        each.close()
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_crowd_of_cars_stays_on_its_roads(kind, serve, start, client_command):
+    words = ["--world", "Car", "--areas", "3"]
+    server, endpoint = serve(KEY, *words)
+    client = start(*client_command(kind, KEY, endpoint, *words))
+    # Their time is up, all at once, and nobody has left the road before.
+    server.wait_for("^1000 steps of 3 areas: 3 episodes ended$")
+    assert client.wait() == 0
+    assert client.lines[-1] == "done: 3 episodes, 3000 steps"
 
 
 @pytest.mark.parametrize("mode", MODES[:2])
@@ -304,6 +338,93 @@ def test_an_agent_nobody_knows_and_an_action_outside_its_space(played):
         with pytest.raises(MessageError, match=text):
             played.remote.ask(request)
     assert set(played.step(fine)[0]) == set(fine), "it goes on"
+
+
+class Post(AgentSimulation):
+    """Ann writes letters, and sees what she wrote and Bob's stamps. In C# it is tests/lessons/checks/Post.cs."""
+
+    name, dt = "Post", 0.5
+    says = spaces.Text(20, min_length=0)
+    stamped = spaces.Dict(OrderedDict(says=says, stamps=spaces.Sequence(spaces.Box(0, 9, (2,)))))
+    letter = spaces.Dict(OrderedDict(says=spaces.Text(5, min_length=0), times=spaces.Discrete(4)))
+    agents: ClassVar = {"ann": (stamped, letter), "bob": (says, spaces.Sequence(spaces.Discrete(5)))}
+
+    def reset(self, chance, options):
+        self.written, self.stamps, self.steps = options.get("says", ""), [], 0
+
+    def apply(self, actions):
+        self.steps += 1
+        self.stamps = list(map(int, actions["bob"]))
+        if "ann" in actions:
+            self.written = actions["ann"]["says"] * int(actions["ann"]["times"])
+            self.infos.send("bob", {"stamps": self.stamps, "letter": actions["ann"]})
+
+    def observe(self, agent):
+        stamps = tuple(np.array([stamp, stamp / 2], np.float32) for stamp in self.stamps)
+        return self.written if agent == "bob" else {"says": self.written, "stamps": stamps}
+
+    def judge(self, agent):
+        ends = {"terminated": agent == "ann" and self.steps == 4, "truncated": agent == "bob" and self.steps == 6}
+        return {"reward": len(self.stamps), "read": [self.written, len(self.stamps)], **ends}
+
+    def on_info(self, agent, info):
+        self.infos.send(agent, info)
+
+
+def post(inside):
+    return ZmqParallelEnv("Post", socket=inside(AgentSimulator(Post())).socket)
+
+
+def test_a_game_of_texts_dicts_and_sequences(inside):
+    """What is seen is what was done, also where one of two is over."""
+    env = post(inside)
+    assert env.reset(options={"says": "dear"})[0] == {"ann": {"says": "dear", "stamps": ()}, "bob": "dear"}
+    letters = [("ah", 3, (4, 1)), ("", 2, ()), ("x", 0, (0,)), ("oh", 1, (2, 2))]
+    for step, (says, times, stamps) in enumerate(letters, 1):
+        actions = {"ann": {"says": says, "times": times}, "bob": stamps}
+        seen, rewards, terminated, _, infos = env.step(actions)
+        assert seen["bob"] == seen["ann"]["says"] == says * times
+        np.testing.assert_equal(seen["ann"]["stamps"], tuple(np.array([one, one / 2], np.float32) for one in stamps))
+        assert rewards == dict.fromkeys(("ann", "bob"), len(stamps)) and terminated["ann"] == (step == 4)
+        told = {"bob": [{"stamps": list(stamps), "letter": actions["ann"]}]}
+        assert infos["ann"] == {"read": [says * times, len(stamps)], "told": told}
+    for _ in range(2):
+        seen, *_ = env.step({"bob": (3,)})
+        assert seen == {"bob": "oh"}
+    assert env.agents == []
+    assert env.step({}) == ({}, {}, {}, {}, {}), "wrappers step once more"
+    nested = {"a": [1, {"b": "c"}], "d": [], "e": {"f": None}}
+    assert env.send_info(nested, "bob") == {"bob": [nested]}
+    env.close()
+
+
+def test_a_game_of_texts_dicts_and_sequences_passes_pettingzoos_test(inside):
+    env = post(inside)
+    parallel_api_test(env, num_cycles=50)
+    env.close()
+
+
+def test_a_game_of_texts_dicts_and_sequences_is_the_same_in_both_languages(inside, messages_program):
+    envs = [post(inside), ZmqParallelEnv("Post", launch=[*messages_program[:2], "game"])]
+    for name in envs[0].possible_agents:
+        assert envs[0].observation_space(name) == envs[1].observation_space(name)
+        assert envs[0].action_space(name) == envs[1].action_space(name)
+        envs[0].action_space(name).seed(3)
+    for episode in range(3):
+        assert data_equivalence(*(env.reset(seed=episode, options={"says": "dear"}) for env in envs))
+        while envs[0].agents:
+            actions = {name: envs[0].action_space(name).sample() for name in envs[0].agents}
+            assert data_equivalence(*(env.step(actions) for env in envs))
+            assert envs[0].agents == envs[1].agents
+    letter = Bytes(Post.letter).write({"says": "", "times": 1})
+    for env in envs:
+        env.reset(seed=1)
+        for wrong in (b"\1", (1).to_bytes(4, "little") + b"\xff" * 8, (2**30).to_bytes(4, "little")):
+            with pytest.raises(MessageError, match="not-in-space"):
+                env.remote.ask(Record(ASKS, 0, bytes(16), [STEP] * 2, [letter, wrong]))
+        with pytest.raises(MessageError, match="not-in-space: 'é' is not in Text"):
+            env.reset(options={"says": "é"})
+        env.close()
 
 
 # Infos

@@ -17,6 +17,7 @@ namespace NetMQExample.Tests
             {
                 case "background": return BackgroundClientChecks.Run(rest);
                 case "each": EachRun.Run(rest[0]); return 0;
+                case "game": Post.Run(rest[1]); return 0;
                 case "jobs": JobChecks.Run(rest[0]); return 0;
                 case "locators": LocatorChecks.Run(); return 0;
                 case "messages": MessageChecks.Run(rest); return 0;
