@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import pytest
 import zmq
@@ -18,6 +19,8 @@ from tests.programs import LIMIT, ROOT, free_port, python_runs, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
+
+from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 
 KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
@@ -262,6 +265,156 @@ def plain(found):
         return {name: plain(value) for name, value in found.items()}
     nested = isinstance(found, (tuple, list)) or (isinstance(found, np.ndarray) and found.dtype == object)
     return [plain(value) for value in found] if nested else found
+
+
+# Lesson 11's scenes
+
+WALK = """
+import sys
+from typing import Annotated, Any
+
+import numpy as np
+
+from netmq_example.fleet.simulator import FleetSimulator
+from netmq_example.simulation.scene import Agent, Obs, SceneSimulator
+from netmq_example.simulation.simulator import EnvironmentClient
+
+
+class Walker(Agent):
+    place: Annotated[Any, Obs()] = np.zeros(2)
+    steps: Annotated[int, Obs("['walked'] = $")] = 0
+
+    def on_reset(self):
+        self.steps, self.last = 0, 3 + int(9 * next(self.chance))
+        self.place = np.array([next(self.chance), self.options.get("far", 0.0)])
+
+    def on_action(self, action):
+        self.place = self.place + action
+        self.reward += float(self.place[0])
+
+    def on_tick(self, dt):
+        self.steps += 1
+        self.terminated = self.steps == self.last
+        if self.terminated:
+            self.infos.append({"at": self.place, "after": dt * self.steps})
+
+
+def scene(*names):
+    return SceneSimulator("Walk", 0.1, [Walker(name) for name in names])
+
+
+if __name__ == "__main__":
+    simulator = FleetSimulator(scene("agent"), crash_after=int(sys.argv[2]))
+    EnvironmentClient(sys.argv[1], 60, lambda line: print(line, flush=True)).run(simulator)
+"""
+SPACES = {
+    "observation_space": gymnasium.spaces.Dict(
+        place=gymnasium.spaces.Box(-99, 99, (2,), np.float64), walked=gymnasium.spaces.Discrete(100)
+    ),
+    "action_space": gymnasium.spaces.Box(-1, 1, (2,), np.float64),
+}
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """scene("agent_0", "agent_1"): a simulator of walkers with these names."""
+    (tmp_path / "walk.py").write_text(WALK, encoding="utf-8")
+    return runpy.run_path(str(tmp_path / "walk.py"))["scene"]
+
+
+@pytest.fixture
+def scenes(scene, start, tmp_path):
+    """scenes(endpoint, 0, 20): each in a program of its own; the second ends after 20 steps."""
+
+    def some(endpoint, *crashes):
+        where = {"PYTHONPATH": str(ROOT / "python")}
+        programs = [start(PYTHON, tmp_path / "walk.py", endpoint, crash, **where) for crash in crashes]
+        for program in programs:
+            program.wait_for("^simulating Walk")
+        return programs
+
+    return some
+
+
+def walkers(count, socket, **more):
+    return gymnasium.make_vec("NetMQExample/Unity-v0", count, env_name="Walk", **SPACES, socket=socket, **more)
+
+
+def test_scenes_of_a_hub_are_to_python_what_the_agents_of_one_scene_are(serve, scene, scenes, inside, make):
+    """And what single environments of as many scenes are, whose infos say more."""
+    _, endpoint = serve(KEY, *STAY)
+    scenes(endpoint, 0, 0)
+    for mode in AutoresetMode:
+        words = {"autoreset_mode": mode, "max_episode_steps": 9}
+        singles = [inside(scene("agent")).socket for _ in range(2)]
+        with FleetSocket(endpoint, "Walk", 2) as socket:
+            ours = walkers(2, socket, **words)
+            one = walkers(2, inside(scene("agent_0", "agent_1")).socket, **words)
+            apart = SyncVectorEnv([partial(make_walker, make, single) for single in singles], autoreset_mode=mode)
+            all_of_them, ends = [ours, one, apart], np.zeros(2, int)
+            assert_walk_alike([each.reset(seed=[3, 8], options={"far": 2.5}) for each in all_of_them])
+            ours.action_space.seed(4)
+            for _ in range(40):
+                action = ours.action_space.sample()
+                seen = [each.step(action) for each in all_of_them]
+                assert_walk_alike(seen)
+                over = seen[0][2] | seen[0][3]
+                ends += over
+                if mode == AutoresetMode.DISABLED and over.any():
+                    assert_walk_alike([each.reset(options={"reset_mask": over.copy()}) for each in all_of_them])
+            assert min(ends) >= 3
+            for each in all_of_them:
+                each.close()
+
+
+def make_walker(make, socket):
+    return make("NetMQExample/Unity-v0", env_name="Walk", **SPACES, socket=socket, max_episode_steps=9)
+
+
+def assert_walk_alike(found):
+    ours, one, apart = found
+    assert_same(ours, one)
+    assert_same(ours[:-1], apart[:-1])
+
+
+def walked(simulator, seed, actions):
+    """The sum of an episode's rewards, played without a network."""
+    (agent,) = simulator.agents.values()
+    agent.begin(draws(seed), {})
+    agent.on_reset()
+    for action in actions:
+        simulator.step({agent: action})
+        if agent.terminated:
+            return agent.reward
+    raise AssertionError("it never ended")
+
+
+def test_a_scene_that_dies_in_an_episode_is_begun_anew_in_another(serve, scene, scenes):
+    hub, endpoint = serve(KEY, *STAY, "--late", "600")
+    (mortal,) = scenes(endpoint, 5)
+    scenes(endpoint, 0, 0)
+    actions = np.random.default_rng(2).uniform(-1, 1, (20, 2))
+    with FleetSocket(endpoint, "Walk", 2) as socket:
+        envs = walkers(2, socket, autoreset_mode="Disabled")
+        found = {}
+        for seed in range(0, 8, 2):
+            envs.reset(seed=seed)
+            total, over = np.zeros(2), np.zeros(2, bool)
+            for action in actions:
+                _, rewards, terminated, truncated, infos = envs.step(np.array([action, action]))
+                assert not truncated.any() and "lost" not in infos
+                total += rewards * ~over
+                if (over := over | terminated).all():
+                    break
+                if terminated.any():
+                    # Whoever is over walks on, and nobody counts it.
+                    envs.reset(seed=seed, options={"reset_mask": terminated})
+            found |= {seed: total[0], seed + 1: total[1]}
+        envs.close()
+    assert found == {seed: pytest.approx(walked(scene("agent"), seed, actions)) for seed in range(8)}
+    assert mortal.wait() == 1
+    assert mortal.lines[-1] == "crash after 5 steps, as told"
+    hub.wait_for(r", 1 begun anew, 0 asked elsewhere$")
 
 
 # Keys, and how a hub is found
