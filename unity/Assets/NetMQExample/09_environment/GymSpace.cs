@@ -28,6 +28,8 @@ namespace NetMQExample
 
         private readonly List<object> description;
         private readonly string text;
+        // Counted once: each step asks.
+        private int? size, count;
 
         private GymSpace(string kind, string text, params object[] description)
         {
@@ -43,11 +45,10 @@ namespace NetMQExample
         public IReadOnlyList<object> Description => description;
 
         /// <summary>How many bytes it always has; -1 where that varies.</summary>
-        public int Size => Numbers != null ? Numbers.Size
-            : Kind != "dict" && Kind != "tuple" || Parts.Any(part => part.Size < 0) ? -1 : Parts.Sum(part => part.Size);
+        public int Size => size ??= Numbers?.Size ?? Sum(part => part.Size);
 
         /// <summary>How many numbers it has, of all parts together; -1 where that varies.</summary>
-        public int Count => Size < 0 ? -1 : Numbers?.Count ?? Parts.Sum(part => part.Count);
+        public int Count => count ??= Numbers?.Count ?? Sum(part => part.Count);
 
         // Of a box, a discrete one and the like: how its numbers stand in a row.
         internal SpaceNumbers Numbers { get; private set; }
@@ -159,6 +160,9 @@ namespace NetMQExample
 
         /// <summary>As people read it.</summary>
         public override string ToString() => text;
+
+        private int Sum(Func<GymSpace, int> of) =>
+            Kind != "dict" && Kind != "tuple" || Parts.Any(part => part.Size < 0) ? -1 : Parts.Sum(of);
 
         private static GymSpace Of(string kind, string name, GymSpace[] parts) =>
             new GymSpace(kind, $"{name}({string.Join(", ", parts.Select(part => part.ToString()))})",
