@@ -74,15 +74,16 @@ namespace NetMQExample
             simulator.Mistake = Debug.LogException;
             using var client = new EnvironmentClient(place, Seconds(timeout), Log);
             var own = handover;
-            client.Run(simulator, count, work => Perform(own, work, stop), stop);
+            client.Run(simulator, count, work => Perform(own, simulator, work, stop), stop);
             Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }
 
-        private void Perform(Handover own, Action work, CancellationToken stop)
+        private void Perform(Handover own, SimulatorBase simulator, Action work, CancellationToken stop)
         {
             quick = thinking.ElapsedMilliseconds < MostMilliseconds;
             own.Do(work, stop);
-            stepped = true;
+            // A hello, of which there is a new one each second while nobody listens, is no step.
+            stepped = simulator.Words?.Kind != "hello";
             thinking.Restart();
         }
 
