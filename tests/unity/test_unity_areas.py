@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,11 @@ np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install num
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: pip install gymnasium")
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 
-import netmq_example.envs  # noqa: E402, F401 - it registers them
+pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: pip install pettingzoo")
+# It registers them, too.
+from netmq_example.envs.gym_env import ZmqEnv  # noqa: E402
+from netmq_example.envs.parallel_env import ZmqParallelEnv  # noqa: E402
+from netmq_example.envs.vector_env import ZmqVectorEnv  # noqa: E402
 
 AREAS = 4
 ID, CLIENT = "NetMQExample/CartPole-v0", ROOT / "python" / "10_many_agents" / "client.py"
@@ -39,6 +44,62 @@ def test_areas_of_a_scene_are_those_of_a_terminal(play: Play) -> None:
     assert program.wait() == 0, program.output
     assert program.output.count("asking ") == 1, program.output
     assert program.output.count("Physics.Simulate does nothing") == 30
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        ("rate", ["2 30", "0 -1", "2 30"]),
+        ("keep", ["2 30"]),
+        ("set", ["2 30", "0 -1", "0 50", "2 50"]),
+        ("off", ["2 30", "0 -1", "2 30"]),
+    ],
+)
+def test_frames_are_as_fast_as_they_can_while_python_steps_and_no_longer(
+    what: str, said: list[str], play: Play
+) -> None:
+    endpoint = steady_endpoint()
+    program = play("areas", "2", what, "--endpoint", endpoint)
+    envs = gymnasium.make_vec(ID, 2, endpoint=endpoint)
+    try:
+        # It said hello and was asked nothing: nobody knows for how long Python will think.
+        assert "frames: 0 -1" not in program.lines
+        envs.reset(seed=1)
+        if what != "keep":
+            program.wait_for("^frames: 0 -1$")
+        for _ in range(5 * (what != "off")):
+            envs.step(np.ones(2, int))
+        if what == "set":
+            program.wait_for(f"^frames: {said[2]}$")
+    finally:
+        envs.close()
+    assert program.wait() == 0, program.output
+    assert [line for line in program.lines if line.startswith("frames: ")] == [f"frames: {each}" for each in said]
+
+
+QUIET: dict[str, Callable[[str], Any]] = {
+    "world": lambda endpoint: ZmqEnv("Quiet", endpoint=endpoint),
+    "areas": lambda endpoint: ZmqVectorEnv(3, "Quiet", endpoint=endpoint),
+    "game": lambda endpoint: ZmqParallelEnv("Quiet", endpoint=endpoint),
+}
+
+
+@pytest.mark.parametrize("what", QUIET)
+def test_a_frame_in_which_python_steps_leaves_nothing_to_collect(what: str, play: Play) -> None:
+    endpoint = steady_endpoint()
+    program = play("quiet", what, "--endpoint", endpoint)
+    env = QUIET[what](endpoint)
+    infos = env.reset(seed=1)[-1]
+    spaces = {agent: env.action_space(agent) for agent in env.agents} if what == "game" else {"": env.action_space}
+    steps = 0
+    while "lost" not in str(infos):
+        actions = {agent: space.sample() for agent, space in spaces.items()}
+        *_, infos = env.step(actions.get("", actions))
+        steps += 1
+    env.close()
+    assert program.wait() == 0, program.output
+    assert program.lines[-1].endswith(", 0 bytes allocated in 0 frames"), program.lines[-1]
+    assert steps > 200, "one in each frame, and as a rule a hundred"
 
 
 def test_a_scene_without_areas_says_so(play: Play) -> None:

@@ -3,6 +3,10 @@
 //     … play.dll areas 16 play --endpoint tcp://127.0.0.1:5560     until Python has closed the environment
 //     … play.dll areas 16 warn --endpoint tcp://127.0.0.1:5560     the same, and each step of physics is warned of
 //     … play.dll areas 16 switch                                   whose physics it is, as one after the other is disabled
+//     … play.dll areas 16 rate --endpoint tcp://127.0.0.1:5560     the same, and how fast frames may come, when that changes
+//     … play.dll areas 16 keep …                                   with Keep Frame Rate
+//     … play.dll areas 16 set …                                    a script sets the rate while Python steps
+//     … play.dll areas 16 off …                                    it is disabled while Python steps
 using System;
 using System.Linq;
 using System.Threading;
@@ -34,18 +38,32 @@ namespace NetMQExample.PlayTest
                     area.transform.SetParent(scene.transform, false);
                     worlds[i] = area.AddComponent<CartPoleEnvironment>();
                 }
+                if (what == "keep") Inspector.Set(new MonoBehaviour[] { areas }, "keepFrameRate", "true");
                 scene.SetActive(true);
             });
+            QualitySettings.vSyncCount = 2;
+            Application.targetFrameRate = 30;
             if (what == "warn") Physics.simulationMode = SimulationMode.FixedUpdate;
             if (what == "switch") Switch(areas, worlds);
+            var rate = "";
             while (what != "switch" && !(areas.Done && worlds.All(world => world.Done)) && player.Errors == 0)
             {
                 player.Frame();
                 Thread.Sleep(1);
+                if (what == "warn" || what == "play" || rate == Rate) continue;
+                Console.WriteLine(rate = Rate);
+                if (rate != "frames: 0 -1") continue;
+                if (what == "set") Application.targetFrameRate = 50;
+                if (what != "off") continue;
+                areas.enabled = false;
+                Console.WriteLine(Rate);
+                break;
             }
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
         }
+
+        private static string Rate => FormattableString.Invariant($"frames: {QualitySettings.vSyncCount} {Application.targetFrameRate}");
 
         // An area, which takes no physics, and then of two that do the first one.
         private static void Switch(CartPoleAreas areas, CartPoleEnvironment[] worlds)

@@ -13,6 +13,7 @@
 //     … play.dll body count=60 …                         application 20; see Bodies.cs
 //     … play.dll cost 14 300 count=100 …                 what 300 frames of a lesson cost; see Costs.cs
 //     … play.dll areas 16 play --endpoint …              lesson 10's areas in a scene; see ManyAreas.cs
+//     … play.dll quiet world --endpoint …                what frames cost in which Python steps; see Quiet.cs
 //     … play.dll keys                                    what ArrowKeys makes of the package Input System; see Keys.cs
 //     … play.dll forgotten                               no Play: a socket is not disposed, and the process ends
 //
@@ -51,6 +52,7 @@ namespace NetMQExample.PlayTest
                 case "keys": return Keys.Print();
                 case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);
+                case "quiet": return Quiet.Run(words[1]);
                 case "cameras": return Cameras.Run();
                 case "rays": return Rays.Run();
                 case "drive": return Drives.Run(words.Skip(1).ToArray());
