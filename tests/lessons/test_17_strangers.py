@@ -16,7 +16,6 @@ import pytest
 import zmq
 
 from netmq_example import messages, records
-from netmq_example.envs.connection import name_of
 from netmq_example.fleet.board import MOST_LINES, MOST_ROWS, Board, rows_of
 from netmq_example.fleet.hub import Hub
 from netmq_example.records import ANSWERS, ASKS, NOTHING, Record, rewards
@@ -94,7 +93,9 @@ def received(socket):
 def kind_of(message):
     if isinstance(message, Message):
         return message.kind
-    return "state" if message.kind == ANSWERS else name_of(message)
+    if message.kind == ANSWERS:
+        return "state"
+    return "step" if records.STEP in message.marks else "reset"
 
 
 class Listening(Program):
