@@ -38,6 +38,12 @@ NUMBERS = (bool, int, float, np.generic, np.ndarray)
 REASONS = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RecursionError)
 
 
+class Chosen(tuple[Any, ...]):
+    """What a OneOf has: which one, and what is in it. Another one is of another kind, and so it is taken whole."""
+
+    __slots__ = ()
+
+
 def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: set[str]) -> None:
     """To all places of a locator or, with a LocatorError, to none. `appended` are the sequences that were cleared."""
     if not isinstance(locator, Locator):
@@ -74,7 +80,7 @@ def placed(old: Any, path: Path, value: Any, first: bool) -> Any:
         array = old.copy()
         array[step] = placed(array[step], rest, value, first)
         return array
-    if type(old) not in (list, tuple):
+    if type(old) not in (list, tuple, Chosen):
         raise TypeError(f"{type(old).__name__} has no {spelled((step,))}")
     items = list(old)
     items[step] = placed(items[step], rest, value, first)  # type: ignore[index]
@@ -88,6 +94,9 @@ def one_more(old: Any, value: Any, first: bool) -> Any:
     if isinstance(old, np.ndarray):
         item = like(np.empty(old.shape[1:], old.dtype), value)
         return np.concatenate([old[:0] if first else old, item[None]])
+    if isinstance(old, dict) and first:
+        # A stack of dicts, or what fits nowhere.
+        return (value,)
     if type(old) not in (list, tuple):
         raise TypeError(f"{type(old).__name__} is no sequence")
     item = like(old[0], value) if old else value
@@ -103,8 +112,8 @@ def like(old: Any, value: Any) -> Any:
         return array[()] if isinstance(old, np.generic) else array.item()
     if isinstance(old, str):
         return "" if value is None else str(value)
-    if isinstance(old, dict):
-        return {**old, **{key: like(old[key], part) for key, part in dict(value).items()}}
+    if isinstance(old, dict) and isinstance(value, dict):
+        return {**old, **{key: like(old[key], part) for key, part in value.items()}}
     # Not isinstance: the parts of a graph are a named tuple, and it is taken as it is.
     if type(old) not in (list, tuple):
         return value
@@ -162,7 +171,7 @@ def empty(space: Space[Any], where: str) -> Any:
         case spaces.MultiBinary():
             return np.zeros(space.shape, space.dtype)
         case spaces.OneOf():
-            return np.int64(0), empty(space.spaces[0], where)
+            return Chosen((np.int64(0), empty(space.spaces[0], where)))
     raise no_place(space, where)
 
 
@@ -196,13 +205,14 @@ def fitted(space: Space[Any], value: Any, where: str) -> Any:
             return {key: fitted(part, value[key], where + spelled((key,))) for key, part in space.items()}
         case spaces.Tuple() if isinstance(value, list | tuple) and len(value) == len(space):
             return tuple(fitted(part, value[at], f"{where}[{at}]") for at, part in enumerate(space))
-        case spaces.Sequence() if isinstance(value, Iterable) and not isinstance(value, str):
+        case spaces.Sequence() if isinstance(value, Iterable) and not isinstance(value, str | dict):
             return sequence(space, value, where)
-        case spaces.OneOf() if (
-            isinstance(value, list | tuple) and len(value) == 2 and value[0] in range(len(space.spaces))
-        ):
-            which = np.int64(value[0])
-            return which, fitted(space.spaces[int(which)], value[1], f"{where}[{which}]")
+        # A dict of stacked arrays is a stack as well.
+        case spaces.Sequence(stack=True, feature_space=spaces.Dict()) if isinstance(value, dict):
+            return sequence(space, value, where)
+        case spaces.OneOf() if isinstance(value, list | tuple) and len(value) == 2:
+            which = fitted(spaces.Discrete(len(space.spaces)), value[0], f"{where}[0]")
+            return Chosen((which, fitted(space.spaces[which], value[1], f"{where}[1]")))
         case spaces.Graph() if isinstance(value, GraphInstance):
             fit = graph(space, value, where)
         case spaces.Text() if isinstance(value, str):
@@ -227,8 +237,7 @@ def sequence(space: spaces.Sequence, value: Any, where: str) -> Any:
     """All its items at once where they are numbers: one by one they would take twenty times as long."""
     feature: Any = space.feature_space
     try:
-        # A dict of stacked arrays is a stack as well.
-        items = iterate(space.stacked_feature_space, value) if isinstance(value, dict) and space.stack else value
+        items = iterate(space.stacked_feature_space, value) if isinstance(value, dict) else value
         items = items if isinstance(items, np.ndarray) else list(items)
         count = len(items)
     except REASONS:

@@ -12,18 +12,20 @@ an array or one more item of a sequence, is merged at each step (merge.py).
 What a row does not write stays as it was. It needs gymnasium and numpy.
 """
 
+import contextlib
 import copy
 import functools
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import Space
 
 from netmq_example import trees
-from netmq_example.envs.merge import empty, fitted, like, merge, warn
-from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted, spelled
+from netmq_example.envs.merge import MOST_ITEMS, empty, fitted, merge, warn
+from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted
 from netmq_example.messages import MessageError
 from netmq_example.spaces import Numbers, codec_of
 from netmq_example.trees import REASONS, Reader
@@ -48,7 +50,7 @@ class Sight:
         # The observation that was given out last is made of these: of a plan and its numbers, or of what was merged.
         self.plan: Plan | None = None
         self.numbers: Any = b""
-        self.old = empty(self.space, self.where)
+        self.old = fitted(self.space, empty(self.space, self.where), self.where)
 
     def read(self, row: Any) -> Any:
         form, numbers = trees.parted(row)
@@ -57,22 +59,24 @@ class Sight:
                 self.plans.clear()
             self.plans[form] = planned(self.name, self.space, form)
         plan = self.plans[form]
-        if plan is None:
-            self.old = fitted(self.space, self.merged(form, numbers), self.where)
-            self.plan = None
-            return self.again()
-        if plan is not self.plan and plan.stays:
-            self.old = self.again()
-        seen = plan.read(numbers, self.old)
-        self.plan = plan
-        self.numbers = bytes(numbers)
-        return seen
+        if plan:
+            if plan is not self.plan and plan.stays:
+                self.old = self.again()
+            # What does not fit may still be merged, such as a number into a text; or else that says what is wrong.
+            with contextlib.suppress(MessageError, *REASONS):
+                seen = plan.read(numbers, self.old)
+                self.plan = plan
+                self.numbers = bytes(numbers)
+                return seen
+        self.old = fitted(self.space, self.merged(form, numbers), self.where)
+        self.plan = None
+        return self.again()
 
     def again(self) -> Any:
         return self.plan.read(self.numbers, self.old) if self.plan else fitted(self.space, self.old, self.where)
 
     def merged(self, form: bytes, numbers: Any) -> Any:
-        observations = {self.name: self.again()}
+        observations = {self.name: self.again() if self.plan else self.old}
         appended: set[str] = set()
         at = 0
         try:
@@ -86,6 +90,8 @@ class Sight:
             raise MessageError("bad-observation", str(error)) from None
         except REASONS as error:
             raise MessageError("bad-observation", f"it is cut short: {error!s:.80}") from None
+        if at != len(numbers):
+            raise MessageError("bad-observation", "more follows what was seen")
         return observations[self.name]
 
     def warn(self, row: Any) -> None:
@@ -97,26 +103,16 @@ class Sight:
 class Plan:
     """Reads what comes in its order, and then puts it in its places."""
 
-    def __init__(self, steps: list[tuple[str, Reader]], places: Any) -> None:
+    def __init__(self, steps: list[Reader], places: Any) -> None:
         self.steps = steps
         # The number of a step, or a dict of places by key, or None: it stays as it was.
         self.places = places
         self.stays = has_none(places)
 
     def read(self, numbers: Any, old: Any) -> Any:
-        values = []
-        at = 0
-        where = ""
-        try:
-            for where, step in self.steps:  # noqa: B007, said when a step fails.
-                value, at = step(numbers, at)
-                values.append(value)
-        except MessageError as error:
-            raise MessageError(error.code, f"{where}: {error.text}") from None
-        except REASONS as error:
-            raise MessageError("bad-observation", f"{where}: {error!s:.80}") from None
+        values, at = trees.in_turn(self.steps, numbers, 0)
         if at != len(numbers):
-            raise MessageError("bad-observation", "more follows what was seen")
+            raise ValueError("more follows what was seen")
         return put(self.places, values, old)
 
 
@@ -132,7 +128,7 @@ def put(places: Any, values: list[Any], old: Any) -> Any:
 
 def planned(name: str, space: Space[Any], form: bytes) -> Plan | None:
     """None where values must be merged."""
-    steps: list[tuple[str, Reader]] = []
+    steps: list[Reader] = []
     paths: dict[Path, int] = {}
     for text, part in trees.pairs_of(form):
         mappings = mappings_for(name, text)
@@ -140,12 +136,11 @@ def planned(name: str, space: Space[Any], form: bytes) -> Plan | None:
         target = at_keys(space, path)
         if target is None or mappings[0].source or overlaps(path, paths):
             return None
-        where = f"{quoted(name)}@{spelled(path)}"
-        step = fitter(target, part, where)
+        step = fitter(target, part)
         if step is None:
             return None
         paths[path] = len(steps)
-        steps.append((where, step))
+        steps.append(step)
     return Plan(steps, places_of(space, paths, ()))
 
 
@@ -183,20 +178,20 @@ def places_of(space: Space[Any], paths: dict[Path, int], at: Path) -> Any:
     return {key: places_of(part, paths, (*at, key)) for key, part in parts.items()}
 
 
-def fitter(space: Space[Any], form: Any, where: str) -> Reader | None:
-    """Reads something of this form as something of the space, or says that it does not fit; None: it must be merged."""
+def fitter(space: Space[Any], form: Any) -> Reader | None:
+    """Reads something of this form as something of the space, or fails; None: it must be merged."""
     match space, form:
         case spaces.Dict(), {"dict": dict(parts)}:
             if parts.keys() != space.spaces.keys():
                 return None
-            each = {key: fitter(space[key], part, where + spelled((key,))) for key, part in parts.items()}
-            return None if None in each.values() else dict_fitter(each)
+            each = {key: fitter(space[key], part) for key, part in parts.items()}
+            return None if None in each.values() else dict_fitter(each, list(space))
         case spaces.Dict(), _:
             return None
-        case spaces.Sequence(stack=False), list():
-            items = [fitter(space.feature_space, part, f"{where}[{at}]") for at, part in enumerate(form)]
+        case spaces.Sequence(stack=False), list() if len(form) <= MOST_ITEMS:
+            items = [fitter(space.feature_space, part) for part in form]
             return None if None in items else tuple_fitter(items)
-        case spaces.Discrete(), "int64":
+        case spaces.Discrete(), "int64" if space.dtype == np.int64:
             return codec_of(space).read
         case spaces.Text(), "text":
             return codec_of(space).read
@@ -204,15 +199,23 @@ def fitter(space: Space[Any], form: Any, where: str) -> Reader | None:
             codec = codec_of(space)
             if isinstance(codec, Numbers) and form == f"{codec.dtype}[{','.join(map(str, codec.shape))}]":
                 return codec.read
-    return general_fitter(space, form, where)
+    # Of another dtype, or one number for an array of one.
+    plain = trees.reader(form)
 
-
-def dict_fitter(each: dict[str, Any]) -> Reader:
     def read(numbers: Any, at: int) -> tuple[Any, int]:
-        values = {}
-        for key, step in each.items():
-            values[key], at = step(numbers, at)
-        return values, at
+        value, at = plain(numbers, at)
+        return fitted(space, value, ""), at
+
+    return read
+
+
+def dict_fitter(each: dict[str, Any], keys: list[str]) -> Reader:
+    steps = list(each.values())
+
+    def read(numbers: Any, at: int) -> tuple[Any, int]:
+        values, at = trees.in_turn(steps, numbers, at)
+        found = dict(zip(each, values, strict=True))
+        return {key: found[key] for key in keys}, at
 
     return read
 
@@ -221,24 +224,5 @@ def tuple_fitter(items: list[Any]) -> Reader:
     def read(numbers: Any, at: int) -> tuple[Any, int]:
         values, at = trees.in_turn(items, numbers, at)
         return tuple(values), at
-
-    return read
-
-
-def general_fitter(space: Space[Any], form: Any, where: str) -> Reader:
-    """Of another dtype, or one number for an array of one, or what becomes a text."""
-    plain = trees.reader(form)
-    before = empty(space, where)
-
-    def read(numbers: Any, at: int) -> tuple[Any, int]:
-        value, at = plain(numbers, at)
-        try:
-            return fitted(space, value, where), at
-        except MessageError as error:
-            try:
-                return fitted(space, like(before, value), where), at
-            except (MessageError, *REASONS):
-                # Without the place, which is said by whoever knows it.
-                raise MessageError(error.code, error.text.removeprefix(f"{where}: ")) from None
 
     return read
