@@ -68,7 +68,7 @@ def pairs_of(form: bytes) -> list[tuple[str, Any]]:
     try:
         parsed = DECODER.decode(form.decode())
         json.dumps(parsed, ensure_ascii=False).encode()
-        return [(check.text("a locator", text), part) for text, part in parsed]
+        return [(check.text("a locator", text), part) for text, part in check.instance("pairs", parsed, list)]
     except REASONS as error:
         raise bad(error) from None
 

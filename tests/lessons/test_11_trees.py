@@ -1,11 +1,14 @@
-"""Lesson 11, values of every space: as text and arrays, in both languages; what becomes of C#'s own types; and merging,
+"""Lesson 11, values of every space: as bytes, in both languages; what becomes of C#'s own types; and merging,
 where a value is written to where a locator says. The language of locators is in test_11_locators.py.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import re
+import struct
+from typing import Any
 
 import pytest
 
@@ -18,12 +21,11 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 i
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
 
-from netmq_example import locator, messages  # noqa: E402
-from netmq_example import spaces as tree  # noqa: E402
+from netmq_example import locator, trees  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.merge import empty  # noqa: E402
 from netmq_example.locator import LocatorError  # noqa: E402
-from netmq_example.messages import Array, MessageError  # noqa: E402
+from netmq_example.messages import MessageError  # noqa: E402
 
 PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 
@@ -47,15 +49,44 @@ def program(netmq):
     return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "observations"]
 
 
-def hexadecimal(text, arrays=()):
-    frames = messages.Message("tree", 1, {"tree": text}, list(arrays)).frames()
-    return " ".join(bytes(frame).hex() or "-" for frame in frames)
+# Golden bytes
+
+GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "11_observations.json").read_text(encoding="utf-8"))
 
 
-def spoken(line):
-    """A message in hexadecimal digits: the text of its tree, and its arrays."""
-    message = messages.read([b"" if frame == "-" else bytes.fromhex(frame) for frame in line.split(" ")])
-    return message.values["tree"], message.arrays
+def meant(value):
+    """What a value of the golden file stands for: JSON has no arrays, and no graphs."""
+    match value:
+        case {"array": [dtype, shape, items]}:
+            return np.array(items, dtype).reshape(shape)
+        case {"graph": parts}:
+            return spaces.GraphInstance(*map(meant, parts))
+        case {"dict": parts}:
+            return {key: meant(part) for key, part in parts.items()}
+        case list():
+            return [meant(item) for item in value]
+    return value
+
+
+def test_both_languages_read_and_write_the_golden_values(program):
+    golden = GOLDEN["values"]
+    for one in golden:
+        value = meant(one["means"])
+        assert trees.write(value).hex() == one["data"], one["name"]
+        assert equal(trees.read(bytes.fromhex(one["data"])), value), one["name"]
+    done = finished([*program, "trees"], input="\n".join(one["data"] for one in golden))
+    assert done.stdout.splitlines() == [one["data"] for one in golden], done.stderr
+
+
+def test_both_languages_write_the_golden_pairs(program):
+    golden = GOLDEN["pairs"]
+    lines = []
+    for one in golden:
+        pairs = [(text, meant(value)) for text, value in one["means"]]
+        assert trees.write_pairs(pairs).hex() == one["data"], one["name"]
+        lines.append(" ".join(data.hex() for pair in pairs for data in (pair[0].encode(), trees.write(pair[1]))))
+    done = finished([*program, "pairs"], input="\n".join(lines))
+    assert done.stdout.splitlines() == [one["data"] for one in golden], done.stderr
 
 
 # Values of random spaces
@@ -96,6 +127,7 @@ def a_space(random, depth=0):
             ),
             lambda random: spaces.Tuple([a_space(random, depth + 1) for _ in range(random.integers(1, 4))]),
             lambda random: spaces.Sequence(a_space(random, depth + 1)),
+            lambda random: spaces.OneOf([a_space(random, depth + 1) for _ in range(random.integers(1, 4))]),
         ]
     space = kinds[random.integers(len(kinds))](random)
     space.seed(seed)
@@ -108,6 +140,8 @@ def equal(one, other):
         return type(other) is type(one) and all(map(equal, one, other))
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(equal(one[key], other[key]) for key in one)
+    # A tuple that merging knows.
+    one, other = (tuple(each) if isinstance(each, fit.Chosen) else each for each in (one, other))
     if type(one) in (list, tuple):
         return type(one) is type(other) and len(one) == len(other) and all(map(equal, one, other))
     # What a Box without dimensions samples is a number, and an array with none is in it as well.
@@ -123,16 +157,15 @@ def test_random_values_go_through_csharp_and_come_back_equal(runtime, program):
     while len(cases) < 400:
         space = a_space(random)
         for _ in range(4):
-            value, arrays = space.sample(), []
-            lines.append(hexadecimal(tree.write(value, arrays), arrays))
+            value = space.sample()
+            lines.append(trees.write(value).hex())
             cases.append((space, value))
     done = finished([runtime, *program[1:], "trees"], input="\n".join(lines))
     again = done.stdout.splitlines()
     assert len(again) == len(cases), done.stderr
     for line, (space, value), answer in zip(lines, cases, again, strict=True):
         assert answer == line, space
-        text, arrays = spoken(answer)
-        assert equal(fit.fitted(space, tree.read(text, arrays), ""), value), (space, value)
+        assert equal(fit.fitted(space, trees.read(bytes.fromhex(answer)), ""), value), (space, value)
 
 
 def test_what_a_space_begins_with_is_in_it_and_no_sample():
@@ -148,58 +181,96 @@ def test_what_a_space_begins_with_is_in_it_and_no_sample():
 
 # What is no tree
 
-WRONG = {
-    "{": "bad-tree",
-    "NaN": "bad-tree",
-    '"\\ud800"': "bad-tree",
-    "[" * 9000 + "]" * 9000: "bad-tree",
-    "{}": "bad-tree",
-    '{"array":1}': "bad-tree",
-    '{"array":-1}': "bad-tree",
-    '{"array":true}': "bad-tree",
-    '{"array":0.0}': "bad-tree",
-    '{"array":0,"dict":{}}': "bad-tree",
-    '{"dict":[]}': "bad-tree",
-    '{"graph":{"nodes":null}}': "bad-tree",
-    '{"graph":{"nodes":null,"edges":null,"edge_links":null,"x":1}}': "bad-tree",
-    '{"dict":{"a":{"b":1}}}': "bad-tree",
-    "9007199254740992": "bad-value",
-    "-1e999": "bad-value",
-    "123456789012345678901234567890": "bad-value",
-}
+
+def tree(form, numbers=b""):
+    return struct.pack("<I", len(form)) + form.encode() + numbers
+
+
+ENDLESS: list[Any] = []
+ENDLESS.append(ENDLESS)
+NAN, INFINITE = struct.pack("<d", math.nan), struct.pack("<d", -math.inf)
+GRAPH = '{"graph":["null","null","null"%s]%s}'
+WRONG = [
+    (b"", "bad-tree"),
+    (b"\1\0\0", "bad-tree"),
+    (struct.pack("<I", 7) + b'"null"', "bad-tree"),
+    (struct.pack("<I", 2**32 - 1) + b'"null"', "bad-tree"),
+    (tree("{"), "bad-tree"),
+    (tree("NaN"), "bad-tree"),
+    (tree("5"), "bad-tree"),
+    (tree("null"), "bad-tree"),
+    (tree('"\\ud800"'), "bad-tree"),
+    (tree('"nothing"'), "bad-tree"),
+    (struct.pack("<I", 8) + b'"\xff\xff\xff\xff"' + b"  ", "bad-tree"),
+    (tree("[" * 9000 + "]" * 9000), "bad-tree"),
+    (tree("{}"), "bad-tree"),
+    (tree('{"dict":[]}'), "bad-tree"),
+    (tree('{"dict":{"a":{"b":1}}}'), "bad-tree"),
+    (tree('{"dict":{},"graph":["null","null","null"]}'), "bad-tree"),
+    (tree('{"graph":["null","null"]}'), "bad-tree"),
+    (tree('{"graph":{"nodes":"null"}}'), "bad-tree"),
+    (tree(GRAPH % (',"null"', "")), "bad-tree"),
+    (tree(GRAPH % ("", ',"x":1')), "bad-tree"),
+    (tree('"null"', b"\0"), "bad-tree"),
+    (tree('"bool"'), "bad-tree"),
+    (tree('"int64"', bytes(7)), "bad-tree"),
+    (tree('"int64"', bytes(9)), "bad-tree"),
+    (tree('"float64"', bytes(7)), "bad-tree"),
+    (tree('"float64"', NAN), "bad-value"),
+    (tree('["int64","float64"]', bytes(8) + INFINITE), "bad-value"),
+    (tree('"text"', bytes(3)), "bad-tree"),
+    (tree('"text"', struct.pack("<I", 5) + b"four"), "bad-tree"),
+    (tree('"text"', struct.pack("<I", 2**32 - 1) + b"four"), "bad-tree"),
+    (tree('"text"', struct.pack("<I", 2) + b"\xc3("), "bad-tree"),
+    (tree('"uint32[1]"', bytes(4)), "bad-tree"),
+    (tree('"bool[1]"', bytes(1)), "bad-tree"),
+    (tree('"float32[2"', bytes(8)), "bad-tree"),
+    (tree('"float32[2]x"', bytes(8)), "bad-tree"),
+    (tree('"float32[-2]"', bytes(8)), "bad-tree"),
+    (tree('"float32[2,]"', bytes(8)), "bad-tree"),
+    (tree('"float32[ 2]"', bytes(8)), "bad-tree"),
+    (tree('"float32[2]"', bytes(7)), "bad-tree"),
+    (tree('"uint8[1,1,1,1,1,1,1,1,1]"', bytes(1)), "bad-tree"),
+    (tree('"uint8[999999999,999999999,999999999]"', bytes(8)), "bad-tree"),
+]
 
 
 def test_what_is_no_tree_is_refused_by_both(program):
-    arrays = [Array("uint8", (0,), b"")]
-    lines = "\n".join(hexadecimal(text, arrays) for text in WRONG)
-    done = finished([*program, "trees"], input=lines)
-    said = [line.removeprefix("error ") for line in done.stdout.splitlines()]
-    # There it is the reader of a header that finds what is no JSON.
-    assert [code.replace("bad-json", "bad-tree") for code in said] == list(WRONG.values())
-    for text, code in WRONG.items():
+    done = finished([*program, "trees"], input="\n".join(data.hex() or "-" for data, _ in WRONG))
+    said = done.stdout.splitlines()
+    assert len(said) == len(WRONG), done.stderr
+    for (data, code), line in zip(WRONG, said, strict=True):
+        assert line == f"error {code}", data[:80]
         with pytest.raises(MessageError) as refusal:
-            tree.read(text, arrays)
-        assert refusal.value.code == code, text
-        assert len(str(refusal.value)) < 200
+            trees.read(data)
+        assert refusal.value.code == code, data[:80]
+        assert len(str(refusal.value)) < 200 and "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
     ("value", "code"),
     [
         (float("nan"), "bad-value"),
-        (2**53, "bad-value"),
+        (2**63, "bad-value"),
+        (-(2**63) - 1, "bad-value"),
         ({1: 2}, "bad-tree"),
+        ({"\ud800": 2}, "bad-tree"),
         ({"a": object}, "bad-tree"),
         (b"x", "bad-tree"),
+        (ENDLESS, "bad-tree"),
         (np.zeros(1, np.uint64), "bad-dtype"),
         (np.array(["x"]), "bad-dtype"),
     ],
-    ids=["NaN", "2**53", "a number as key", "an object", "bytes", "uint64", "an array of texts"],
+    ids=[
+        *("NaN", "2**63", "-2**63-1", "a number as key", "half a character", "an object", "bytes", "itself"),
+        *("uint64", "an array of texts"),
+    ],
 )
 def test_what_no_message_takes_is_refused_before_it_is_sent(value, code):
-    with pytest.raises(MessageError) as refusal:
-        tree.write(value, [])
-    assert refusal.value.code == code
+    for write in (trees.write, lambda value: trees.write_pairs([("a@", value)])):
+        with pytest.raises(MessageError) as refusal:
+            write(value)
+        assert refusal.value.code == code
 
 
 @pytest.mark.parametrize(
@@ -246,8 +317,8 @@ def test_every_member_is_seen_as_its_attribute_says(seen):
     found = {}
     for line in seen:
         if " : " in line and "@" in line:
-            locator, frames = line.split(" : ")
-            value = tree.read(*spoken(frames))
+            locator, data = line.split(" : ")
+            value = trees.read(bytes.fromhex(data))
             found.setdefault(re.sub(r"^'it\\'s'@|^@@|['\[\]]| = \$$", "", locator), value)
     floats, graph = np.float32, spaces.GraphInstance
     expected = {
@@ -287,6 +358,7 @@ def test_every_member_is_seen_as_its_attribute_says(seen):
         "said = $0": ["two"],
         "exact": np.array(16777216, floats),
         "Behind": 4,
+        "most": 2**63 - 1,
         "Edges": graph(np.zeros(2, np.int64), np.zeros(1, np.int64), np.zeros((1, 2), np.int32)),
     }
     assert found.keys() == expected.keys()
@@ -312,7 +384,7 @@ def test_what_is_wrong_with_a_member_is_named_with_its_class(seen):
         "ArgumentException Indexed.Item cannot be read: give it a get",
         "MessageException no-space: Endless.items: it is nested more than 100 times, or has no end",
         "MessageException bad-shape: EndlessBox.items: an array has at most 8 dimensions",
-        "MessageException bad-value: NoLong.speed: 9223372036854775807 is not finite, or too large to be exact",
+        "MessageException bad-value: NoLong.speed: 18446744073709551615 is too large for an int64",
         "MessageException bad-value: NoFloat.speed: 1E+300 would become another number as float32",
         "MessageException bad-value: Lossy.speed: 16777217 would become another number as float32",
     ):

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import re
+import struct
 import warnings
-from types import SimpleNamespace
 from typing import Annotated, Any
 
 import pytest
 import zmq
 
-from tests.lessons.test_11_trees import same
+from tests.lessons.test_11_trees import a_space, equal, same
 from tests.programs import LIMIT
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
@@ -18,15 +19,24 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 i
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
 
-from netmq_example import spaces as tree  # noqa: E402
-from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, unity_env  # noqa: E402
+from netmq_example import records, trees  # noqa: E402
+from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, plan, unity_env  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
+from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
-from netmq_example.messages import Message, MessageError, read  # noqa: E402
+from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
+from netmq_example.records import Record  # noqa: E402
 from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
+from netmq_example.simulation.simulator import hello_of  # noqa: E402
 
 KEY = "11_observations"
 ONE = spaces.Box(-9, 9, (2,), np.float32)
+
+
+def value(said):
+    """As the array of a message."""
+    data = trees.write(said)
+    return Array("uint8", (len(data),), data)
 
 
 class Car(Agent):
@@ -49,21 +59,21 @@ def world(monkeypatch):
             def __init__(self, **where):
                 self.connection, self.id, self.close = self, 0, lambda: None
 
-            def find(self, accept):
+            def start(self, owner, accept):
                 accept(read(simulator.hello().frames()))
+                return self.close
 
             def begin(self, accept, ask):
                 return ask(None)
 
-            def ask(self, kind, values, arrays):
+            def ask(self, request):
                 self.id += 1
-                answer = read(simulator.answer(read(Message(kind, self.id, values, arrays).frames())))
+                request.id = self.id
+                asked = records.read_frames(records.ASKS, request.frames())
+                answer = records.read_frames(records.ANSWERS, simulator.answer(asked))
                 if answer.kind == "error":
                     raise MessageError(answer.values["code"], answer.values["text"])
-                if "state" in answer.values:
-                    said = change(tree.read(answer.values["state"], answer.arrays))
-                    answer.values["state"] = tree.write(said, answer.arrays)
-                return read(answer.frames())
+                return change(answer)
 
         monkeypatch.setattr(unity_env, "Simulators", Wire)
         declared = {"observation_space": spaces.Dict(x=space), "action_space": spaces.Discrete(2)}
@@ -82,11 +92,37 @@ def seeing(value):
 # From a simulator
 
 
-@pytest.mark.parametrize("odd", [[1, 2], [[1, 1]], [[[1], 1]], [["a", 1, 2]], ["'agent'@['x'] = $"], 5])
-def test_what_is_no_locator_with_a_value_is_named(odd, world):
-    env = world(change=lambda said: {**said, "observations": odd})
-    with pytest.raises(MessageError, match=r"bad-observation: .*is no locator with a value|wrong-type"):
-        env.reset(seed=1)
+PLACE = "'agent'@['x'] = $"
+X, TWO = f'["{PLACE}",%s]', '"float32[2]"'
+
+
+def tree(form, numbers=b""):
+    return struct.pack("<I", len(form)) + form.encode() + numbers
+
+
+@pytest.mark.parametrize(
+    ("odd", "said"),
+    [
+        *((tree(form), "bad-tree") for form in ("[1,2]", "[[1,1]]", '[[[1],"null"]]', "5", "{}", "[", f'"{PLACE}"')),
+        (tree(f'["{PLACE}","null",2]'), "bad-tree"),
+        *((tree(f"[{X % form}]"), "bad-tree") for form in ("5", '"float16[2]"', "[" * 900 + "]" * 900)),
+        (b"\1\0", "bad-tree: .* too early"),
+        (struct.pack("<I", 9) + b"[]", "bad-tree: .* too early"),
+        (tree(f"[{X % TWO}]", bytes(7)), "bad-observation: it is cut short"),
+        (tree(f"[{X % TWO}]", bytes(9)), "bad-observation: more follows what was seen"),
+        (tree(f"[{X % TWO},{X % TWO}]", bytes(17)), "bad-observation: more follows what was seen"),
+        (tree("[[\"'agent'@['x'\",\"null\"]]"), "bad-observation: .* column 13"),
+        (tree('[[".x","null"]]'), "bad-observation: .*names no agent"),
+    ],
+)
+def test_what_is_no_locator_with_a_value_is_named(odd, said, world):
+    def change(answer):
+        answer.rows = [odd]
+        return answer
+
+    with pytest.raises(MessageError, match=f"^{said}") as refusal:
+        world(change=change).reset(seed=1)
+    assert "\n" not in str(refusal.value)
 
 
 GRAPH = spaces.Graph(spaces.Box(-9, 9, (1,), np.float32), spaces.Box(-9, 9, (1,), np.float32))
@@ -146,24 +182,27 @@ def test_items_that_are_fitted_at_once_are_what_each_of_them_is_alone(feature, i
 
 
 def test_the_server_names_what_is_wrong_and_goes_on(serve):
-    """A state with odd observations, one without any coin and then the end, and an agent's text that is no list."""
+    """Odd observations, one without any coin and then the end, and an info that is no dict."""
     server, endpoint = serve(KEY)
-    agent = '"agents":{"dict":{"agent":{"dict":{"reward":0.0,"terminated":%s,"truncated":false,"infos":%s}}}}'
-    state = '{"dict":{%s,"infos":[],"observations":%s}}'
+    nothing = trees.write_pairs([])
+
+    def answer(row, info=b"", over=0):
+        return lambda id: Record(records.ANSWERS, id, records.rewards([0.0]), [over], [row], [info])
+
     for said, line in (
-        ([state % (agent % ("false", "[]"), "[[1,1]]")], "^trouble: .*bad-observation: "),
-        ([state % (agent % ("false", "5"), "[]")], "^trouble: .*wrong-type: "),
-        ([state % (agent % (over, "[]"), "[]") for over in ("false", "true")], "^episode 1: 1 steps, return 0.00: $"),
+        ([answer(tree("[[1,1]]"))], "^trouble: .*bad-tree: "),
+        ([answer(nothing, trees.write(5))], "^trouble: .*bad-info: "),
+        ([answer(nothing), answer(nothing, over=records.TERMINATED)], "^episode 1: 1 steps, return 0.00: $"),
     ):
         with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
             socket.linger, before = 0, len(server.lines)
             socket.connect(endpoint)
-            socket.send_multipart(Message("hello", 0, {"name": "Coins", "dt": 0.1}).frames())
-            for text in ["", *said]:
+            socket.send_multipart(hello_of("Coins", 0.1, {}).frames())
+            for each in [None, *said]:
                 assert socket.poll(1000 * LIMIT), server.output
-                request = read(socket.recv_multipart())
-                if text:
-                    socket.send_multipart(Message("state", request.id, {"state": text}).frames())
+                request = records.read_frames(records.ASKS, socket.recv_multipart())
+                if each:
+                    socket.send_multipart(each(request.id).frames())
             server.wait_for(line, start=before)
         server.wait_for("^waiting for a simulator", start=before)
     assert "Traceback" not in server.output
@@ -179,7 +218,8 @@ class Own(spaces.Space):
 @pytest.mark.parametrize(
     ("wrong", "where"),
     [
-        ({"observation_space": spaces.Dict(a=spaces.Tuple([ONE, spaces.OneOf([ONE])]))}, "'agent'@['a'][1]: OneOf("),
+        ({"observation_space": spaces.Dict(a=spaces.Tuple([ONE, Own()]))}, "'agent'@['a'][1]: "),
+        ({"observation_space": spaces.OneOf([Own()])}, "'agent'@"),
         ({"observation_space": spaces.Sequence(Own())}, "'agent'@[]: "),
         ({"action_space": spaces.Dict(go=Own())}, "action of agent['go']: "),
     ],
@@ -194,12 +234,16 @@ ENDLESS: dict[str, Any] = {}
 ENDLESS["it"] = ENDLESS
 
 
-@pytest.mark.parametrize("info", ["x" * 70_000, "\ud800", ENDLESS, object(), float("nan")], ids=lambda info: type(info))
+@pytest.mark.parametrize(
+    "info", [2**63, "\ud800", ENDLESS, object(), float("nan"), {1: 2}], ids=lambda info: type(info)
+)
 def test_what_cannot_be_sent_is_named_before_it_is(info, world):
     env = world(simulator=seeing(np.zeros(2)))
     env.reset(seed=1)
     for call in (lambda: env.send_info(info), lambda: env.reset(options={"a": info})):
-        with pytest.raises(ValueError, match=r"^(info|reset) cannot be sent: (too-big|bad-tree|bad-value): "):
+        with pytest.raises(
+            ValueError, match=r"^(the info|option 'a') cannot be sent: .*(large|place|text|finite|keys|end)"
+        ):
             call()
     assert env.step(1)[2:4] == (False, False), "it goes on"
 
@@ -219,12 +263,13 @@ def test_a_wrong_seed_wrong_options_and_a_step_too_early_are_named(world):
     env = world(simulator=seeing(np.zeros(2)))
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step(1)
-    for seed in (2**53, 2**70):
-        with pytest.raises(ValueError, match=r"^reset cannot be sent: bad-value: value 'seed' is too large"):
+    for seed in (2**63, 2**70):
+        with pytest.raises(ValueError, match=rf"^seed {seed} cannot be sent: it is a whole number below"):
             env.reset(seed=seed)
-    with pytest.raises(ValueError, match=r"^options must be a dict: \[1\]"):
-        env.reset(seed=1, options=[1])
-    env.reset(seed=2**53 - 1)
+    for options in ([1], {"seed": 1}):
+        with pytest.raises(ValueError, match=r"^options must be a dict, without seed.*: [\[{]"):
+            env.reset(seed=1, options=options)
+    env.reset(seed=2**63 - 1)
 
 
 @pytest.mark.parametrize("actions", [None, {}, {"b": 1}, [1], {"agent": 1, "b": 1}])
@@ -341,28 +386,52 @@ def test_it_hears_what_is_said_to_the_environment_and_says_something_of_it(world
     assert env.step(1)[-1] == {"env": [], "agent": []}, "once"
 
 
+ASKED = {"agents": ["agent"], "options": {}}
+
+
+def asks(order, row=b"", options=b"", count=1):
+    return Record(records.ASKS, 1, bytes(8 * count), [order] * count, [row] * count, options=options)
+
+
 @pytest.mark.parametrize(
-    ("kind", "state"),
+    ("request_", "code"),
     [
-        ("reset", "5"),
-        ("reset", "[]"),
-        ("reset", '{"dict":{}}'),
-        ("reset", '{"dict":{"agents":5,"options":{"dict":{}}}}'),
-        ("reset", '{"dict":{"agents":[[]],"options":{"dict":{}}}}'),
-        ("reset", '{"dict":{"agents":["agent"],"options":[]}}'),
-        ("step", '{"dict":{}}'),
-        ("step", '{"dict":{"actions":5}}'),
-        ("info", '{"dict":{"info":5}}'),
-        ("info", '{"dict":{"to":[],"info":5}}'),
-        ("info", '{"dict":{"to":"agent"}}'),
+        (asks(records.RESET), "missing-field"),
+        (asks(records.RESET, options=b"x"), "bad-tree"),
+        *((asks(records.RESET, options=trees.write(said)), "bad-options") for said in (5, [])),
+        (asks(records.RESET, options=trees.write({})), "missing-field"),
+        (asks(records.RESET, options=trees.write({**ASKED, "agents": 5})), "wrong-type"),
+        (asks(records.RESET, options=trees.write({**ASKED, "agents": [[]]})), "unknown-agent"),
+        (asks(records.RESET, options=trees.write({**ASKED, "agents": ["bus"]})), "unknown-agent"),
+        (asks(records.RESET, options=trees.write({**ASKED, "options": []})), "wrong-type"),
+        (asks(records.RESET, options=trees.write(ASKED), count=2), "wrong-agents"),
+        (asks(records.STEP, trees.write(1)), "wrong-agents"),
+        *(
+            (Message("info", 1, {}, said), "bad-info")
+            for said in ([], [value(5)], [value(["agent"])], [value([[], 5])])
+        ),
+        (Message("info", 1, {}, [value(["bus", 5])]), "unknown-agent"),
+        (Message("info", 1, {}, [Array("uint8", (1,), b"x")]), "bad-tree"),
+        (Message("jump", 1), "unknown-kind"),
     ],
 )
-def test_a_request_that_is_none_is_a_line(kind, state, capfd):
+def test_a_request_that_is_none_is_a_line(request_, code, capfd):
     simulator = seeing(1)
     simulator.hello()
-    answer = read(simulator.answer(Message(kind, 1, {"seed": 1, "state": state})))
-    assert answer.kind == "error" and answer.values["code"] != "error-in-simulation", answer.values
+    answer = read(simulator.answer(request_))
+    assert (answer.kind, answer.values["code"]) == ("error", code), answer.values
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("row", [b"", tree('"int64"', b"1")])
+def test_an_action_that_is_none_moves_nobody(row):
+    simulator = seeing(1)
+    simulator.hello()
+    simulator.answer(asks(records.RESET, options=trees.write(ASKED)))
+    step = asks(records.STEP, row)
+    step.id = 2
+    assert read(simulator.answer(step)).values["code"] == "bad-tree"
+    assert (simulator.episodes, simulator.steps) == (1, 0)
 
 
 def test_rewards_and_ends_may_be_whole_numbers(world):
@@ -413,10 +482,139 @@ def test_a_wrong_class_or_scene_is_named():
         SceneSimulator("Cars", 0.1, [Car("a"), Car("a")])
 
 
-def test_an_agent_that_is_asked_for_twice_answers_once():
-    simulator = seeing(SimpleNamespace)
-    simulator.agents["agent"].x = 1
-    simulator.hello()
-    state = tree.write({"agents": ["agent", "agent"], "options": {}}, [])
-    answer = read(simulator.answer(Message("reset", 1, {"seed": 1, "state": state})))
-    assert len(tree.read(answer.values["state"], [])["observations"]) == 1
+# Plans: what is seen is read in the places where its form says that it goes
+
+
+def told(sight, *pairs):
+    """What is seen then, or what is wrong with it."""
+    try:
+        return sight.read(trees.write_pairs(list(pairs)))
+    except MessageError as error:
+        return str(error)
+
+
+def spoil(seen):
+    """As the user of an observation may do."""
+    for part in list(seen.values()) if isinstance(seen, dict) else seen if isinstance(seen, list | tuple) else ():
+        spoil(part)
+    if isinstance(seen, dict):
+        seen.clear()
+    elif isinstance(seen, np.ndarray):
+        seen[...] = 1
+
+
+SEEN = {
+    **ODD,
+    "another kind of what a OneOf has": (spaces.OneOf([ONE, spaces.Text(9)]), (1, "text"), None),
+    "whole numbers of 32 bits": (spaces.Dict(a=spaces.Discrete(9, dtype=np.int32), b=spaces.Discrete(2)), None, None),
+    "a stack of dicts as a list": (
+        spaces.Sequence(spaces.Dict(a=ONE, b=spaces.Discrete(2)), stack=True),
+        [{"a": np.ones(2), "b": 1}] * 3,
+        None,
+    ),
+    "a number for a text": (spaces.Text(9), 5, None),
+    "nothing for a text": (spaces.Text(9, min_length=0), None, None),
+    "a dict for a sequence": (spaces.Sequence(spaces.Text(9)), {"a": 1}, "not-in-space|bad-observation"),
+    "no number of a OneOf": (spaces.OneOf([ONE]), [NODES, NODES], r"not-in-space: 'agent'@\['x'\]\[0\]: "),
+    "a sequence that ends": (spaces.Sequence(ONE), [], None),
+    "a key too few": (spaces.Dict(a=ONE, b=ONE), {"a": np.ones(2)}, None),
+    "a key too many": (spaces.Dict(a=ONE), {"a": np.ones(2), "b": 1}, "bad-observation: .*'b'"),
+    "deep in a dict": (
+        spaces.Dict(a=spaces.Tuple([ONE])),
+        {"a": [np.full(2, 10, np.float32)]},
+        r"not-in-space: 'agent'@\['x'\]\['a'\]\[0\]: float32 \[2\] array\(\[10",
+    ),
+    "a dict in a sequence": (
+        spaces.Sequence(spaces.Dict(a=spaces.Discrete(2))),
+        [{"a": 1}, {"a": 2}],
+        r"not-in-space: 'agent'@\['x'\]\[1\]\['a'\]: .*2.* is not in Discrete",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", SEEN)
+def test_a_plan_reads_what_merging_makes(what):
+    """In the same place twice nothing can be planned: it is merged."""
+    space, odd, said = SEEN[what]
+    space.seed(11)
+    planned, merged = (Sight("agent", spaces.Dict(x=space)) for _ in range(2))
+    for value in (space.sample(), odd, space.sample(), space.sample(), odd):
+        value = space.sample() if value is None and what.startswith("whole") else value
+        one, other = told(planned, (PLACE, value)), told(merged, (f"{PLACE} & {PLACE}", value))
+        assert merged.plan is None
+        if isinstance(one, str):
+            assert said and re.match(said, one), one
+            assert one.replace(PLACE, f"{PLACE} & {PLACE}")[:80] == other[:80] or isinstance(other, str)
+            one, other = planned.again(), merged.again()
+        assert equal(one, other) and list(one) == list(other)
+        assert one in planned.space
+        spoil(one)
+        assert equal(planned.again(), merged.again()), "whatever its user does with it"
+
+
+@pytest.mark.filterwarnings("ignore:.*Box.*precision lowered:UserWarning", "ignore:.*overflow.*:RuntimeWarning")
+def test_plans_of_random_spaces_read_what_merging_makes():
+    """Also of values of another space: both refuse them, or both take them for the same."""
+    random = np.random.default_rng(11)
+    for _ in range(300):
+        space, other_space = a_space(random), a_space(random)
+        planned, merged = (Sight("agent", spaces.Dict(x=space)) for _ in range(2))
+        for value in (space.sample(), other_space.sample(), space.sample()):
+            one, other = told(planned, (PLACE, value)), told(merged, (f"{PLACE} & {PLACE}", value))
+            assert merged.plan is None
+            assert isinstance(one, str) == isinstance(other, str), (space, value, one, other)
+            assert equal(planned.again(), merged.again()), (space, value)
+            if not isinstance(one, str):
+                spoil(one)
+
+
+def test_what_is_not_written_stays_whatever_form_comes():
+    """Keys come and go, in any order, whole or in part; each is as it was when it was written last."""
+    random = np.random.default_rng(11)
+    space = spaces.Dict(
+        a=ONE,
+        deep=spaces.Dict(b=spaces.Discrete(99), c=spaces.Text(9, min_length=0), d=spaces.Dict(e=ONE, f=ONE)),
+        many=spaces.Sequence(spaces.Dict(g=ONE), stack=True),
+        one=spaces.OneOf([ONE, spaces.Text(9)]),
+    )
+    space.seed(11)
+    keys = ["a", "deep.b", "deep.c", "deep.d", "deep.d.e", "deep.d.f", "many", "many[]", "one", "deep", "a(0)"]
+    planned, merged = Sight("agent", space), Sight("agent", space)
+    plans = 0
+    for step in range(400):
+        sample, pairs = space.sample(), {}
+        for key in random.permutation(keys)[: random.integers(4)]:
+            path = re.sub(r"[\[(].*", "", key).split(".")
+            value = functools.reduce(lambda part, name: part[name], path, sample)
+            pairs[str(key)] = float(value[0]) if "(" in key else {"g": np.ones(2)} if "[" in key else value
+        # The whole of a thing before its parts, as a scene sends them.
+        places = sorted((f"'agent'@.{key}", value) for key, value in pairs.items())
+        one = planned.read(trees.write_pairs(places))
+        # What must be merged, and changes nothing.
+        nothing = ("'agent'@.a(0) = $(0)", merged.again()["a"])
+        other = merged.read(trees.write_pairs([nothing, *places]))
+        plans += planned.plan is not None
+        assert merged.plan is None
+        assert equal(one, other), (step, pairs)
+        spoil(one)
+        spoil(other)
+        if step % 100 == 99:
+            planned.forget()
+            merged.forget()
+            assert equal(planned.again(), merged.again()) and planned.again()["a"].tolist() == [0, 0]
+    assert 100 < plans < 300
+
+
+def test_forms_that_never_come_again_fill_no_memory(monkeypatch):
+    monkeypatch.setattr(plan, "MOST_PLANS", 5)
+    sight = Sight("agent", spaces.Dict(x=spaces.Sequence(spaces.Discrete(9)), y=ONE))
+    for count in [*range(20), *range(20)]:
+        seen = told(sight, (PLACE, [8] * count), *([("'agent'@.y", np.ones(2, np.float32))] if count == 0 else []))
+        assert seen["x"] == (8,) * count and seen["y"].tolist() == [1, 1], "a plan that is forgotten is still the last"
+        assert len(sight.plans) <= 5
+    assert trees.reader_of.cache_info().maxsize and plan.known.cache_info().maxsize
+
+
+def test_what_goes_to_another_agent_as_well_is_that_ones_business():
+    sight = Sight("agent", spaces.Dict(x=spaces.Discrete(9)))
+    assert told(sight, ("agent@.x & bus@.nowhere", 5), ("@@agent@.nothing", 6), ("@@.x", 7)) == {"x": 7}

@@ -57,7 +57,10 @@ class Sight:
         if form not in self.plans:
             if len(self.plans) >= MOST_PLANS:
                 self.plans.clear()
-            self.plans[form] = planned(self.name, self.space, form)
+            try:
+                self.plans[form] = planned(self.name, self.space, form)
+            except (ValueError, RecursionError) as error:
+                raise trees.bad(error) from None
         plan = self.plans[form]
         if plan:
             if plan is not self.plan and plan.stays:

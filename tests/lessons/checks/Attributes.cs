@@ -65,6 +65,7 @@ namespace NetMQExample.Tests
         [Obs(".said[] = $[0]")] private readonly string[] second = { "two" };
         [Obs] private readonly int hidden = 8;
         [Box(null, "float32")] private readonly int exact = 16777216;
+        [Discrete] private readonly long most = long.MaxValue;
         private int unseen = 9;
 
         [field: Discrete] public int Behind { get; } = 4;
@@ -162,7 +163,7 @@ namespace NetMQExample.Tests
 
     internal sealed class NoLong
     {
-        [Discrete] private readonly long speed = long.MaxValue;
+        [Discrete] private readonly ulong speed = ulong.MaxValue;
     }
 
     internal sealed class NoFloat

@@ -2,10 +2,14 @@
 //
 //     trees         each line of the input is a value (MessageTree.cs) in hexadecimal digits; it is read, and what is printed
 //                   is the same value, written again, or "error" and the code
+//     pairs         each line has texts and values, in turn, in hexadecimal digits; printed is what WritePairs makes of them
 //     attributes    what is seen of some classes, line by line, and what is wrong with others
 //     world --endpoint E    simulates agents that do what they are told
 using System;
+using System.Buffers;
 using System.Globalization;
+using System.Linq;
+using System.Text;
 
 namespace NetMQExample.Tests
 {
@@ -19,6 +23,8 @@ namespace NetMQExample.Tests
             CultureInfo.CurrentCulture = german;
             if (words[0] == "trees")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Again(line));
+            else if (words[0] == "pairs")
+                for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Pairs(line));
             else if (words[0] == "world") World.Run(words[2]);
             else Attributes.Print();
         }
@@ -33,6 +39,15 @@ namespace NetMQExample.Tests
             {
                 return $"error {e.Code}";
             }
+        }
+
+        private static string Pairs(string line)
+        {
+            var words = line.Split(' ').Select(Hex.Bytes).ToArray();
+            var bytes = new ArrayBufferWriter<byte>();
+            MessageTree.WritePairs(bytes, Enumerable.Range(0, words.Length / 2)
+                .Select(i => (Encoding.UTF8.GetString(words[2 * i]), MessageTree.Read(words[2 * i + 1]))));
+            return Hex.Digits(bytes.WrittenSpan.ToArray());
         }
 
         internal static string Shown(object value) => Hex.Digits(MessageTree.Write(value));

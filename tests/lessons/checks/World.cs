@@ -88,7 +88,6 @@ namespace NetMQExample.Tests
                 case "wide": See(".value", () => BoxOf.Value(new float[3])); break;
                 case "text": See(".value", () => "text"); break;
                 case "key": See(".nowhere", () => 1L); break;
-                case "agent": See("a@.ticks & bus@.value", () => 1L); break;
                 case "number": Wrong(double.NaN); break;
                 case "type": Wrong(new Version()); break;
                 case "throw": throw new InvalidOperationException("as it was told");

@@ -101,8 +101,8 @@ namespace NetMQExample
                 var value = Value(form, ref numbers);
                 return numbers.Length == 0 ? value : throw Bad("more follows it");
             }
-            catch (Exception e) when (
-                e is ArgumentException || e is OverflowException || (e is MessageException m && m.Code == "bad-json"))
+            catch (Exception e) when (e is ArgumentException || e is OverflowException
+                || (e is MessageException m && (m.Code == "bad-json" || m.Code == "bad-dtype")))
             {
                 throw Bad(e.Message);
             }
