@@ -1,6 +1,7 @@
 """Lesson 11, the client in Python. In C# it is GymManager.cs, or the terminal client, which prints the same lines.
 
     python python/11_observations/client.py                a car collects coins, until the environment closes it
+    python python/11_observations/client.py --agents 3     so many cars, each by itself: agent_0, agent_1, agent_2
     python python/11_observations/client.py --count 3      leave after so many episodes: the environment has lost it
 
 Bytes: records, see netmq_example/records.py and simulation/scene.py.
@@ -21,9 +22,13 @@ with importing("gymnasium; kit.py run 11 installs it", stopped="stopped"):
 def main() -> None:
     parser = client_options("Simulates a car that collects coins.", "tcp://127.0.0.1:5561", timeout=30)
     parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")
+    parser.add_argument("--agents", type=whole, default=1, help="how many cars; more than one are agent_0, agent_1 …")
     options = parser.parse_args()
+    if not 1 <= options.agents <= 1024:
+        parser.error(f"--agents takes 1 to 1024, not {options.agents}")
     show(f"asking {options.endpoint}")
-    simulator = SceneSimulator("Coins", 0.1, [CoinCar("agent")])
+    names = [f"agent_{number}" for number in range(options.agents)] if options.agents > 1 else ["agent"]
+    simulator = SceneSimulator("Coins", 0.1, [CoinCar(name) for name in names])
     # It connects a DEALER socket, says hello, and answers the environment's requests.
     EnvironmentClient(options.endpoint, options.timeout, show).run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")

@@ -21,8 +21,10 @@ gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: 
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
-from gymnasium.utils.env_checker import check_env  # noqa: E402
-from pettingzoo.test import parallel_api_test, parallel_seed_test  # noqa: E402
+from gymnasium.utils.env_checker import check_env, data_equivalence  # noqa: E402
+from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
+from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate  # noqa: E402
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # noqa: E402
 
 from netmq_example import records, trees  # noqa: E402
 from netmq_example.envs import UnityAECEnv, UnityParallelEnv  # noqa: E402
@@ -125,7 +127,6 @@ def talk(kind, start, client_command, count=3):
                 (record, records.STEP, b"{"),
                 (record, records.STEP, action, b"", 2),
                 (record, records.RESET, b"", trees.write({"agents": ["bus"], "options": {}})),
-                (record, records.RESET, b"", trees.write({"agents": 5, "options": {}})),
                 (record, records.RESET, b"", trees.write([])),
                 (record, records.RESET),
             ]
@@ -148,7 +149,7 @@ def test_both_languages_send_the_same_bytes(start, client_command):
             codes += [error.values["code"] for error in errors]
         else:
             assert mine == other
-    assert codes[::2] == codes[1::2] and len(codes) == 18
+    assert codes[::2] == codes[1::2] and len(codes) == 16
     assert python[5] == python[4], "kept"
 
 
@@ -236,6 +237,7 @@ def test_pettingzoos_tests_find_nothing(make, world):
     env = make(UnityParallelEnv, launch=world, **told(action=action))
     parallel_api_test(env, num_cycles=10)
     assert env.observation_space("a") is env.observation_space("a")
+    api_test(make(UnityAECEnv, launch=world, **told(action=action)), num_cycles=10)
     parallel_seed_test(lambda: make(UnityParallelEnv, launch=world, **told("a", action)), num_cycles=3)
 
 
@@ -287,6 +289,87 @@ def test_one_after_the_other(make, world):
             env.step(f"reward {step}")
     assert env.last()[0]["ticks"] == 9
     env.close()
+
+
+# Many at once, as a vector
+
+
+def vector(count=3, **more):
+    return gymnasium.make_vec("NetMQExample/Unity-v0", count, **more)
+
+
+def policies(seen):
+    """What each car does by hand, together."""
+    actions = [collector.policy(one) for one in iterate(batch_space(SPACES["observation_space"], 3), seen)]
+    return concatenate(collector.ACTION, actions, create_empty_array(collector.ACTION, 3))
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_vector_of_agents_is_what_gymnasium_makes_of_single_ones(kind, mode, make, launch):
+    """Observations, rewards, ends and infos, to the last bit; episodes end by the last coin, and by the time."""
+    words = {"max_episode_steps": 18, **SPACES}
+    launched = launch(kind, "--agents", "3")
+    ours = make(vector, launch=launched, autoreset_mode=mode, **words)
+    singles = [lambda: gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", launch=launch(kind), **words)] * 3
+    theirs = make(lambda **_: SyncVectorEnv(singles, autoreset_mode=mode))
+    assert ours.metadata["autoreset_mode"] == theirs.metadata["autoreset_mode"] == mode
+    assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
+
+    def alike(mine, other):
+        assert data_equivalence(mine, other, exact=True), (mine, other)
+        return mine
+
+    seen, _ = alike(ours.reset(seed=7), theirs.reset(seed=7))
+    ends = [0, 0]
+    for _ in range(80):
+        actions = policies(seen)
+        seen, _, *over, _ = alike(ours.step(actions), theirs.step(actions))
+        ends = [count + each.sum() for count, each in zip(ends, over, strict=True)]
+        again = {"reset_mask": over[0] | over[1]}
+        if mode == AutoresetMode.DISABLED and again["reset_mask"].any():
+            seen, _ = alike(ours.reset(options=dict(again)), theirs.reset(options=dict(again)))
+    assert min(ends) > 1, "episodes ended both ways"
+    seeds = [3, None, 5]
+    for again in ({"seed": seeds}, {"seed": 9, "options": {"x": [1, "y"]}}):
+        alike(ours.reset(**again), theirs.reset(**again))
+
+
+def test_an_agent_of_a_vector_that_leaves_is_truncated_and_says_why(make, world):
+    told = {"observation_space": WHAT, "action_space": TOLD}
+    launched = [*world, "agent_0", "agent_1", "other"]
+    envs = make(vector, count=2, env_name="World", launch=launched, **told, max_episode_steps=4)
+    envs.reset(seed=1)
+    seen, rewards, *over, infos = envs.step(("reward 2", "leave"))
+    assert [one["ticks"] for one in iterate(envs.observation_space, seen)] == [1, 0], "what it has seen last"
+    assert rewards.tolist() == [2, 0] and [each.tolist() for each in over] == [[False] * 2, [False, True]]
+    assert infos["lost"].tolist() == [None, "it has left the scene"] and infos["agent"].tolist() == [[], []]
+    with pytest.raises(MessageError, match="unknown-agent: no agent is named 'agent_1'; there are: agent_0, other"):
+        envs.step(("", ""))
+    with pytest.raises(ValueError, match=r"^num_envs .*0"):
+        vector(count=0, env_name="World", launch=launched, **told)
+
+
+def test_a_vector_whose_scene_has_too_few_agents_says_which(make, launch):
+    envs = make(vector, launch=launch("csharp", "--agents", "2"), **SPACES)
+    with pytest.raises(MessageError, match="unknown-agent: no agent is named 'agent_2'; there are: agent_0, agent_1"):
+        envs.reset(seed=1)
+
+
+def test_a_vector_whose_simulator_is_killed_is_truncated_and_begins_in_the_next_one(make, launch):
+    envs = make(vector, launch=launch("python", "--agents", "3"), **SPACES)
+    seen, _ = envs.reset(seed=7)
+    process = envs.unwrapped.areas.simulators.process
+    process.kill()
+    process.wait()
+    last, rewards, terminated, truncated, infos = envs.step(policies(seen))
+    assert data_equivalence(last, seen, exact=True)
+    assert (rewards.any(), terminated.any(), truncated.all()) == (False, False, True)
+    assert infos["lost"].tolist() == ["the simulator is gone"] * 3 and infos["env"].tolist() == [[]] * 3
+    again, *_ = envs.step(policies(seen))
+    assert not data_equivalence(again, seen, exact=True), "by the seeds that come next"
+    again, _ = envs.reset(seed=7)
+    assert data_equivalence(again, seen, exact=True)
 
 
 @pytest.fixture(scope="module")

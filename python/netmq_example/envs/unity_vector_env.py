@@ -65,6 +65,10 @@ class RemoteScene(RemoteAreas):
     def action_rows(self, actions: Any) -> list[bytes]:
         return [self.rows.write(action) for action in iterate(self.together, actions)]
 
+    def info(self, data: Any) -> dict[str, Any]:
+        # As that of a single environment has both.
+        return {"env": [], "agent": [], **super().info(data)}
+
     def forget(self, mask: Any) -> None:
         for area in np.flatnonzero(mask):
             self.sights[area].forget()

@@ -107,6 +107,7 @@ class RemoteAreas:
         return self.look(self.seen)
 
     def info(self, data: Any) -> dict[str, Any]:
+        """What an area has said, or what stands for nothing."""
         return info_in(data)
 
     def begin(self, mask: Any, seed: Any = None, options: Any = None) -> tuple[Any, list[Any]]:
@@ -129,6 +130,7 @@ class RemoteAreas:
         self.forget(new)
         seen, *_, infos = self.read(answer)
         self.steps[new] = 0
+        infos = [info if asked else {} for info, asked in zip(infos, new, strict=True)]
         for area in np.flatnonzero(new & ~mask):
             infos[area]["lost"] = why
         return seen, infos
@@ -147,7 +149,7 @@ class RemoteAreas:
         except Lost as lost:
             # Nobody knows what came after these observations.
             nothing = np.zeros(self.count)
-            infos = [{"lost": str(lost)} for _ in range(self.count)]
+            infos = [{**self.info(b""), "lost": str(lost)} for _ in range(self.count)]
             return self.look_again(), nothing, nothing > 0, nothing == 0, infos
         self.forget(again)
         self.steps = np.where(again, 0, self.steps + 1)

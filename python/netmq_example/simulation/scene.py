@@ -159,10 +159,9 @@ class SceneSimulator(SimulatorBase):
         rows = []
         for agent, order, _ in orders:
             judged.append(agent.take() if order else {})
+            if order and self.infos:
+                judged[-1]["env"] = self.infos
             rows.append(self.seen(agent) if order else b"")
-        if self.infos:
-            for info in judged:
-                info["env"] = self.infos
         self.infos = []
         return answer_to(request, judged, rows)
 

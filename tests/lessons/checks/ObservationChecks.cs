@@ -4,7 +4,7 @@
 //                   is the same value, written again, or "error" and the code
 //     pairs         each line has texts and values, in turn, in hexadecimal digits; printed is what WritePairs makes of them
 //     attributes    what is seen of some classes, line by line, and what is wrong with others
-//     world --endpoint E    simulates agents that do what they are told
+//     world [NAME …] --endpoint E    simulates agents that do what they are told: a, b and c, or those
 using System;
 using System.Buffers;
 using System.Globalization;
@@ -25,7 +25,7 @@ namespace NetMQExample.Tests
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Again(line));
             else if (words[0] == "pairs")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Pairs(line));
-            else if (words[0] == "world") World.Run(words[2]);
+            else if (words[0] == "world") World.Run(words.Last(), words.Skip(1).Take(words.Length - 3));
             else Attributes.Print();
         }
 

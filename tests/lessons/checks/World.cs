@@ -19,9 +19,9 @@ namespace NetMQExample.Tests
         public static readonly List<IAgent> Agents = new();
         public static readonly List<Source> Others = new();
 
-        public static void Run(string endpoint)
+        public static void Run(string endpoint, IEnumerable<string> names)
         {
-            foreach (var name in new[] { "a", "b", "c" }) Agents.Add(new Told(name));
+            Agents.AddRange(names.DefaultIfEmpty("a b c").SelectMany(name => name.Split(' ')).Select(name => new Told(name)));
             var simulator = new SceneSimulator("World", 0.5, Agents, Others);
             simulator.OnInfo += info => simulator.SendInfo($"heard {info}");
             using var client = new EnvironmentClient(endpoint, TimeSpan.FromSeconds(20), Console.WriteLine);
