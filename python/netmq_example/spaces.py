@@ -214,8 +214,7 @@ class Numbers(Codec):
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
         if at + self.size > len(view):
             raise ValueError("it ends too early")
-        items: Any = np.frombuffer(view[at : at + self.size], self.dtype) if self.size else np.empty(0, self.dtype)
-        items = items.reshape(self.shape).copy()
+        items: Any = np.ndarray(self.shape, self.dtype, view, at).copy()
         self.check(items)
         return items[()] if self.single else items, at + self.size
 
@@ -230,8 +229,8 @@ class Numbers(Codec):
         return items
 
     def check(self, items: Any) -> None:
-        # NaN is not between any two numbers.
-        if self.checked and not ((items >= self.low) & (items <= self.high)).all():
+        # NaN is not between any two numbers. Of a few numbers, as most have, all() would take twice as long.
+        if self.checked and b"\0" in ((items >= self.low) & (items <= self.high)).tobytes():
             raise misfit(items, self.space)
 
 

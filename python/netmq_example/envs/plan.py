@@ -26,8 +26,8 @@ from gymnasium.spaces import Space
 from netmq_example import trees
 from netmq_example.envs.merge import MOST_ITEMS, empty, fitted, merge, warn
 from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted
-from netmq_example.messages import MessageError
-from netmq_example.spaces import Numbers, codec_of
+from netmq_example.messages import DTYPES, MessageError
+from netmq_example.spaces import codec_of
 from netmq_example.trees import REASONS, Reader
 
 # Each is read once. A scene has few; one that sends ever new ones fills no memory.
@@ -194,14 +194,8 @@ def fitter(space: Space[Any], form: Any) -> Reader | None:
         case spaces.Sequence(stack=False), list() if len(form) <= MOST_ITEMS:
             items = [fitter(space.feature_space, part) for part in form]
             return None if None in items else tuple_fitter(items)
-        case spaces.Discrete(), "int64" if space.dtype == np.int64:
+        case _, str() if form == form_in(space):
             return codec_of(space).read
-        case spaces.Text(), "text":
-            return codec_of(space).read
-        case ((spaces.Box() | spaces.MultiBinary() | spaces.MultiDiscrete()), str()):
-            codec = codec_of(space)
-            if isinstance(codec, Numbers) and form == f"{codec.dtype}[{','.join(map(str, codec.shape))}]":
-                return codec.read
     # Of another dtype, or one number for an array of one.
     plain = trees.reader(form)
 
@@ -210,6 +204,24 @@ def fitter(space: Space[Any], form: Any) -> Reader | None:
         return fitted(space, value, ""), at
 
     return read
+
+
+def form_in(space: Space[Any]) -> Any:
+    """The form of whatever is in a space, or in a part of it; None where it is not always the same."""
+    match space:
+        case spaces.Discrete() if space.dtype == np.int64:
+            return "int64"
+        case spaces.Text():
+            return "text"
+        case spaces.Box() | spaces.MultiDiscrete() if space.dtype.name in DTYPES:
+            return f"{space.dtype}[{','.join(map(str, space.shape))}]"
+        case spaces.Dict():
+            parts = {key: form_in(part) for key, part in space.items()}
+            return None if None in parts.values() else {"dict": parts}
+        case spaces.Tuple():
+            items = [form_in(part) for part in space]
+            return None if None in items else items
+    return None
 
 
 def dict_fitter(each: dict[str, Any], keys: list[str]) -> Reader:

@@ -20,17 +20,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium
-import numpy as np
-from gymnasium import spaces
 from gymnasium.spaces import Space
 
 from netmq_example import check, trees
 from netmq_example.envs.common import MadeAnew, hello_from, info_in, options_as_bytes
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.envs.merge import empty, fitted
-from netmq_example.envs.plan import Sight
+from netmq_example.envs.plan import Sight, form_in
 from netmq_example.locator import quoted
-from netmq_example.messages import DTYPES, ENCODER, Array, Message, MessageError
+from netmq_example.messages import ENCODER, Array, Message, MessageError
 from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.spaces import codec_of
 from netmq_example.trees import SIZE
@@ -197,25 +195,10 @@ class ActionRows:
 
 def fixed_form(space: Space[Any]) -> bytes:
     """The beginning of each value of a space, if that is always the same; else nothing."""
-
-    def form(space: Any) -> Any:
-        match space:
-            case spaces.Discrete() if space.dtype == np.int64:
-                return "int64"
-            case spaces.Text():
-                return "text"
-            case spaces.Box() | spaces.MultiDiscrete() if space.dtype.name in DTYPES:
-                return f"{space.dtype}[{','.join(map(str, space.shape))}]"
-            case spaces.Dict():
-                return {"dict": {key: form(part) for key, part in space.items()}}
-            case spaces.Tuple():
-                return [form(part) for part in space]
-        raise LookupError
-
-    try:
-        text = ENCODER.encode(form(space)).encode()
-    except LookupError:
+    form = form_in(space)
+    if form is None:
         return b""
+    text = ENCODER.encode(form).encode()
     return SIZE.pack(len(text)) + text
 
 
