@@ -171,7 +171,7 @@ def empty(space: Space[Any], where: str) -> Any:
         case spaces.MultiBinary():
             return np.zeros(space.shape, space.dtype)
         case spaces.OneOf():
-            return Chosen((np.int64(0), empty(space.spaces[0], where)))
+            return np.int64(0), empty(space.spaces[0], where)
     raise no_place(space, where)
 
 
