@@ -119,19 +119,13 @@ def talk(kind, start, client_command, count=3):
             record(id, records.STEP, action)
         info(3 + count, ["agent", {"a": [None, True]}])
         record(4 + count, records.NOTHING)
-        for at, (wrong, *words) in enumerate(
-            [
-                (info, ["bus", 1]),
-                (info, {"to": "agent"}),
-                (lambda id: ask(Message("jump", id)),),
-                (record, records.STEP, b"{"),
-                (record, records.STEP, action, b"", 2),
-                (record, records.RESET, b"", trees.write({"agents": ["bus"], "options": {}})),
-                (record, records.RESET, b"", trees.write([])),
-                (record, records.RESET),
-            ]
-        ):
-            wrong(5 + count + at, *words)
+        info(5 + count, ["bus", 1])
+        info(6 + count, {"to": "agent"})
+        ask(Message("jump", 7 + count))
+        record(8 + count, records.STEP, b"{")
+        record(9 + count, records.STEP, action, count=2)
+        for at, options in enumerate((trees.write({"agents": ["bus"], "options": {}}), trees.write([]), b"")):
+            record(10 + count + at, records.RESET, options=options)
         ask(Message("close", 50))
         assert client.wait() == 0, client.output
         assert client.lines[-1] == f"done: 1 episodes, {count} steps", "a request that comes again is done once"

@@ -17,8 +17,7 @@ It takes all of Gymnasium's fundamental and composite spaces; ValueError says wh
 and numpy.
 """
 
-import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import reduce
 from typing import Any
@@ -177,24 +176,6 @@ def empty(space: Space[Any], where: str) -> Any:
 
 def no_place(space: Any, where: str) -> ValueError:
     return ValueError(f"{where}: {space} has no place in a message; Gymnasium's own spaces have")
-
-
-def warn(observations: dict[str, Space[Any]], locators: list[Locator]) -> None:
-    """Names what stays empty, because none of these locators goes there."""
-    for agent, space in observations.items():
-        paths = [one.destination for locator in locators for one in locator.mappings if one.names(agent)]
-        for path in unwritten(space, paths):
-            place = f"{quoted(agent)}@{spelled(path)}"
-            warnings.warn(f"nothing writes {place}: is there such a member in C#? It stays as it is", stacklevel=3)
-
-
-def unwritten(space: Space[Any], paths: list[Path], at: Path = ()) -> Iterator[Path]:
-    """Keys, also of dicts in dicts, in which nothing arrives. Where a part of something arrives, something does."""
-    if not any(path[: len(at)] == at for path in paths):
-        yield at
-    elif isinstance(space, spaces.Dict) and at not in paths:
-        for key, part in space.items():
-            yield from unwritten(part, paths, (*at, key))
 
 
 def fitted(space: Space[Any], value: Any, where: str) -> Any:

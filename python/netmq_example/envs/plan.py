@@ -15,7 +15,8 @@ What a row does not write stays as it was. It needs gymnasium and numpy.
 import contextlib
 import copy
 import functools
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -24,8 +25,8 @@ from gymnasium import spaces
 from gymnasium.spaces import Space
 
 from netmq_example import trees
-from netmq_example.envs.merge import MOST_ITEMS, empty, fitted, merge, warn
-from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted
+from netmq_example.envs.merge import MOST_ITEMS, empty, fitted, merge
+from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted, spelled
 from netmq_example.messages import DTYPES, MessageError
 from netmq_example.spaces import codec_of
 from netmq_example.trees import REASONS, Reader
@@ -100,7 +101,10 @@ class Sight:
     def warn(self, row: Any) -> None:
         """Names what nothing of this row writes. It may come later, from a sensor that is disabled now."""
         form, _ = trees.parted(row)
-        warn({self.name: self.space}, [known(text) for text, _ in trees.pairs_of(form)])
+        paths = [one.destination for text, _ in trees.pairs_of(form) for one in mappings_for(self.name, text)]
+        for path in unwritten(self.space, paths):
+            place = f"{self.where}{spelled(path)}"
+            warnings.warn(f"nothing writes {place}: is there such a member in C#? It stays as it is", stacklevel=2)
 
 
 class Plan:
@@ -156,6 +160,15 @@ def mappings_for(name: str, text: str) -> list[Mapping]:
     if not all(one.absolute for one in mappings):
         raise MessageError("bad-observation", f"{text[:100]}: it names no agent")
     return [one for one in mappings if one.names(name)]
+
+
+def unwritten(space: Space[Any], paths: list[Path], at: Path = ()) -> Iterator[Path]:
+    """Keys, also of dicts in dicts, in which nothing arrives. Where a part of something arrives, something does."""
+    if not any(path[: len(at)] == at for path in paths):
+        yield at
+    elif isinstance(space, spaces.Dict) and at not in paths:
+        for key, part in space.items():
+            yield from unwritten(part, paths, (*at, key))
 
 
 def at_keys(space: Space[Any], path: Path) -> Space[Any] | None:
