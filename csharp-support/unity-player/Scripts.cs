@@ -8,6 +8,9 @@ namespace UnityPlayer
 {
     public static class Scripts
     {
+        // For scenes of one's own: no lesson's scene has them.
+        private static readonly string[] Spare = { "RaySensor" };
+
         /// <summary>Every MonoBehaviour of a reader's own, and those of the kit's that own-scripts.csproj has noted.</summary>
         /// <exception cref="ArgumentException">There is none.</exception>
         public static Type[] Of(Assembly own, Assembly kit)
@@ -30,7 +33,8 @@ namespace UnityPlayer
                 .Where(data => data.Value == "script")
                 .Select(data => data.Key.Split('/', '\\'))
                 .Select(path => (Lesson: path[0], Type: classes[path[path.Length - 1]].FirstOrDefault()))
-                .Where(script => typeof(MonoBehaviour).IsAssignableFrom(script.Type) && !script.Type.IsAbstract)
+                .Where(script => typeof(MonoBehaviour).IsAssignableFrom(script.Type) && !script.Type.IsAbstract
+                    && !Spare.Contains(script.Type.Name))
                 .ToLookup(script => script.Lesson.Substring(0, 2), script => script.Type);
             var number = lesson.Split('_')[0].PadLeft(2, '0');
             if (found.Contains(number)) return found[number].ToArray();

@@ -130,7 +130,8 @@ namespace NetMQExample
             }
         }
 
-        internal static string ReadText(ref ReadOnlyMemory<byte> from) => Utf8.GetString(Take(ref from, Size(ref from)).Span);
+        internal static string ReadText(ref ReadOnlyMemory<byte> from) =>
+            Utf8.GetString(Take(ref from, Size(ref from)).Span);
 
         internal static int Size(ref ReadOnlyMemory<byte> from) =>
             checked((int)BitConverter.ToUInt32(Take(ref from, 4).Span));
@@ -179,7 +180,7 @@ namespace NetMQExample
                     numbers.Advance(8);
                     return;
                 case MessageArray array:
-                    form.Append('"').Append(array.Dtype).Append('[').Append(string.Join(",", array.Shape)).Append("]\"");
+                    form.Append($"\"{array.Dtype}[{string.Join(",", array.Shape)}]\"");
                     numbers.Write(array.Data.Span);
                     return;
                 case MessageGraph graph:

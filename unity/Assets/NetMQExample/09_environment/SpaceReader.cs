@@ -27,8 +27,9 @@ namespace NetMQExample
         /// <summary>One of its numbers; of a discrete space the one that it is.</summary>
         public double this[int at] => numbers[at];
 
-        /// <summary>All of it: long, double, string, MessageArray, List&lt;object&gt;, Dictionary&lt;string, object&gt;,
-        /// MessageGraph; of one of several spaces a list, which one and what. It is made when it is asked for.</summary>
+        /// <summary>All of it: long, double, string, MessageArray, List&lt;object&gt;,
+        /// Dictionary&lt;string, object&gt;, MessageGraph; of one of several spaces a list, which one and what. It is
+        /// made when it is asked for.</summary>
         public object Value => value ??= Decoded(row);
 
         /// <summary>Takes what Python has sent.</summary>

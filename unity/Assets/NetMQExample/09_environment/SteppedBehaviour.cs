@@ -106,7 +106,8 @@ namespace NetMQExample
                 // What is logged comes before the step that it was logged ahead of.
                 while (DoNext(0)) { }
                 var left = MostMilliseconds - (int)clock.ElapsedMilliseconds;
-                if (left <= 0 || !handover.DoNext(quick ? left : stepped ? Math.Min(left, IdleMilliseconds) : 1)) return;
+                var wait = quick ? left : stepped ? Math.Min(left, IdleMilliseconds) : 1;
+                if (left <= 0 || !handover.DoNext(wait)) return;
             }
             while (isActiveAndEnabled);
         }

@@ -64,7 +64,8 @@ namespace NetMQExample
             var (agent, info) = InfoOf(request);
             if (agent != "" && players.All(player => player.Name != agent))
                 throw new MessageException("unknown-agent", $"there is no agent {MessageJson.Shown(agent)}");
-            game.OnInfo(agent, info as Dictionary<string, object> ?? throw new MessageException("bad-info", "it is no dict"));
+            game.OnInfo(agent, info as Dictionary<string, object>
+                ?? throw new MessageException("bad-info", "it is no dict"));
             var told = game.Infos.Take() ?? new byte[0];
             return new Message("told", request.Id) { Arrays = { new MessageArray("uint8", told, told.Length) } };
         }
@@ -83,8 +84,10 @@ namespace NetMQExample
             {
                 if (players[i].Lives) living++;
                 if (request.OrderOf(i) != (players[i].Lives ? Order.Step : Order.Nothing))
-                    throw new MessageException("wrong-agents",
-                        $"{players[i].Name} {(players[i].Lives ? "lives, and has no action" : "has an action, and is over")}");
+                {
+                    var why = players[i].Lives ? "lives, and has no action" : "has an action, and is over";
+                    throw new MessageException("wrong-agents", $"{players[i].Name} {why}");
+                }
             }
             if (living == 0) throw new MessageException("wrong-agents", "nobody lives: reset first");
             // With the actions from before, which are read over now. All of them are looked at before anything moves.

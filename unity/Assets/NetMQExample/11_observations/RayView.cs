@@ -3,8 +3,8 @@
 //     var rays = new RayView(transform, 3, 70, 20, 0.5f, Physics.DefaultRaycastLayers, "wall", "coin");
 //     MessageArray seen = rays.Look();                 float32 [28]: 7 rays, each with two tags and two more numbers
 //
-// Of each ray there is 1 at the tag of what it has met, else 0; then 1 if it has met nothing; then how far it came, from
-// 0 to 1. The first ray looks ahead, the next one to the right of it, then to the left, and so on outwards.
+// Of each ray there is 1 at the tag of what it has met, else 0; then 1 if it has met nothing; then how far it came,
+// from 0 to 1. The first ray looks ahead, the next one to the right of it, then to the left, and so on outwards.
 using System;
 using UnityEngine;
 
