@@ -188,11 +188,15 @@ def assets() -> list[Path]:
     return found
 
 
+# For scenes of one's own: no lesson's scene has them, and the player (Scripts.cs) leaves them out.
+SPARE = {"RaySensor"}
+
+
 def behaviours(folder: Path) -> list[Path]:
-    """The scripts of a lesson that can be put on a game object: Unity wants the class named like its file."""
+    """The scripts of a lesson's game object: Unity wants the class named like its file."""
     bases = r"(?:Mono|Network|Connected|Driven|SideChannel|Stepped)Behaviour|Python(?:Environment|Agents)|Agent"
     pattern = rf"^\s*public (?:sealed )?class {{}} : (?:{bases}|SensorComponent)\b"
-    scripts = sorted(folder.glob("*.cs"))
+    scripts = [path for path in sorted(folder.glob("*.cs")) if path.stem not in SPARE]
     return [p for p in scripts if re.search(pattern.format(p.stem), p.read_text(encoding="utf-8"), re.MULTILINE)]
 
 

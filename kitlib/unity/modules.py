@@ -17,7 +17,15 @@ TYPES = {
     "com.unity.modules.imgui": {"GUI"},
     "com.unity.modules.jsonserialize": {"JsonUtility"},
     # CreatePrimitive gives each shape a collider.
-    "com.unity.modules.physics": {"Collider", "Physics", "SimulationMode", "CreatePrimitive"},
+    "com.unity.modules.physics": {
+        "BoxCollider",
+        "Collider",
+        "CreatePrimitive",
+        "Physics",
+        "RaycastHit",
+        "SimulationMode",
+        "SphereCollider",
+    },
 }
 
 

@@ -83,7 +83,7 @@ def made(tmp_path):
         opened.append(getattr(envs, name)(**words, launch=[PYTHON, *launch]))
         return opened[-1]
 
-    make.opened = opened
+    make.opened = opened  # type: ignore[attr-defined]
     yield make
     for env in opened:
         env.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 import time
 import types
@@ -75,6 +76,9 @@ class VecEnv:
         self._reset_seeds()
         assert set(self.get_attr("render_mode")) == {None}
 
+    def _get_indices(self, indices):
+        return range(self.num_envs) if indices is None else indices
+
     def _reset_seeds(self):
         self._seeds = [None] * self.num_envs
 
@@ -92,13 +96,15 @@ def test_the_bridge_to_stable_baselines3(inside, monkeypatch):
         module = types.ModuleType(f"stable_baselines3{name}")
         monkeypatch.setitem(sys.modules, module.__name__, module)
         module.__dict__["VecEnv"] = VecEnv
-    exec(of_the_page("python", "class Areas(VecEnv)"), page := {})
+    monkeypatch.delitem(sys.modules, "netmq_example.sb3", raising=False)
+    bridge = importlib.import_module("netmq_example.sb3")
+    monkeypatch.delitem(sys.modules, "netmq_example.sb3")
     words = {"autoreset_mode": "SameStep", "max_episode_steps": 12}
     plain, wrapped = (
         gymnasium.make_vec("NetMQExample/CartPole-v0", 4, socket=areas_of(inside, CartPole, 4), **words)
         for _ in range(2)
     )
-    areas = page["Areas"](wrapped)
+    areas = bridge.Areas(wrapped)
     areas.seed(7)
     assert np.array_equal(areas.reset(), plain.reset(seed=[7, 8, 9, 10])[0])
     ends = set()
@@ -168,7 +174,7 @@ def test_the_pages_world_is_the_same_in_both_languages(netmq, console, start, tm
 @pytest.fixture
 def registered():
     """My/Ball-v0, as the page does it."""
-    exec(of_the_page("python", "gymnasium.register("), {"gymnasium": gymnasium})
+    exec(of_the_page("python", "My/Ball-v0"), {"gymnasium": gymnasium})
     yield
     del gymnasium.registry["My/Ball-v0"]
 

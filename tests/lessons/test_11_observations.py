@@ -173,11 +173,11 @@ def test_a_camera_sensor_sees_the_scene_upright(make, launch):
     seen, _ = env.reset(seed=3)
     for _ in range(4):
         picture = seen["camera"].astype(int)
-        assert picture.shape == (24, 32, 3)
+        assert picture.shape == (48, 64, 3)
         red = (picture[..., 0] > 150) & (picture[..., 1] < 100)
         rows, columns = np.nonzero(red)
-        assert rows.mean() == pytest.approx(23.5 * (1 - seen["place"][1] / 10), abs=2), "north is up"
-        assert columns.mean() == pytest.approx(4 + 23.5 * seen["place"][0] / 10, abs=2)
+        assert rows.mean() == pytest.approx(47 * (1 - seen["place"][1] / 10), abs=4), "north is up"
+        assert columns.mean() == pytest.approx(8 + 47 * seen["place"][0] / 10, abs=4)
         seen, *_ = env.step({"push": np.array([0.5, 1], np.float32), "boost": 1})
 
 

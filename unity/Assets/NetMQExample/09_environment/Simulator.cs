@@ -94,7 +94,7 @@ namespace NetMQExample
         }
 
         /// <summary>Whom an info is for, empty for the environment, and what it is.</summary>
-        protected static (string Agent, object Info) InfoOf(Message request) => request.Arrays.Count == 1
+        protected static (string Whom, object Info) InfoOf(Message request) => request.Arrays.Count == 1
             && MessageTree.Read(request.Arrays[0].Data) is List<object> pair
             && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])
             : throw new MessageException("bad-info", "it is no name with an info");

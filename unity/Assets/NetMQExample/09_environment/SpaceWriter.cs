@@ -52,6 +52,17 @@ namespace NetMQExample
         public SpaceWriter Add(double one, double two, double three, double four) =>
             Add(one, two).Add(three, four);
 
+#if UNITY_5_3_OR_NEWER
+        /// <summary>x and y.</summary>
+        public SpaceWriter Add(UnityEngine.Vector2 value) => Add(value.x, value.y);
+
+        /// <summary>x, y and z.</summary>
+        public SpaceWriter Add(UnityEngine.Vector3 value) => Add(value.x, value.y, value.z);
+
+        /// <summary>x, y, z and w.</summary>
+        public SpaceWriter Add(UnityEngine.Quaternion value) => Add(value.x, value.y, value.z, value.w);
+
+#endif
         /// <summary>The next numbers.</summary>
         public SpaceWriter Add(double[] numbers)
         {

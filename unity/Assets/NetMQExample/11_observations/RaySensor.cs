@@ -16,7 +16,8 @@ namespace NetMQExample
         [SerializeField, Range(0, 180), Tooltip("From the one ahead to the last one")] private float maxRayDegrees = 70;
         [SerializeField, Range(0, 10), Tooltip("How thick they are, in metres")] private float sphereCastRadius = 0.5f;
         [SerializeField, Range(1, 1000), Tooltip("In metres")] private float rayLength = 20;
-        [SerializeField, Tooltip("What they meet")] private LayerMask rayLayerMask = Physics.DefaultRaycastLayers;
+        // Physics.DefaultRaycastLayers: all but Ignore Raycast.
+        [SerializeField, Tooltip("What they meet")] private LayerMask rayLayerMask = -5;
 
         private RayView view;
 

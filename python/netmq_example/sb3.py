@@ -1,6 +1,6 @@
 """Stable-Baselines3: many areas as its VecEnv, and a scene's spaces as its policies take them.
 
-    from netmq_example.envs.sb3 import Areas, PlainSpaces
+    from netmq_example.sb3 import Areas, PlainSpaces
 
     envs = gymnasium.make_vec("NetMQExample/CartPole-v0", 16, autoreset_mode="SameStep", launch=…)
     PPO("MlpPolicy", VecMonitor(Areas(envs))).learn(100_000)
