@@ -110,7 +110,8 @@ def measure(env: Any, seconds: float, thinking: float) -> dict[str, object]:
     start = now = time.perf_counter()
     while not waits or now < start + seconds:
         action = policy(env, seen)
-        time.sleep(thinking)
+        if thinking:
+            time.sleep(thinking)
         before = time.perf_counter()
         seen, _, terminated, truncated, _ = env.step(action)
         now = time.perf_counter()

@@ -87,6 +87,7 @@ namespace NetMQExample
     public sealed class DrawnCoinCar : CoinCar
     {
         private static readonly byte[] Grass = { 40, 80, 40 }, Coin = { 240, 200, 40 }, Car = { 200, 30, 30 };
+        private static readonly byte[,,] Meadow = Filled(new byte[48, 64, 3], 0, 0, 48, 64, Grass);
 
         /// <inheritdoc/>
         public DrawnCoinCar(string name) : base(name) { }
@@ -96,17 +97,19 @@ namespace NetMQExample
         // Uint8 [48, 64, 3], the highest row first.
         private byte[,,] Draw()
         {
-            var pixels = new byte[48, 64, 3];
-            void Fill(int row, int column, int height, int width, byte[] colour)
-            {
-                for (var i = 0; i < height * width * 3; i++)
-                    pixels[row + i / 3 / width, column + i / 3 % width, i % 3] = colour[i % 3];
-            }
-            void Point((double X, double Y) spot, byte[] colour) =>
-                Fill((int)((Field - spot.Y) / Field * 44), (int)(spot.X / Field * 60), 4, 4, colour);
-            Fill(0, 0, 48, 64, Grass);
-            foreach (var spot in Spots) Point(spot, Coin);
-            Point(Spot, Car);
+            var pixels = (byte[,,])Meadow.Clone();
+            foreach (var spot in Spots) Point(pixels, spot, Coin);
+            Point(pixels, Spot, Car);
+            return pixels;
+        }
+
+        private static void Point(byte[,,] pixels, (double X, double Y) spot, byte[] colour) =>
+            Filled(pixels, (int)((Field - spot.Y) / Field * 44), (int)(spot.X / Field * 60), 4, 4, colour);
+
+        private static byte[,,] Filled(byte[,,] pixels, int row, int column, int height, int width, byte[] colour)
+        {
+            for (var i = 0; i < height * width * 3; i++)
+                pixels[row + i / 3 / width, column + i / 3 % width, i % 3] = colour[i % 3];
             return pixels;
         }
     }
