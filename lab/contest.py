@@ -58,6 +58,7 @@ STEPS = [
     Contender("lesson 11, C#", "trainer", "coins", "", "gymnasium"),
     Contender("lesson 11, 16 agents, C#", "trainer", "coins@16", "", "gymnasium"),
     Contender("lesson 09, in frames", "trainer", "player", "", "gymnasium"),
+    Contender("one in frames, async", "trainer", "async@1", "", "gymnasium"),
     Contender("two in frames, async", "trainer", "async@2", "", "gymnasium"),
     Contender("four in frames, sync", "trainer", "sync@4", "", "gymnasium"),
     *(Contender(f"in frames, thinking {ms} ms", "trainer", f"player+{ms}", "", "gymnasium") for ms in (2, 5, 20)),

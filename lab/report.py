@@ -77,7 +77,7 @@ def goals(results: dict[str, Any]) -> list[str]:
     for label, other, aim in (
         ("lesson 09, C#", "NetMQ alone", "0.75"),
         ("lesson 10, 16 areas, C#", "Gymnasium's own, 16 in process", "1.50"),
-        ("two in frames, async", "lesson 09, in frames", "1.60"),
+        ("two in frames, async", "one in frames, async", "1.60"),
         ("four in frames, sync", "lesson 09, in frames", "0.80"),
     ):
         rate, limit = (middle(STEPS, each, "rate") for each in (label, other))

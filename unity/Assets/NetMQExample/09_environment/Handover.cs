@@ -8,7 +8,8 @@ namespace NetMQExample
     /// <summary>From the network thread to the main thread and back, without garbage.</summary>
     internal sealed class Handover
     {
-        private readonly SemaphoreSlim asked = new SemaphoreSlim(0), done = new SemaphoreSlim(0);
+        // Not a semaphore: it spins before it sleeps, and several games of one machine take each other's cores by that.
+        private readonly object turn = new object();
         private Action work;
         private ExceptionDispatchInfo mistake;
 
@@ -17,12 +18,15 @@ namespace NetMQExample
         /// <param name="stop">Ends the wait.</param>
         public void Do(Action action, CancellationToken stop)
         {
-            work = action;
-            mistake = null;
-            asked.Release();
-            // In slices, and not with the token: its callback would be garbage.
-            while (!done.Wait(20)) stop.ThrowIfCancellationRequested();
-            mistake?.Throw();
+            lock (turn)
+            {
+                mistake = null;
+                work = action;
+                Monitor.PulseAll(turn);
+                while (work != null)
+                    if (!Monitor.Wait(turn, 20)) stop.ThrowIfCancellationRequested();
+                mistake?.Throw();
+            }
         }
 
         /// <summary>Does what is asked for. For the main thread.</summary>
@@ -30,12 +34,16 @@ namespace NetMQExample
         /// <returns>False if nothing was.</returns>
         public bool DoNext(int timeout)
         {
-            if (!asked.Wait(timeout)) return false;
-            try { work(); }
-            // Whoever has asked for it ends by it, and says so.
-            catch (Exception e) { mistake = ExceptionDispatchInfo.Capture(e); }
-            finally { done.Release(); }
-            return true;
+            lock (turn)
+            {
+                if (work == null && (timeout <= 0 || !Monitor.Wait(turn, timeout) || work == null)) return false;
+                try { work(); }
+                // Whoever has asked for it ends by it, and says so.
+                catch (Exception e) { mistake = ExceptionDispatchInfo.Capture(e); }
+                work = null;
+                Monitor.PulseAll(turn);
+                return true;
+            }
         }
     }
 }
