@@ -116,7 +116,7 @@ def measure(env: Any, seconds: float, thinking: float) -> dict[str, object]:
         seen, _, terminated, truncated, _ = env.step(action)
         now = time.perf_counter()
         waits.append(round((now - before) * 1e6, 1))
-        if areas == 1 and np.all(terminated | truncated):
+        if areas == 1 and (terminated or truncated):
             seen, _ = env.reset()
     return {"messages": areas * len(waits), "seconds": now - start, "waits": waits}
 

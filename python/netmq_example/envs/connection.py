@@ -100,9 +100,7 @@ class Connection:
         self.id += 1
         request.id = self.id
         frames = request.frames()
-        name = name_of(request)
         end = time.monotonic() + self.timeout
-        why = f"no answer to {name} within {self.timeout:g} s"
         while time.monotonic() < end:
             if not self.peer or not self.send(self.peer, frames):
                 why = getattr(self.socket, "gone", "the simulator is gone")
@@ -110,6 +108,8 @@ class Connection:
             answer = self.answer(min(end, time.monotonic() + RESEND_SECONDS))
             if answer:
                 return checked(request, answer)
+        else:
+            why = f"no answer to {name_of(request)} within {self.timeout:g} s"
         self.peer = b""
         raise Lost(why)
 
