@@ -27,7 +27,11 @@ namespace NetMQExample.Terminal
             if (keys != null) NetMQConnection.Prepare = keys.Apply;
             if (find > 65535) throw new UsageException($"--find takes a port, not {find}");
             if (find > 0) endpoint = HubFinder.Find(find, keys?.ServerKey ?? "", timeout);
-            var simulator = new FleetSimulator(new Simulator(new CartPole()), build) { CrashAfter = crashAfter, Delay = delay };
+            var simulator = new FleetSimulator(new Simulator(new CartPole()), build)
+            {
+                CrashAfter = crashAfter,
+                Delay = delay,
+            };
             simulator.Crash = line =>
             {
                 Console.WriteLine(line);

@@ -73,10 +73,10 @@ def make(name: str) -> Any:
     if where == "own":
         return gymnasium.make_vec("CartPole-v1", int(count), "sync") if count else gymnasium.make("CartPole-v1")
     if where == "coins":
-        words = {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION}
-        words["launch"] = ["dotnet", CONSOLE, "11", *(["--agents", count] if count else [])]
+        options: dict[str, Any] = {"env_name": "Coins", "observation_space": seen_space(False), "action_space": ACTION}
+        options["launch"] = ["dotnet", CONSOLE, "11", *(["--agents", count] if count else [])]
         unity = "NetMQExample/Unity-v0"
-        return gymnasium.make_vec(unity, int(count), **words) if count else gymnasium.make(unity, **words)
+        return gymnasium.make_vec(unity, int(count), **options) if count else gymnasium.make(unity, **options)
     player = ["dotnet", CONSOLE, "9", "--unity"]
     if where in ("async", "sync"):
         return gymnasium.make_vec(pole, int(count), where, launch=player)

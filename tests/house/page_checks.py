@@ -34,6 +34,7 @@ REFERENCE = {
     "in_the_editor.md",
     "other_languages.md",
     "questions.md",
+    "reinforcement_learning.md",
     "where_to_go_next.md",
 }
 # What PowerShell 5.1, cmd, bash and zsh all take as it stands: programs, words, and text in double quotes.

@@ -29,7 +29,8 @@ from netmq_example.envs.connection import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
 from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, read_frames, rewards, seeds  # noqa: E402
 from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
-from netmq_example.spaces import Bytes, described  # noqa: E402
+from netmq_example.space_bytes import Bytes  # noqa: E402
+from netmq_example.spaces import described  # noqa: E402
 from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 

@@ -42,7 +42,8 @@ from netmq_example.records import ASKS, RESET, STEP, Record, read, seeds  # noqa
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
 from netmq_example.simulation.simulation import Simulation  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
-from netmq_example.spaces import Bytes, described, space_of  # noqa: E402
+from netmq_example.space_bytes import Bytes  # noqa: E402
+from netmq_example.spaces import described, space_of  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "09_environment.json").read_text(encoding="utf-8"))

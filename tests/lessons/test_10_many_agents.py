@@ -38,7 +38,7 @@ from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
 from netmq_example.simulation.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
-from netmq_example.spaces import Bytes  # noqa: E402
+from netmq_example.space_bytes import Bytes  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
 from netmq_example.worlds.road_car import RoadCar  # noqa: E402

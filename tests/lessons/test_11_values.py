@@ -26,8 +26,8 @@ from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
 from netmq_example.records import Record  # noqa: E402
+from netmq_example.simulation.answers import hello_of  # noqa: E402
 from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
-from netmq_example.simulation.simulator import hello_of  # noqa: E402
 
 KEY = "11_observations"
 ONE = spaces.Box(-9, 9, (2,), np.float32)

@@ -38,7 +38,8 @@ from netmq_example.envs.common import (
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.messages import Message
 from netmq_example.records import ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.spaces import Bytes, shown
+from netmq_example.space_bytes import Bytes
+from netmq_example.space_numbers import shown
 
 NO_SEED = seeds([0])
 

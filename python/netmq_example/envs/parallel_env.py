@@ -38,7 +38,8 @@ from netmq_example.envs.common import (
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.messages import Array, Message, MessageError, take
 from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.spaces import Bytes, shown
+from netmq_example.space_bytes import Bytes
+from netmq_example.space_numbers import shown
 
 ENDPOINT = "tcp://127.0.0.1:5560"
 # Bytes of an info.

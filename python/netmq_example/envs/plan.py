@@ -28,7 +28,7 @@ from netmq_example import trees
 from netmq_example.envs.merge import MOST_ITEMS, empty, fitted, merge
 from netmq_example.locator import Locator, LocatorError, Mapping, Path, parse, quoted, spelled
 from netmq_example.messages import DTYPES, MessageError
-from netmq_example.spaces import codec_of
+from netmq_example.space_bytes import codec_of
 from netmq_example.trees import REASONS, Reader
 
 # Each is read once. A scene has few; one that sends ever new ones fills no memory.

@@ -30,7 +30,7 @@ from netmq_example.envs.plan import Sight, form_in
 from netmq_example.locator import quoted
 from netmq_example.messages import ENCODER, Array, Message, MessageError
 from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
-from netmq_example.spaces import codec_of
+from netmq_example.space_bytes import codec_of
 from netmq_example.trees import SIZE
 
 Spaces = dict[str, Space[Any]]

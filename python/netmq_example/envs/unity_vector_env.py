@@ -20,6 +20,7 @@ from gymnasium.vector.utils import batch_space, iterate
 from netmq_example import check
 from netmq_example.envs.common import frames_per_second, hello_from
 from netmq_example.envs.plan import Sight
+from netmq_example.envs.remote_areas import RemoteAreas
 from netmq_example.envs.unity_env import (
     ENDPOINT,
     ActionRows,
@@ -28,9 +29,9 @@ from netmq_example.envs.unity_env import (
     refuse_render_mode,
     scene_options,
 )
-from netmq_example.envs.vector_env import AreasEnv, RemoteAreas
+from netmq_example.envs.vector_env import AreasEnv
 from netmq_example.messages import Message, MessageError
-from netmq_example.spaces import together
+from netmq_example.space_bytes import together
 
 
 class RemoteScene(RemoteAreas):

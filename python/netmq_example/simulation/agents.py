@@ -14,9 +14,11 @@ from typing import Any
 from netmq_example import trees
 from netmq_example.messages import Array, Message, MessageError
 from netmq_example.records import NOTHING, RESET, STEP, Record
+from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
 from netmq_example.simulation.simulation import AgentSimulation, RealTime
-from netmq_example.simulation.simulator import SimulatorBase, answer_to, hello_of, options_in, picture_of, unknown
-from netmq_example.spaces import Bytes, described
+from netmq_example.simulation.simulator import SimulatorBase
+from netmq_example.space_bytes import Bytes
+from netmq_example.spaces import described
 from netmq_example.split_mix import draws
 
 

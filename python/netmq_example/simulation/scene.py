@@ -29,7 +29,8 @@ from netmq_example.locator import APPEND, LocatorError, ordinal, parse, quoted
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.records import RESET, STEP, Record
 from netmq_example.simulation.agents import info_of
-from netmq_example.simulation.simulator import SimulatorBase, answer_to, hello_of, options_in, unknown
+from netmq_example.simulation.answers import answer_to, hello_of, options_in, unknown
+from netmq_example.simulation.simulator import SimulatorBase
 from netmq_example.split_mix import draws
 
 

@@ -8,7 +8,6 @@ The client says `hello` with the simulation's name, spaces and dt; then it answe
 In C# they are Simulator.cs and EnvironmentClient.cs.
 """
 
-import math
 import struct
 import time
 import traceback
@@ -19,12 +18,14 @@ from typing import Any
 import numpy as np
 import zmq
 
-from netmq_example import check, records, trees
-from netmq_example.messages import LIMIT, Array, Message, MessageError
-from netmq_example.records import ANSWERS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards
+from netmq_example import check, records
+from netmq_example.messages import LIMIT, Message, MessageError
+from netmq_example.records import RESET, STEP, Record
+from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
 from netmq_example.simulation.launched import watch_launcher
 from netmq_example.simulation.simulation import Simulation
-from netmq_example.spaces import Bytes, described
+from netmq_example.space_bytes import Bytes
+from netmq_example.spaces import described
 from netmq_example.split_mix import draws
 
 ENDPOINT = "tcp://127.0.0.1:5559"
@@ -83,29 +84,6 @@ class SimulatorBase(ABC):
         """Answer what is asked in words, such as render."""
 
 
-def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
-    """What describes the spaces is its one array, a value (trees.py)."""
-    data = trees.write(spaces)
-    return Message("hello", 0, {"name": name, "dt": float(dt)}, [Array("uint8", (len(data),), data)])
-
-
-def unknown(request: Message, known: str) -> MessageError:
-    return MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, {known}, close")
-
-
-def picture_of(request: Message, pictures: list[Any]) -> Message:
-    arrays = [np.asarray(picture, np.uint8) for picture in pictures]
-    return Message("picture", request.id, {}, [Array("uint8", one.shape, one.tobytes()) for one in arrays])
-
-
-def options_in(request: Record) -> dict[str, Any]:
-    """Those of a reset."""
-    options = trees.read(request.options) if request.options else {}
-    if type(options) is not dict:
-        raise MessageError("bad-options", f"options are a dict, not {options!a:.40}")
-    return options
-
-
 class Simulator(SimulatorBase):
     """Answers reset, step and render for one simulation, or for many areas of one kind."""
 
@@ -158,23 +136,6 @@ class Simulator(SimulatorBase):
         if len(state) not in (0, self.simulation.size):
             raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {len(state)}")
         return state
-
-
-def answer_to(request: Record, judged: list[dict[str, Any]], rows: list[bytes], options: bytes = b"") -> Record:
-    """`judged` has the reward and the ends of each that has stepped; whatever else is in it is its info."""
-    numbers = []
-    marks = []
-    infos = []
-    for one in judged:
-        info = dict(one)
-        reward = float(info.pop("reward", 0.0))
-        if not math.isfinite(reward):
-            raise MessageError("bad-reward", f"the reward is {reward}")
-        numbers.append(reward)
-        ended = TERMINATED if info.pop("terminated", False) else 0
-        marks.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))
-        infos.append(trees.write(info) if info else b"")
-    return Record(ANSWERS, request.id, rewards(numbers), marks, rows, infos, options)
 
 
 class EnvironmentClient:

@@ -23,34 +23,11 @@ using System.Text.RegularExpressions;
 
 namespace NetMQExample
 {
-    /// <summary>Points, what lies between them, and which it connects: Gymnasium's GraphInstance. Each is an array, or
-    /// null.</summary>
-    public sealed class MessageGraph
-    {
-        /// <summary>Without edges, the other two are left out.</summary>
-        public MessageGraph(object nodes, object edges = null, object edgeLinks = null)
-        {
-            Nodes = nodes;
-            Edges = edges;
-            EdgeLinks = edgeLinks;
-        }
-
-        /// <summary>An item for each node.</summary>
-        public object Nodes { get; }
-
-        /// <summary>An item for each edge.</summary>
-        public object Edges { get; }
-
-        /// <summary>For each edge the numbers of two nodes, counted from 0: int32 [edges, 2].</summary>
-        public object EdgeLinks { get; }
-    }
-
     /// <summary>Values to and from bytes.</summary>
     public static class MessageTree
     {
         private const int MostForms = 1000, MostDepth = 100;
 
-        private static readonly UTF8Encoding Utf8 = new UTF8Encoding(false, true);
         private static readonly Regex ArrayForm = new Regex(
             @"^([a-z]+[0-9]+)\[((?:[0-9]{1,9}(?:,[0-9]{1,9}){0,7})?)\]\z", RegexOptions.CultureInvariant);
         private static readonly ConcurrentDictionary<string, object> Forms =
@@ -108,44 +85,9 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Numbers without a sign, as many as bytes can be: how many items follow.</summary>
-        internal static void WriteSize(IBufferWriter<byte> to, int size)
-        {
-            BitConverter.TryWriteBytes(to.GetSpan(4), (uint)size);
-            to.Advance(4);
-        }
-
-        internal static void WriteText(IBufferWriter<byte> to, string text)
-        {
-            try
-            {
-                var size = Utf8.GetByteCount(text);
-                WriteSize(to, size);
-                Utf8.GetBytes(text, to.GetSpan(size));
-                to.Advance(size);
-            }
-            catch (EncoderFallbackException e)
-            {
-                throw new MessageException("bad-tree", $"it is no text: {e.Message}");
-            }
-        }
-
-        internal static string ReadText(ref ReadOnlyMemory<byte> from) =>
-            Utf8.GetString(Take(ref from, Size(ref from)).Span);
-
-        internal static int Size(ref ReadOnlyMemory<byte> from) =>
-            checked((int)BitConverter.ToUInt32(Take(ref from, 4).Span));
-
-        internal static ReadOnlyMemory<byte> Take(ref ReadOnlyMemory<byte> from, int size)
-        {
-            var taken = from.Slice(0, size);
-            from = from.Slice(size);
-            return taken;
-        }
-
         private static void Finish(IBufferWriter<byte> to, StringBuilder form, ArrayBufferWriter<byte> numbers)
         {
-            WriteText(to, form.ToString());
+            MessageParts.WriteText(to, form.ToString());
             to.Write(numbers.WrittenSpan);
         }
 
@@ -165,7 +107,7 @@ namespace NetMQExample
                     return;
                 case string text:
                     form.Append("\"text\"");
-                    WriteText(numbers, text);
+                    MessageParts.WriteText(numbers, text);
                     return;
                 case int _:
                 case long _:
@@ -232,10 +174,10 @@ namespace NetMQExample
             switch (form)
             {
                 case "null": return null;
-                case "bool": return StepRequest.ByteOf(Take(ref numbers, 1).Span) != 0;
-                case "int64": return BitConverter.ToInt64(Take(ref numbers, 8).Span);
-                case "float64": return Finite(BitConverter.ToDouble(Take(ref numbers, 8).Span));
-                case "text": return ReadText(ref numbers);
+                case "bool": return StepRequest.ByteOf(MessageParts.Take(ref numbers, 1).Span) != 0;
+                case "int64": return BitConverter.ToInt64(MessageParts.Take(ref numbers, 8).Span);
+                case "float64": return Finite(BitConverter.ToDouble(MessageParts.Take(ref numbers, 8).Span));
+                case "text": return MessageParts.ReadText(ref numbers);
                 case string array: return ReadArray(array, ref numbers);
                 case List<object> forms:
                     var items = new List<object>(forms.Count);
@@ -267,7 +209,7 @@ namespace NetMQExample
             var size = shape.Aggregate((double)MessageArray.SizeOf(dtype), (product, length) => product * length);
             if (size > numbers.Length) throw Bad("it ends too early");
             // A copy: what was received goes with its message.
-            return new MessageArray(dtype, Take(ref numbers, (int)size).ToArray(), shape);
+            return new MessageArray(dtype, MessageParts.Take(ref numbers, (int)size).ToArray(), shape);
         }
 
         // NaN is not less than anything.

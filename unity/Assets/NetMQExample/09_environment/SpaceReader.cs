@@ -92,7 +92,7 @@ namespace NetMQExample
             switch (part.Kind)
             {
                 case "text":
-                    var text = MessageTree.ReadText(ref from);
+                    var text = MessageParts.ReadText(ref from);
                     return Fits(part, text) ? text : throw NotInSpace($"{MessageJson.Shown(text)} is");
                 case "dict":
                     var dict = new Dictionary<string, object>();
@@ -103,9 +103,9 @@ namespace NetMQExample
                     foreach (var one in part.Parts) tuple.Add(Decode(one, ref from));
                     return tuple;
                 case "sequence":
-                    return Items(part.Parts[0], Least(MessageTree.Size(ref from), from), ref from);
+                    return Items(part.Parts[0], Least(MessageParts.Size(ref from), from), ref from);
                 case "one_of":
-                    var which = MessageTree.Size(ref from);
+                    var which = MessageParts.Size(ref from);
                     if (which >= part.Parts.Length) throw NotInSpace($"{which} of {part.Parts.Length} is");
                     return new List<object> { (long)which, Decode(part.Parts[which], ref from) };
                 case "graph": return Graph(part, ref from);
@@ -127,7 +127,7 @@ namespace NetMQExample
 
         private object Number(SpaceNumbers part, ref ReadOnlyMemory<byte> from)
         {
-            var bytes = MessageTree.Take(ref from, part.Size);
+            var bytes = MessageParts.Take(ref from, part.Size);
             var read = new double[part.Count];
             if (!part.Read(bytes.Span, read, 0)) throw NotInSpace($"{GymSpace.Shown(read)} is");
             if (part.IsSingle) return part.Dtype == "int64" ? (object)BitConverter.ToInt64(bytes.Span) : read[0];
@@ -139,7 +139,7 @@ namespace NetMQExample
 
         private object Graph(GymSpace part, ref ReadOnlyMemory<byte> from)
         {
-            var nodes = MessageTree.Size(ref from);
+            var nodes = MessageParts.Size(ref from);
             var none = BitConverter.ToUInt32(from.Span) == uint.MaxValue;
             var edges = none ? 0 : BitConverter.ToInt32(from.Span);
             from = from.Slice(4);
@@ -147,7 +147,7 @@ namespace NetMQExample
             if (none) return new MessageGraph(allNodes);
             if (part.Parts.Length < 2) throw NotInSpace("a graph with edges is");
             var allEdges = Items(part.Parts[1], Least(edges, from), ref from);
-            var links = new MessageArray("int32", MessageTree.Take(ref from, checked(8 * edges)).ToArray(), edges, 2);
+            var links = new MessageArray("int32", MessageParts.Take(ref from, checked(8 * edges)).ToArray(), edges, 2);
             foreach (var node in SpaceNumbers.Of(links))
                 if (node < 0 || node >= nodes) throw NotInSpace($"a graph with an edge of node {node}, of {nodes}, is");
             return new MessageGraph(allNodes, allEdges, links);

@@ -138,7 +138,7 @@ namespace NetMQExample
             switch (of.Kind)
             {
                 case "text":
-                    MessageTree.WriteText(to, value as string ?? throw Wrong(of, value));
+                    MessageParts.WriteText(to, value as string ?? throw Wrong(of, value));
                     return;
                 case "dict":
                     var dict = value as IReadOnlyDictionary<string, object> ?? throw Wrong(of, value);
@@ -158,7 +158,7 @@ namespace NetMQExample
                     var pair = Items(of, value);
                     var which = pair.Count == 2 ? Convert.ToInt32(pair[0]) : -1;
                     if (which < 0 || which >= of.Parts.Length) throw Wrong(of, value);
-                    MessageTree.WriteSize(to, which);
+                    MessageParts.WriteSize(to, which);
                     Write(of.Parts[which], pair[1]);
                     return;
                 case "graph":
@@ -172,7 +172,7 @@ namespace NetMQExample
 
         private void WriteItems(GymSpace of, IReadOnlyList<object> items)
         {
-            MessageTree.WriteSize(to, items.Count);
+            MessageParts.WriteSize(to, items.Count);
             foreach (var item in items) Write(of, item);
         }
 
@@ -180,8 +180,8 @@ namespace NetMQExample
         {
             var nodes = Items(of, graph.Nodes);
             var edges = graph.Edges == null || of.Parts.Length < 2 ? null : Items(of, graph.Edges);
-            MessageTree.WriteSize(to, nodes.Count);
-            MessageTree.WriteSize(to, edges?.Count ?? unchecked((int)NoEdges));
+            MessageParts.WriteSize(to, nodes.Count);
+            MessageParts.WriteSize(to, edges?.Count ?? unchecked((int)NoEdges));
             foreach (var node in nodes) Write(of.Parts[0], node);
             if (edges == null) return;
             foreach (var edge in edges) Write(of.Parts[1], edge);

@@ -1,0 +1,50 @@
+"""What a simulator says: its hello, its answers to resets and steps, pictures, and refusals."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from netmq_example import trees
+from netmq_example.messages import Array, Message, MessageError
+from netmq_example.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
+
+
+def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
+    """What describes the spaces is its one array, a value (trees.py)."""
+    data = trees.write(spaces)
+    return Message("hello", 0, {"name": name, "dt": float(dt)}, [Array("uint8", (len(data),), data)])
+
+
+def unknown(request: Message, known: str) -> MessageError:
+    return MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, {known}, close")
+
+
+def picture_of(request: Message, pictures: list[Any]) -> Message:
+    arrays = [np.asarray(picture, np.uint8) for picture in pictures]
+    return Message("picture", request.id, {}, [Array("uint8", one.shape, one.tobytes()) for one in arrays])
+
+
+def options_in(request: Record) -> dict[str, Any]:
+    """Those of a reset."""
+    options = trees.read(request.options) if request.options else {}
+    if type(options) is not dict:
+        raise MessageError("bad-options", f"options are a dict, not {options!a:.40}")
+    return options
+
+
+def answer_to(request: Record, judged: list[dict[str, Any]], rows: list[bytes], options: bytes = b"") -> Record:
+    """`judged` has the reward and the ends of each that has stepped; whatever else is in it is its info."""
+    numbers = []
+    marks = []
+    infos = []
+    for one in judged:
+        info = dict(one)
+        reward = float(info.pop("reward", 0.0))
+        if not math.isfinite(reward):
+            raise MessageError("bad-reward", f"the reward is {reward}")
+        numbers.append(reward)
+        ended = TERMINATED if info.pop("terminated", False) else 0
+        marks.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))
+        infos.append(trees.write(info) if info else b"")
+    return Record(ANSWERS, request.id, rewards(numbers), marks, rows, infos, options)
