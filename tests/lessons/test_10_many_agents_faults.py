@@ -23,7 +23,7 @@ from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
 from netmq_example.envs.common import info_in  # noqa: E402
 from netmq_example.envs.connection import Lost  # noqa: E402
 from netmq_example.envs.parallel_env import LONGEST_INFO, RemoteAgents, told_in  # noqa: E402
-from netmq_example.envs.vector_env import RemoteAreas  # noqa: E402
+from netmq_example.envs.remote_areas import RemoteAreas  # noqa: E402
 from netmq_example.messages import EXACT, Array, MessageError, read  # noqa: E402
 from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, rewards  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
