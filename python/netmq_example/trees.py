@@ -38,6 +38,9 @@ INT64 = struct.Struct("<q")
 FLOAT64 = struct.Struct("<d")
 # The dtypes that a message has not, and those that they travel as.
 WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", "float16": "float32"}
+# Forms are looked at once, but whoever sends ever new ones, or long ones, fills no memory.
+MOST_KEPT = 200
+LONGEST_KEPT = 16 * 1024
 # What is wrong with bytes that are none of these.
 REASONS = (ValueError, LookupError, TypeError, struct.error, RecursionError)
 
@@ -150,14 +153,20 @@ def text_bytes(text: str) -> bytes:
     return SIZE.pack(len(data)) + data
 
 
-@functools.lru_cache(1000)
 def reader_of(form: bytes) -> Reader:
+    return (kept_reader if len(form) <= LONGEST_KEPT else new_reader)(form)
+
+
+def new_reader(form: bytes) -> Reader:
     try:
         parsed = DECODER.decode(form.decode())
         json.dumps(parsed, ensure_ascii=False).encode()
         return reader(parsed)
     except REASONS as error:
         raise bad(error) from None
+
+
+kept_reader = functools.lru_cache(MOST_KEPT)(new_reader)
 
 
 def reader(form: Any) -> Reader:

@@ -33,7 +33,6 @@ from netmq_example.trees import REASONS, Reader
 
 # Each is read once. A scene has few; one that sends ever new ones fills no memory.
 known: Callable[[str], Locator] = functools.lru_cache(10_000)(parse)
-MOST_PLANS = 1000
 
 
 class Sight:
@@ -55,14 +54,7 @@ class Sight:
 
     def read(self, row: Any) -> Any:
         form, numbers = trees.parted(row)
-        if form not in self.plans:
-            if len(self.plans) >= MOST_PLANS:
-                self.plans.clear()
-            try:
-                self.plans[form] = planned(self.name, self.space, form)
-            except (ValueError, RecursionError) as error:
-                raise trees.bad(error) from None
-        plan = self.plans[form]
+        plan = self.plan_for(form)
         if plan:
             if plan is not self.plan and plan.stays:
                 self.old = self.again()
@@ -75,6 +67,19 @@ class Sight:
         self.old = fitted(self.space, self.merged(form, numbers), self.where)
         self.plan = None
         return self.again()
+
+    def plan_for(self, form: bytes) -> "Plan | None":
+        if form in self.plans:
+            return self.plans[form]
+        try:
+            plan = planned(self.name, self.space, form)
+        except (ValueError, RecursionError) as error:
+            raise trees.bad(error) from None
+        if len(self.plans) >= trees.MOST_KEPT:
+            self.plans.clear()
+        if len(form) <= trees.LONGEST_KEPT:
+            self.plans[form] = plan
+        return plan
 
     def again(self) -> Any:
         return self.plan.read(self.numbers, self.old) if self.plan else fitted(self.space, self.old, self.where)

@@ -26,7 +26,7 @@ namespace NetMQExample
     /// <summary>Values to and from bytes.</summary>
     public static class MessageTree
     {
-        private const int MostForms = 1000, MostDepth = 100;
+        private const int MostForms = 200, LongestForm = 16 * 1024, MostDepth = 100;
 
         private static readonly Regex ArrayForm = new Regex(
             @"^([a-z]+[0-9]+)\[((?:[0-9]{1,9}(?:,[0-9]{1,9}){0,7})?)\]\z", RegexOptions.CultureInvariant);
@@ -164,9 +164,11 @@ namespace NetMQExample
         {
             var text = Encoding.ASCII.GetString(bytes.Span);
             if (Forms.TryGetValue(text, out var form)) return form;
-            // Whoever sends ever new ones fills no memory.
+            form = MessageJson.Read(bytes.Span);
+            // Whoever sends ever new ones, or long ones, fills no memory.
             if (Forms.Count > MostForms) Forms.Clear();
-            return Forms[text] = MessageJson.Read(bytes.Span);
+            if (text.Length <= LongestForm) Forms[text] = form;
+            return form;
         }
 
         private static object Value(object form, ref ReadOnlyMemory<byte> numbers)
