@@ -18,6 +18,9 @@ namespace UnityPlayer
             var named = own.GetCustomAttributes<AssemblyMetadataAttribute>().Where(data => data.Value == "script").Select(data => data.Key);
             var found = own.GetTypes().Concat(kit.GetTypes().Where(type => named.Contains(type.Name)))
                 .Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
+            // Of PythonAreas<Ball> a Ball is what each area has: one more, beside the areas, would be seen in them.
+            var areas = found.Select(type => type.BaseType).Where(type => type.IsGenericType).SelectMany(type => type.GetGenericArguments());
+            found = found.Except(areas).ToArray();
             return found.Length > 0 ? found : throw new ArgumentException("there is no MonoBehaviour in these files");
         }
 

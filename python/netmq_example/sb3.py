@@ -8,10 +8,18 @@
     env = PlainSpaces(gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", …))
     PPO("MultiInputPolicy", env).learn(100_000)
 
+Its policies take arrays, and a dict of arrays. Where a space has more in it, such as dicts in dicts, sequences or
+texts, both make a plain one of it:
+
+    what is seen becomes a dict of arrays. A part of a part has both keys, as last_push. Of a sequence of arrays the
+    first 8 are seen, and zeros in place of those that are not there. Texts and graphs are left out.
+    what is done becomes one array from -1 to 1. A number of a box goes from its lowest to its highest; of a discrete
+    space there is a number for each choice, and the largest one is done.
+
 It needs stable-baselines3, which needs torch.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import gymnasium
@@ -19,10 +27,16 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import Space
 from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import iterate
 from stable_baselines3.common.vec_env import VecEnv
+
+from netmq_example.space_bytes import together
 
 # How many items of a sequence a policy sees.
 MOST_ITEMS = 8
+ARRAYS = (spaces.Box, spaces.Discrete, spaces.MultiDiscrete, spaces.MultiBinary)
+
+Look = Callable[[Any], Any]
 
 
 class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
@@ -32,29 +46,43 @@ class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
         if envs.metadata["autoreset_mode"] != AutoresetMode.SAME_STEP:
             raise ValueError('Stable-Baselines3 wants the next episode at once: make_vec(…, autoreset_mode="SameStep")')
         self.envs = envs
-        super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
+        self.plain = Plain(envs.single_observation_space, envs.single_action_space)
+        super().__init__(envs.num_envs, self.plain.observation_space, self.plain.action_space)
 
     def reset(self) -> Any:
-        self.seen, _ = self.envs.reset(seed=self._seeds)
+        # One dict for all of them: they are one simulator.
+        options = getattr(self, "_options", [{}])[0]
+        self.seen = self.look(self.envs.reset(seed=self._seeds, options=options)[0])
         self._reset_seeds()
         return self.seen
 
     def step_async(self, actions: Any) -> None:
         self.actions = np.asarray(actions, self.action_space.dtype)
+        if self.plain.numbers:
+            chosen = [self.plain.choose(numbers) for numbers in self.actions]
+            self.actions = together(self.envs.single_action_space, chosen)
 
     def step_wait(self) -> Any:
         before = self.seen
-        self.seen, rewards, terminated, truncated, infos = self.envs.step(self.actions)
+        seen, rewards, terminated, truncated, infos = self.envs.step(self.actions)
+        self.seen = self.look(seen)
         over = terminated | truncated
-        said: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        known = infos.get("_final_obs", np.zeros(self.num_envs, bool))
+        said = [said_of(infos, area) for area in range(self.num_envs)]
         for area in np.flatnonzero(over):
+            ended = said[area].pop("final_info", {})
+            last = said[area].pop("final_obs", None)
+            # Of an area that was lost while others began anew it is the observation before.
+            last = of_one(before, int(area)) if last is None else self.plain.look(last)
             # The time was up, and not the world at its end: PPO then adds what it expects from the last observation.
-            # Of an area that was lost while others began anew it is the one before.
-            last = infos["final_obs"][area] if known[area] else of_one(before, int(area))
             by_time = bool(truncated[area] and not terminated[area])
-            said[area] = {"terminal_observation": last, "TimeLimit.truncated": by_time}
+            said[area] |= {**ended, "terminal_observation": last, "TimeLimit.truncated": by_time}
         return self.seen, rewards.astype(np.float32), over, said
+
+    def look(self, batch: Any) -> Any:
+        if not self.plain.parts:
+            return batch
+        each = [self.plain.look(seen) for seen in iterate(self.envs.observation_space, batch)]
+        return {key: np.stack([one[key] for one in each]) for key in self.plain.parts}
 
     def get_images(self) -> list[Any]:
         return list(self.envs.render() or [])
@@ -81,45 +109,65 @@ def of_one(batch: Any, area: int) -> Any:
     return {key: part[area] for key, part in batch.items()} if isinstance(batch, dict) else batch[area]
 
 
-class PlainSpaces(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """What is seen becomes a Dict of arrays, and what is done one array from -1 to 1.
+def said_of(infos: dict[str, Any], area: int) -> dict[str, Any]:
+    """What Gymnasium's infos of a vector have of one: beside each name stands _name, which says whose it is."""
+    said = {}
+    for name, values in infos.items():
+        if f"_{name}" in infos and infos[f"_{name}"][area]:
+            said[name] = said_of(values, area) if isinstance(values, dict) else values[area]
+    return said
 
-    A part of a part has both keys, as `last_push`. Of a sequence of arrays the first 8 are seen, and zeros in place of
-    those that are not there. Texts and graphs are left out. Of what is done, a number of a box goes from its lowest to
-    its highest; of a discrete space there is a number for each choice, and the largest one is done.
-    """
+
+class PlainSpaces(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """One environment, whose spaces are plain."""
 
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
-        parts = list(parts_of(env.observation_space, "", lambda value: value))
-        self.seen = dict(parts)
-        if not parts or len(self.seen) < len(parts):
-            raise ValueError(f"nothing is left, or two parts have one name: {[key for key, _ in parts]}")
-        self.observation_space = spaces.Dict({key: space for key, (space, _) in self.seen.items()})
-        self.numbers = sum(count for count, _ in done_by(env.action_space))
-        self.action_space = spaces.Box(-1, 1, (self.numbers,), np.float32)
+        self.plain = Plain(env.observation_space, env.action_space)
+        self.observation_space = self.plain.observation_space
+        self.action_space = self.plain.action_space
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
         seen, info = self.env.reset(seed=seed, options=options)
-        return self.plain(seen), info
+        return self.plain.look(seen), info
 
     def step(self, action: Any) -> Any:
-        seen, *rest = self.env.step(self.action(action))
-        return self.plain(seen), *rest
-
-    def plain(self, seen: Any) -> dict[str, Any]:
-        return {key: look(seen) for key, (_, look) in self.seen.items()}
-
-    def action(self, numbers: Any) -> Any:
-        left = list(np.clip(np.asarray(numbers, np.float64), -1, 1))
-        return chosen(self.env.action_space, left)
+        seen, *rest = self.env.step(self.plain.choose(action))
+        return self.plain.look(seen), *rest
 
 
-Look = Callable[[Any], Any]
+class Plain:
+    """Both ways between spaces and plain ones. A space that is plain already stays as it is."""
+
+    def __init__(self, seen: Space[Any], done: Space[Any]) -> None:
+        self.done = done
+        self.observation_space = seen
+        self.action_space = done
+        # What each part of what is seen is taken by, and how many numbers are done; nothing where a space stays.
+        self.parts: dict[str, Look] = {}
+        self.numbers = 0
+        flat = isinstance(seen, spaces.Dict) and all(isinstance(part, ARRAYS) for part in seen.values())
+        if not flat and not isinstance(seen, ARRAYS):
+            parts = list(parts_of(seen, "", lambda value: value))
+            self.parts = {key: look for key, _, look in parts}
+            if not parts or len(self.parts) < len(parts):
+                raise ValueError(f"nothing is left, or two parts have one name: {[key for key, *_ in parts]}")
+            self.observation_space = spaces.Dict({key: space for key, space, _ in parts})
+        if not isinstance(done, ARRAYS):
+            self.numbers = numbers_of(done)
+            self.action_space = spaces.Box(-1, 1, (self.numbers,), np.float32)
+
+    def look(self, seen: Any) -> Any:
+        return {key: look(seen) for key, look in self.parts.items()} if self.parts else seen
+
+    def choose(self, action: Any) -> Any:
+        if not self.numbers:
+            return action
+        return chosen(self.done, list(np.clip(np.asarray(action, np.float64), -1, 1)))
 
 
-def parts_of(space: Space[Any], key: str, look: Look) -> Any:
-    """Pairs of a key with its space, and with what takes it out of the whole."""
+def parts_of(space: Space[Any], key: str, look: Look) -> Iterator[tuple[str, Space[Any], Look]]:
+    """Keys, each with its space, and what takes it out of the whole."""
     match space:
         case spaces.Dict():
             for name, part in space.items():
@@ -134,9 +182,9 @@ def parts_of(space: Space[Any], key: str, look: Look) -> Any:
                 np.maximum(0, np.broadcast_to(box.high, (MOST_ITEMS, *box.shape))),
                 dtype=box.dtype.type,
             )
-            yield key, (many, lambda seen: filled(many, look(seen)))
+            yield key, many, lambda seen: filled(many, look(seen))
         case spaces.Box() | spaces.Discrete() | spaces.MultiDiscrete() | spaces.MultiBinary():
-            yield key or "seen", (space, look)
+            yield key or "seen", space, look
 
 
 def part_of(look: Look, key: str | int) -> Look:
@@ -155,36 +203,47 @@ def filled(many: spaces.Box, items: Any) -> Any:
     return array
 
 
-def done_by(space: Space[Any]) -> Any:
-    """How many numbers each part takes."""
+def numbers_of(space: Space[Any]) -> int:
+    """How many numbers what is done takes."""
     match space:
         case spaces.Dict():
-            for part in space.values():
-                yield from done_by(part)
+            return sum(map(numbers_of, space.values()))
         case spaces.Tuple():
-            for part in space:
-                yield from done_by(part)
-        case spaces.Box():
-            yield int(np.prod(space.shape)), space
+            return sum(map(numbers_of, space))
+        case spaces.Box() | spaces.MultiBinary():
+            return int(np.prod(space.shape))
         case spaces.Discrete():
-            yield int(space.n), space
-        case _:
-            raise ValueError(f"no policy of Stable-Baselines3 does what is in {space}")
+            return int(space.n)
+        case spaces.MultiDiscrete():
+            return int(space.nvec.sum())
+    raise ValueError(f"no policy of Stable-Baselines3 does what is in {space}")
 
 
 def chosen(space: Space[Any], left: list[float]) -> Any:
     """Takes its numbers from the beginning of those that are left."""
+
+    def take(count: Any) -> Any:
+        numbers = np.array(left[: int(count)])
+        del left[: int(count)]
+        return numbers
+
     match space:
         case spaces.Dict():
             return {key: chosen(part, left) for key, part in space.items()}
         case spaces.Tuple():
             return tuple(chosen(part, left) for part in space)
         case spaces.Discrete():
-            choices = [left.pop(0) for _ in range(int(space.n))]
-            return space.start + int(np.argmax(choices))
+            return space.start + np.argmax(take(space.n))
+        case spaces.MultiDiscrete():
+            most = np.reshape([np.argmax(take(count)) for count in space.nvec.flat], space.shape)
+            return (space.start + most).astype(space.dtype)
+        case spaces.MultiBinary():
+            return (take(np.prod(space.shape)) > 0).astype(space.dtype).reshape(space.shape)
         case spaces.Box():
-            numbers = np.array([left.pop(0) for _ in range(int(np.prod(space.shape)))]).reshape(space.shape)
+            low, high = space.low.astype(np.float64), space.high.astype(np.float64)
+            numbers = take(np.prod(space.shape)).reshape(space.shape)
             if space.is_bounded():
-                numbers = space.low + (numbers + 1) / 2 * (space.high - space.low)
-            return numbers.astype(space.dtype)
+                numbers = low + (numbers + 1) / 2 * (high - low)
+            # As a float32 it may be a little more than its highest.
+            return np.clip(numbers, low, high).astype(space.dtype).clip(space.low, space.high)
     raise ValueError(f"no policy of Stable-Baselines3 does what is in {space}")

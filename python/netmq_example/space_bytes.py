@@ -105,8 +105,13 @@ class Whole(Codec):
 
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
         values = []
-        for part in self.parts:
-            value, at = part.read(view, at)
+        for number, part in enumerate(self.parts):
+            try:
+                value, at = part.read(view, at)
+            except MessageError as error:
+                place = f"[{(self.keys[number] if self.keys else number)!r}]"
+                between = "" if error.text.startswith("[") else ": "
+                raise MessageError(error.code, f"{place}{between}{error.text}") from None
             values.append(value)
         return self.whole(values), at
 

@@ -17,6 +17,7 @@ from tests.programs import ROOT, steady_endpoint
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: kit.py run 10 installs it")
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
+from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 from pettingzoo.test import parallel_api_test  # noqa: E402
 
@@ -90,15 +91,53 @@ class VecEnv:
         return self.step_wait()
 
 
-def test_the_bridge_to_stable_baselines3(inside, monkeypatch):
-    """Beside the environment that it wraps. An end by the world and one by time are told apart."""
+@pytest.fixture
+def bridge(monkeypatch):
+    """netmq_example.sb3, where there is no Stable-Baselines3."""
     for name in ("", ".common", ".common.vec_env"):
         module = types.ModuleType(f"stable_baselines3{name}")
         monkeypatch.setitem(sys.modules, module.__name__, module)
         module.__dict__["VecEnv"] = VecEnv
     monkeypatch.delitem(sys.modules, "netmq_example.sb3", raising=False)
-    bridge = importlib.import_module("netmq_example.sb3")
-    monkeypatch.delitem(sys.modules, "netmq_example.sb3")
+    yield importlib.import_module("netmq_example.sb3")
+    sys.modules.pop("netmq_example.sb3", None)
+
+
+def test_what_is_plain_for_stable_baselines3(bridge):
+    """Spaces that its policies take stay as they are; whatever they choose of the others is in its space."""
+    seen = spaces.Dict(
+        place=spaces.Box(0, 1, (2,)),
+        coins=spaces.Sequence(spaces.Box(1, 2, (2,))),
+        last=spaces.Dict(push=spaces.Box(-1, 1, (1,)), says=spaces.Text(5)),
+    )
+    done = spaces.Dict(
+        arm=spaces.Box(-4.6, 2.7, (1,)),
+        small=spaces.Box(-128, 127, (2,), np.int8),
+        open=spaces.Box(0, np.inf, (1,)),
+        gear=spaces.Discrete(3, start=-1),
+        keys=spaces.Tuple([spaces.MultiDiscrete([3, 2]), spaces.MultiBinary(2)]),
+    )
+    plain = bridge.Plain(seen, done)
+    assert {*plain.observation_space} == {"place", "coins", "last_push"}
+    for seed in range(5):
+        seen.seed(seed)
+        assert plain.look(seen.sample()) in plain.observation_space
+    ends = [plain.choose(np.full(plain.numbers, end)) for end in (-1, 1)]
+    assert [end["arm"][0] for end in ends] == [np.float32(-4.6), np.float32(2.7)]
+    assert [end["small"].tolist() for end in ends] == [[-128, -128], [127, 127]]
+    for action in [
+        *ends,
+        *(plain.choose(3 * number) for number in np.random.default_rng(1).normal(size=(99, plain.numbers))),
+    ]:
+        assert action in done
+    for space in (spaces.Box(0, 1, (2,)), spaces.MultiDiscrete([3, 3]), spaces.Discrete(3)):
+        assert bridge.Plain(spaces.Dict(a=space), space).action_space is space
+    with pytest.raises(ValueError, match="no policy of Stable-Baselines3 does what is in Text"):
+        bridge.Plain(seen, spaces.Dict(a=spaces.Text(3)))
+
+
+def test_the_bridge_to_stable_baselines3(inside, bridge):
+    """Beside the environment that it wraps. An end by the world and one by time are told apart."""
     words = {"autoreset_mode": "SameStep", "max_episode_steps": 12}
     plain, wrapped = (
         gymnasium.make_vec("NetMQExample/CartPole-v0", 4, socket=areas_of(inside, CartPole, 4), **words)
@@ -116,19 +155,25 @@ def test_the_bridge_to_stable_baselines3(inside, monkeypatch):
         assert np.array_equal(seen, theirs) and np.array_equal(over, terminated | truncated)
         assert np.array_equal(rewards, gains) and rewards.dtype == np.float32
         for area in range(4):
-            assert bool(said[area]) == over[area]
+            assert ("terminal_observation" in said[area]) == over[area]
             if over[area]:
                 assert np.array_equal(said[area]["terminal_observation"], infos["final_obs"][area])
                 assert said[area]["TimeLimit.truncated"] == truncated[area] != terminated[area]
                 ends.add(said[area]["TimeLimit.truncated"])
     assert ends == {True, False}
     # An area that was lost while the others began anew: nobody knows what it would have seen.
-    wrapped.reset = lambda seed: (np.ones((4, 4)), {})
+    wrapped.reset = lambda seed, options: (np.ones((4, 4)), {})
     wrapped.step = lambda actions: (np.zeros((4, 4)), np.zeros(4), np.zeros(4, bool), np.arange(4) == 2, {})
     areas.reset()
     *_, said = areas.step(actions)
     assert np.array_equal(said[2].pop("terminal_observation"), np.ones(4))
     assert said == [{}, {}, {"TimeLimit.truncated": True}, {}]
+    # What the world has said of each, also with its last step.
+    infos = {"metres": np.array([1.5, 0, 0, 0]), "_metres": np.arange(4) == 0, "_final_info": np.arange(4) == 2}
+    infos["final_info"] = {"lost": np.array(["", "", "why", ""], object), "_lost": np.arange(4) == 2}
+    wrapped.step = lambda actions: (np.zeros((4, 4)), np.zeros(4), np.zeros(4, bool), np.arange(4) == 2, infos)
+    *_, said = areas.step(actions)
+    assert said[0] == {"metres": 1.5} and said[2]["lost"] == "why" and said[1] == said[3] == {}
     areas.close()
     plain.close()
 

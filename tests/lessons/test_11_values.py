@@ -20,7 +20,7 @@ pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run
 from gymnasium import spaces  # noqa: E402
 
 from netmq_example import records, trees  # noqa: E402
-from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, plan, unity_env  # noqa: E402
+from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, unity_env  # noqa: E402
 from netmq_example.envs import merge as fit  # noqa: E402
 from netmq_example.envs.plan import Sight  # noqa: E402
 from netmq_example.locator import parse  # noqa: E402
