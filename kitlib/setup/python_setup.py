@@ -41,7 +41,7 @@ IMPORTS = {
 # What pip says where no index answers, or does not hold a package.
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
 # What nobody gets unasked: it is large, not there for every system, and a lesson does most of its work without it.
-LARGE = ("body", "ray")
+LARGE = ("body", "ray", "sb3")
 # The distribution's package, where it is not simply python3- and the name on PyPI.
 DEBIAN = {
     "pyzmq": "python3-zmq",

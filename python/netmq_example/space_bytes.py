@@ -25,6 +25,7 @@ SIZE = trees.SIZE
 NO_EDGES = 2**32 - 1
 # Items of a sequence, nodes or edges: more would take a step minutes.
 MOST_ITEMS = 1_000_000
+FEW_ITEMS = 1000
 
 
 class Bytes:
@@ -56,10 +57,12 @@ class Bytes:
         """Rows of so many, which are together as Gymnasium batches them."""
         if self.size is None:
             return [self.write(value) for value in iterate(batch_space(self.space, count), values)]
+        if self.size == 0:
+            return [b""] * count
         blocks: list[Any] = []
         self.codec.write_block(count, values, blocks)
         data = np.concatenate(blocks, axis=1).tobytes()
-        return [data[at : at + self.size] for at in range(0, len(data), self.size)] or [b""] * count
+        return [data[at : at + self.size] for at in range(0, len(data), self.size)]
 
     def read_all(self, rows: Items[Any]) -> Any:
         """Together, as Gymnasium batches them."""
@@ -219,7 +222,7 @@ def codec_of(space: Space[Any]) -> Codec:
         case spaces.Box():
             return Numbers(space, space.low, space.high)
         case spaces.Discrete():
-            return Numbers(space, space.start, space.start + space.n - 1)
+            return Numbers(space, int(space.start), int(space.start) + int(space.n) - 1)
         case spaces.MultiBinary():
             return Numbers(space, 0, 1)
         case spaces.MultiDiscrete():
@@ -248,6 +251,9 @@ def read_size(view: memoryview, at: int, none: int = -1) -> tuple[int, int]:
 
 def read_items(codec: Codec, count: int, view: memoryview, at: int) -> tuple[list[Any], int]:
     """One after the other; of numbers all at once: one by one they would take twenty times as long."""
+    # Each has a byte at least, or there are only few.
+    if count > len(view) - at + FEW_ITEMS:
+        raise ValueError(f"{count} items are not in {len(view) - at} bytes")
     if codec.size:
         end = at + count * codec.size
         if end > len(view):

@@ -3,6 +3,7 @@
 Codec is what each space has, and the others are in space_bytes.py. It needs gymnasium and numpy.
 """
 
+import math
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import Space
 
-from netmq_example.messages import MessageError
+from netmq_example.messages import LIMIT, MessageError
 
 
 class Codec(ABC):
@@ -39,8 +40,10 @@ class Numbers(Codec):
         self.space = space
         self.dtype = np.dtype(space.dtype)
         self.shape: tuple[int, ...] = space.shape
-        self.count = int(np.prod(self.shape))
+        self.count = math.prod(self.shape)
         self.size = self.count * self.dtype.itemsize
+        if self.size > LIMIT:
+            raise MessageError("bad-space", f"{self.size} bytes of {shown(space)} are more than a message has, {LIMIT}")
         self.low = low
         self.high = high
         # One number has no array around it: np.int64(1), as Discrete samples it.

@@ -46,7 +46,7 @@ def described(space: Space[Any]) -> list[Any]:
         case spaces.MultiDiscrete():
             return ["multi_discrete", sendable(space.nvec), sendable(space.start), space.dtype.name]
         case spaces.Text():
-            return ["text", space.min_length, space.max_length, "".join(space.character_list)]
+            return ["text", space.min_length, space.max_length, "".join(sorted(space.character_list))]
         case spaces.Dict():
             return ["dict", [[key, described(part)] for key, part in space.items()]]
         case spaces.Tuple():
@@ -69,11 +69,14 @@ def sendable(limits: Any) -> Any:
 def space_of(description: Any) -> Space[Any]:
     """MessageError says why a description is of none."""
     try:
-        return made(description)
+        # Limits that do not fit their dtype would make another space.
+        with np.errstate(over="raise", invalid="raise"):
+            return made(description)
     except MessageError:
         raise
     except REASONS as error:
-        raise MessageError("bad-space", f"{description!s:.60} makes no space: {error!s:.80}") from None
+        text = " ".join(f"{description!s:.60} makes no space: {error!s:.80}".split())
+        raise MessageError("bad-space", text) from None
 
 
 def made(description: Any) -> Space[Any]:

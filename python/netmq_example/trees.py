@@ -41,6 +41,8 @@ WIDER = {"bool": "uint8", "int8": "int32", "int16": "int32", "uint32": "int64", 
 # Forms are looked at once, but whoever sends ever new ones, or long ones, fills no memory.
 MOST_KEPT = 200
 LONGEST_KEPT = 16 * 1024
+# In bytes. To read one takes a hundred times as much memory.
+LONGEST_FORM = 1024 * 1024
 # What is wrong with bytes that are none of these.
 REASONS = (ValueError, LookupError, TypeError, struct.error, RecursionError)
 
@@ -93,6 +95,8 @@ def parted(data: Any) -> tuple[bytes, memoryview]:
     if len(view) < SIZE.size:
         raise bad("it ends too early")
     (size,) = SIZE.unpack_from(view)
+    if size > LONGEST_FORM:
+        raise bad(f"its form has {size} bytes, and {LONGEST_FORM} at most")
     form = bytes(view[SIZE.size : SIZE.size + size])
     if len(form) < size:
         raise bad("it ends too early")

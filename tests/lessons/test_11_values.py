@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import re
 import struct
 import warnings
@@ -513,10 +514,13 @@ def spoil(seen):
         seen[...] = 1
 
 
+# Gymnasium 1.1 has but one dtype.
+HAS_DTYPE = "dtype" in inspect.signature(spaces.Discrete).parameters
+NARROW = spaces.Discrete(9, **({"dtype": np.int32} if HAS_DTYPE else {}))
 SEEN = {
     **ODD,
     "another kind of what a OneOf has": (spaces.OneOf([ONE, spaces.Text(9)]), (1, "text"), None),
-    "whole numbers of 32 bits": (spaces.Dict(a=spaces.Discrete(9, dtype=np.int32), b=spaces.Discrete(2)), None, None),
+    "whole numbers of 32 bits": (spaces.Dict(a=NARROW, b=spaces.Discrete(2)), None, None),
     "a stack of dicts as a list": (
         spaces.Sequence(spaces.Dict(a=ONE, b=spaces.Discrete(2)), stack=True),
         [{"a": np.ones(2), "b": 1}] * 3,

@@ -76,6 +76,9 @@ class Connection:
         peer, hello = self.receive()
         if hello is None:
             return False
+        if isinstance(hello, Message) and hello.kind == "alive":
+            # Lesson 17's hub is there. To answer it would be taken for a request.
+            return False
         if not isinstance(hello, Message) or hello.kind != "hello":
             # It was given up, and has not noticed.
             self.refuse(peer, MessageError("unknown-peer", "say hello again"))

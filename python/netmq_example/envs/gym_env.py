@@ -36,7 +36,7 @@ from netmq_example.envs.common import (
     same,
 )
 from netmq_example.envs.connection import Lost, Simulators
-from netmq_example.messages import Message
+from netmq_example.messages import Message, MessageError
 from netmq_example.records import ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.space_bytes import Bytes
 from netmq_example.space_numbers import shown
@@ -72,7 +72,12 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
         # The simulator gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.np_random.integers(2**53)) if seed is None else seed
         request = Record(ASKS, 0, seeds([seed]), [RESET], [b""], options=options_as_bytes(options))
-        state = self.simulators.begin(self.accept, lambda _: self.connection.ask(request))
+        try:
+            state = self.simulators.begin(self.accept, lambda _: self.connection.ask(request))
+        except MessageError:
+            # Whoever steps after a reset that was refused would step half a world.
+            self.seen = None
+            raise
         return self.look(state), info_in(state.infos[0])
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:

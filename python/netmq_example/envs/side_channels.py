@@ -32,6 +32,8 @@ def carry(env: Any, manager: SideChannelManager) -> None:
         raise TypeError(f"{type(env).__name__} is not of lessons 09 to 11: carry where each environment of it is made")
     check.instance("manager", manager, SideChannelManager)
     asking = owner if "ask" in vars(owner) else owner.simulators.connection
+    if isinstance(getattr(asking.ask, "__self__", None), StepCarrier):
+        raise ValueError(f"{type(env).__name__} carries channels already: give all of them to one manager")
     asking.ask = StepCarrier(asking.ask, manager).ask
 
 

@@ -26,7 +26,8 @@ namespace NetMQExample
     /// <summary>Values to and from bytes.</summary>
     public static class MessageTree
     {
-        private const int MostForms = 200, LongestForm = 16 * 1024, MostDepth = 100;
+        private const int MostForms = 200, LongestForm = 16 * 1024, MostDepth = 100,
+            MostFormBytes = 1024 * 1024;
 
         private static readonly Regex ArrayForm = new Regex(
             @"^([a-z]+[0-9]+)\[((?:[0-9]{1,9}(?:,[0-9]{1,9}){0,7})?)\]\z", RegexOptions.CultureInvariant);
@@ -73,6 +74,7 @@ namespace NetMQExample
             try
             {
                 var size = checked((int)BitConverter.ToUInt32(data.Span.Slice(0, 4)));
+                if (size > MostFormBytes) throw Bad($"its form has {size} bytes, and {MostFormBytes} at most");
                 var form = Form(data.Slice(4, size));
                 var numbers = data.Slice(4 + size);
                 var value = Value(form, ref numbers);

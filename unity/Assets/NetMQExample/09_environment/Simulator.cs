@@ -109,7 +109,8 @@ namespace NetMQExample
                 return Error(known.Code, known.Message.Substring(known.Code.Length + 2));
             // A mistake in the simulation must not end it: its place is for whoever writes it.
             Mistake(e);
-            return Error("error-in-simulation", $"{e.GetType().Name}: {e.Message.Split('\n')[0]}");
+            var text = LogText.Printable((e.Message ?? "").Split('\n')[0]);
+            return Error("error-in-simulation", $"{e.GetType().Name}: {text}");
         }
 
         private Message Error(string code, string text) =>

@@ -8,7 +8,7 @@ namespace NetMQExample
     {
         private const int LimitBytes = 12_000;
 
-        private readonly List<object> infos = new List<object>();
+        private List<object> infos = new List<object>();
         private int size;
         private long dropped;
 
@@ -18,7 +18,7 @@ namespace NetMQExample
         /// <exception cref="MessageException">There is something else in it.</exception>
         public void Send(string agent, IReadOnlyDictionary<string, object> info)
         {
-            var one = new List<object> { agent, new Dictionary<string, object>(info) };
+            var one = new List<object> { Require.Given("agent", agent), new Dictionary<string, object>(info) };
             var length = MessageTree.Write(one).Length;
             if (size + length > LimitBytes) dropped++;
             else
@@ -34,11 +34,12 @@ namespace NetMQExample
             if (dropped > 0)
                 infos.Add(new List<object> { "", new Dictionary<string, object> { ["dropped"] = dropped } });
             if (infos.Count == 0) return null;
-            var told = MessageTree.Write(infos);
-            infos.Clear();
+            var told = infos;
+            // First: what cannot be written any more is not tried again.
+            infos = new List<object>();
             size = 0;
             dropped = 0;
-            return told;
+            return MessageTree.Write(told);
         }
     }
 }
