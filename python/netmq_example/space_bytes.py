@@ -112,9 +112,8 @@ class Whole(Codec):
             try:
                 value, at = part.read(view, at)
             except MessageError as error:
-                place = f"[{(self.keys[number] if self.keys else number)!r}]"
-                between = "" if error.text.startswith("[") else ": "
-                raise MessageError(error.code, f"{place}{between}{error.text}") from None
+                place = f"[{(self.keys[number] if self.keys else number)!r}]{'' if error.text[:1] == '[' else ': '}"
+                raise MessageError(error.code, place + error.text) from None
             values.append(value)
         return self.whole(values), at
 

@@ -422,7 +422,7 @@ def test_a_game_of_texts_dicts_and_sequences_is_the_same_in_both_languages(insid
         for wrong in (b"\1", (1).to_bytes(4, "little") + b"\xff" * 8, (2**30).to_bytes(4, "little")):
             with pytest.raises(MessageError, match="not-in-space"):
                 env.remote.ask(Record(ASKS, 0, bytes(16), [STEP] * 2, [letter, wrong]))
-        with pytest.raises(MessageError, match="not-in-space: 'é' is not in Text"):
+        with pytest.raises(MessageError, match=r"not-in-space: \['says'\]: 'é' is not in Text"):
             env.reset(options={"says": "é"})
         env.close()
 
