@@ -159,6 +159,9 @@ def echoes(env, said):
     space = env.observation_space
     before = None
     for sample in samples(space):
+        # Before 1.4 a sample of a Graph does not know where its edges' numbers start.
+        if sample not in space and gymnasium.__version__ < "1.4":
+            continue
         seen, info = env.reset(options={"say": said(space, sample)})
         assert data_equivalence(seen, sample, exact=True) and seen in space and info == {}
         for step in range(1, 4):

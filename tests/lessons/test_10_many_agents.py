@@ -5,6 +5,7 @@ test_10_many_agents_faults.py.
 from __future__ import annotations
 
 import importlib
+import inspect
 import sys
 import time
 import warnings
@@ -205,6 +206,8 @@ def test_a_crowd_of_cars_stays_on_its_roads(kind, serve, start, client_command):
 
 @pytest.mark.parametrize("mode", MODES[:2])
 def test_gymnasiums_vector_wrappers_work(mode, inside):
+    if mode == AutoresetMode.SAME_STEP and gymnasium.__version__ < "1.4":
+        pytest.skip("before Gymnasium 1.4 its wrapper miscounts episodes that began at once")
     envs = RecordEpisodeStatistics(areas(inside, autoreset_mode=mode, max_episode_steps=5))
     envs.reset(seed=1)
     lengths = []
@@ -229,7 +232,9 @@ def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, inside):
     orders = [RESET] * AREAS
     for envs in csharp_areas, areas(inside):
         seen, _ = envs.reset(seed=1)
-        for actions in (np.array([0, 1, 2, 1]), np.array([0, 1]), np.zeros(AREAS)):
+        # To Gymnasium 1.1, numbers with a fraction are in a MultiDiscrete.
+        fractions = [] if np.zeros(AREAS) in envs.action_space else [np.zeros(AREAS)]
+        for actions in (np.array([0, 1, 2, 1]), np.array([0, 1]), *fractions):
             with pytest.raises(ValueError, match=r"are not in MultiDiscrete\(\[2 2 2 2\]\)"):
                 envs.step(actions)
         # And when they come all the same, the simulator refuses them.
@@ -262,7 +267,9 @@ def test_pettingzoos_tests_pass_without_a_warning(played, inside):
         parallel_api_test(played, num_cycles=200)
         api_test(parallel_to_aec(ours), num_cycles=200)
     ours.close()
-    parallel_seed_test(lambda: pursuit(inside), num_cycles=100)
+    # PettingZoo 1.24 decides by itself how many.
+    cycles = {"num_cycles": 100} if "num_cycles" in inspect.signature(parallel_seed_test).parameters else {}
+    parallel_seed_test(lambda: pursuit(inside), **cycles)
 
 
 @pytest.mark.parametrize(("kind", "seeds"), [("csharp", [9, 2]), ("unity", [9]), ("python", [9])])

@@ -32,6 +32,9 @@ from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E
 
 KEY = "11_observations"
 ONE = spaces.Box(-9, 9, (2,), np.float32)
+# Gymnasium 1.1 has but one dtype.
+HAS_DTYPE = "dtype" in inspect.signature(spaces.Discrete).parameters
+NARROW = spaces.Discrete(9, **({"dtype": np.int32} if HAS_DTYPE else {}))
 
 
 def value(said):
@@ -486,7 +489,7 @@ def test_a_wrong_class_or_scene_is_named():
 @pytest.mark.filterwarnings("ignore:.*Box.*precision lowered:UserWarning", "ignore:.*overflow.*:RuntimeWarning")
 def test_an_action_is_the_value_that_it_is_however_it_is_written():
     random = np.random.default_rng(12)
-    spaces_of_actions = [spaces.Discrete(9, dtype=np.int32), spaces.Dict(z=ONE, a=spaces.Discrete(2))]
+    spaces_of_actions = [NARROW, spaces.Dict(z=ONE, a=spaces.Discrete(2))]
     for space in [*spaces_of_actions, *(a_space(random) for _ in range(200))]:
         space.seed(12)
         action = space.sample()
@@ -514,9 +517,6 @@ def spoil(seen):
         seen[...] = 1
 
 
-# Gymnasium 1.1 has but one dtype.
-HAS_DTYPE = "dtype" in inspect.signature(spaces.Discrete).parameters
-NARROW = spaces.Discrete(9, **({"dtype": np.int32} if HAS_DTYPE else {}))
 SEEN = {
     **ODD,
     "another kind of what a OneOf has": (spaces.OneOf([ONE, spaces.Text(9)]), (1, "text"), None),
