@@ -31,7 +31,7 @@ import numpy as np
 from gymnasium.spaces import GraphInstance
 
 from netmq_example import check
-from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, MessageError
+from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, Array, MessageError
 
 SIZE = struct.Struct("<I")
 INT64 = struct.Struct("<q")
@@ -52,6 +52,11 @@ Reader = Callable[[Any, int], tuple[Any, int]]
 
 def write(value: Any) -> bytes:
     return written(lambda parts: form_of(value, parts))
+
+
+def array_of(data: bytes) -> Array:
+    """A value in a message of lesson 05, which has only arrays and flat values."""
+    return Array("uint8", (len(data),), data)
 
 
 def write_pairs(pairs: list[tuple[str, Any]]) -> bytes:

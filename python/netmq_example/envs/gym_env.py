@@ -97,7 +97,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
 
     def look(self, state: Record) -> Any:
         seen = self.observations.read(state.rows[0])
-        self.seen = bytes(state.rows[0])
+        self.seen = state.rows[0]
         return seen
 
     def render(self) -> Any:

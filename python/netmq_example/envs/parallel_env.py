@@ -36,7 +36,7 @@ from netmq_example.envs.common import (
     same,
 )
 from netmq_example.envs.connection import Lost, Simulators
-from netmq_example.messages import Array, Message, MessageError, take
+from netmq_example.messages import Message, MessageError, take
 from netmq_example.records import ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.space_bytes import Bytes
 from netmq_example.space_numbers import shown
@@ -61,7 +61,7 @@ class RemoteAgents:
         self.spaces: Spaces = {}
         self.bytes: dict[str, list[Bytes]] = {}
         # What each agent saw last, as it came.
-        self.last: dict[str, bytes] = {}
+        self.last: dict[str, Any] = {}
         self.simulators = Simulators(default=ENDPOINT, **where)
         self.ask = self.simulators.connection.ask
 
@@ -89,7 +89,7 @@ class RemoteAgents:
         """Observations, rewards, terminated, truncated and infos, each by agent."""
         at = {agent: number for number, agent in enumerate(self.spaces) if agent in living}
         rewards = rewards_in(state)
-        last = {agent: bytes(state.rows[number]) for agent, number in at.items()}
+        last = {agent: state.rows[number] for agent, number in at.items()}
         seen = self.seen(last)
         told = told_in(state.options)
         infos = {}
@@ -108,7 +108,7 @@ class RemoteAgents:
             infos,
         )
 
-    def seen(self, rows: dict[str, bytes]) -> dict[str, Any]:
+    def seen(self, rows: dict[str, Any]) -> dict[str, Any]:
         return {agent: self.bytes[agent][0].read(row) for agent, row in rows.items()}
 
 
@@ -202,7 +202,7 @@ class ZmqParallelEnv(MadeAnew, ParallelEnv[str, Any, Any]):  # type: ignore[misc
             raise ValueError(f"the info cannot be sent: {error}") from None
         if len(data) > LONGEST_INFO:
             raise ValueError(f"an info has at most {LONGEST_INFO} bytes, not {len(data)}")
-        answer = self.remote.ask(Message("info", 0, {}, [Array("uint8", (len(data),), data)]))
+        answer = self.remote.ask(Message("info", 0, {}, [trees.array_of(data)]))
         return told_in(answer.arrays[0].data if answer.arrays else b"")
 
     def render(self) -> Any:

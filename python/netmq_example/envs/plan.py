@@ -62,7 +62,7 @@ class Sight:
             with contextlib.suppress(MessageError, *REASONS):
                 seen = plan.read(numbers, self.old)
                 self.plan = plan
-                self.numbers = bytes(numbers)
+                self.numbers = numbers
                 return seen
         self.old = fitted(self.space, self.merged(form, numbers), self.where)
         self.plan = None

@@ -85,7 +85,7 @@ class RemoteAreas:
     def look(self, rows: Sequence[Any]) -> Any:
         """What is seen in these rows, together."""
         seen = self.observations.read_all(rows)
-        self.seen = [bytes(row) for row in rows]
+        self.seen = list(rows)
         return seen
 
     def look_again(self) -> Any:

@@ -28,7 +28,7 @@ from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.envs.merge import empty, fitted
 from netmq_example.envs.plan import Sight, form_in
 from netmq_example.locator import quoted
-from netmq_example.messages import ENCODER, Array, Message, MessageError
+from netmq_example.messages import ENCODER, Message, MessageError
 from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.space_bytes import codec_of
 from netmq_example.trees import SIZE
@@ -152,7 +152,7 @@ class Agents:
             data = trees.write([to, info])
         except MessageError as error:
             raise ValueError(f"the info cannot be sent: {error}") from None
-        self.simulators.connection.ask(Message("info", 0, {}, [Array("uint8", (len(data),), data)]))
+        self.simulators.connection.ask(Message("info", 0, {}, [trees.array_of(data)]))
 
     def results(self, names: Any, state: Record) -> dict[str, Any]:
         """What a state says of these agents."""

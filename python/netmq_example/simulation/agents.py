@@ -12,7 +12,7 @@ import struct
 from typing import Any
 
 from netmq_example import trees
-from netmq_example.messages import Array, Message, MessageError
+from netmq_example.messages import Message, MessageError
 from netmq_example.records import NOTHING, RESET, STEP, Record
 from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
 from netmq_example.simulation.simulation import AgentSimulation, RealTime
@@ -78,7 +78,7 @@ class AgentSimulator(SimulatorBase):
             raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")
         self.game.on_info(agent, info)
         told = self.game.infos.take()
-        return Message("told", request.id, {}, [Array("uint8", (len(told),), told)])
+        return Message("told", request.id, {}, [trees.array_of(told)])
 
 
 def info_of(request: Message) -> tuple[str, Any]:

@@ -13,7 +13,7 @@ from netmq_example.records import ANSWERS, TERMINATED, TRUNCATED, Record, reward
 def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
     """What describes the spaces is its one array, a value (trees.py)."""
     data = trees.write(spaces)
-    return Message("hello", 0, {"name": name, "dt": float(dt)}, [Array("uint8", (len(data),), data)])
+    return Message("hello", 0, {"name": name, "dt": float(dt)}, [trees.array_of(data)])
 
 
 def unknown(request: Message, known: str) -> MessageError:
