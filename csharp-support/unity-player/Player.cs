@@ -8,6 +8,7 @@ using System.Reflection;
 using System.Threading;
 using UnityEngine;
 using UnityEngine.Rendering;
+using UnityEngine.SceneManagement;
 using Debug = UnityEngine.Debug;
 
 namespace UnityPlayer
@@ -139,6 +140,7 @@ namespace UnityPlayer
             Application.QuitAsked = false;
             Application.Playing = true;
             foreach (var moment in BeforeTheScene) CallLoadMethods(moment);
+            SceneManager.Make = scene;
             scene();
             CallLoadMethods(RuntimeInitializeLoadType.AfterSceneLoad);
             Tell("OnApplicationFocus", true);
@@ -150,6 +152,7 @@ namespace UnityPlayer
         public void Frame()
         {
             Time.Frames++;
+            SceneManager.Change();
             Time.Elapsed = clock.Elapsed.TotalSeconds - clockBefore;
             clockBefore += Time.Elapsed;
             // Capped: after a long frame the game's time is behind, and FixedUpdate does not have to catch up for ever.

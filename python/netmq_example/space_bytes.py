@@ -134,7 +134,7 @@ class Text(Codec):
         self.space = space
 
     def write(self, value: Any, parts: list[bytes]) -> None:
-        parts.append(trees.text_bytes(value))
+        parts.append(trees.sized(value.encode()))
 
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
         text, at = trees.read_text(view, at)

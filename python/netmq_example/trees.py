@@ -9,6 +9,9 @@
 
     "null"  "bool"  "int64"  "float64"              0, 1, 8 and 8 bytes
     "text"                                          uint32, how many bytes; then UTF-8
+    "bytes"                                         uint32, how many bytes; then these
+    {"image": "bytes"}                              a PNG or JPEG file, of which the pixels are read: uint8
+                                                    [height, width, 3], in grey [height, width]; needs Pillow
     "float32[2,3]"                                  an array
     [form, …]                                       a list
     {"dict": {"speed": form, …}}                    a dict
@@ -121,8 +124,11 @@ def form_of(value: Any, parts: list[Any]) -> Any:
             parts.append(b"\1" if value else b"\0")
             return "bool"
         case str():
-            parts.append(text_bytes(value))
+            parts.append(sized(value.encode()))
             return "text"
+        case bytes() | bytearray():
+            parts.append(sized(value))
+            return "bytes"
         case int():
             if not -(2**63) <= value < 2**63:
                 raise MessageError("bad-value", f"{value!s:.20} is too large for an int64")
@@ -157,8 +163,7 @@ def form_of(value: Any, parts: list[Any]) -> Any:
     raise MessageError("bad-tree", f"{type(value).__name__} has no place in a message")
 
 
-def text_bytes(text: str) -> bytes:
-    data = text.encode()
+def sized(data: bytes | bytearray) -> bytes:
     return SIZE.pack(len(data)) + data
 
 
@@ -190,6 +195,8 @@ def reader(form: Any) -> Reader:
             return read_float
         case "text":
             return read_text
+        case "bytes":
+            return read_bytes
         case str():
             return array_reader(form)
         case list():
@@ -212,6 +219,8 @@ def reader(form: Any) -> Reader:
                 return GraphInstance(*values), at
 
             return read_graph
+        case {"image": "bytes"} if len(form) == 1:
+            return read_image
     raise ValueError(f"{form!a:.40} is no form")
 
 
@@ -231,11 +240,24 @@ def read_float(numbers: Any, at: int) -> tuple[float, int]:
 
 
 def read_text(numbers: Any, at: int) -> tuple[str, int]:
+    data, at = read_bytes(numbers, at)
+    return data.decode(), at
+
+
+def read_bytes(numbers: Any, at: int) -> tuple[bytes, int]:
     (size,) = SIZE.unpack_from(numbers, at)
     begin = at + SIZE.size
     if begin + size > len(numbers):
         raise ValueError("a text is longer than what is there")
-    return str(numbers[begin : begin + size], "utf-8"), begin + size
+    return bytes(numbers[begin : begin + size]), begin + size
+
+
+def read_image(numbers: Any, at: int) -> tuple[Any, int]:
+    # Only whoever gets a picture needs Pillow.
+    from netmq_example.camera.pictures import decode_any
+
+    data, at = read_bytes(numbers, at)
+    return decode_any(data), at
 
 
 def array_form(form: str) -> tuple[str, tuple[int, ...], int]:

@@ -253,6 +253,9 @@ namespace UnityEngine
 
         public static List<Object> Destroyed { get; } = new List<Object>();
 
+        /// <summary>What stays when a scene is left.</summary>
+        public static HashSet<GameObject> Kept { get; } = new HashSet<GameObject>();
+
         /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is left.</summary>
         public static HashSet<Object> Made { get; } = new HashSet<Object>();
 
@@ -272,6 +275,7 @@ namespace UnityEngine
                 part.Owner.Components.Remove(part);
             }
             Made.Remove(thing);
+            Kept.Remove(thing as GameObject);
             thing.Destroyed = true;
         }
 

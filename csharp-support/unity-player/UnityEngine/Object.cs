@@ -29,8 +29,11 @@ namespace UnityEngine
             if (obj != null) LoadedScene.Remove(obj);
         }
 
-        /// <summary>No scene is left here, so it only looks who asks.</summary>
-        public static void DontDestroyOnLoad(Object target) => MainThread.Only(nameof(DontDestroyOnLoad));
+        public static void DontDestroyOnLoad(Object target)
+        {
+            MainThread.Only(nameof(DontDestroyOnLoad));
+            LoadedScene.Kept.Add((target as Component)?.gameObject ?? (GameObject)target);
+        }
 
         public static implicit operator bool(Object exists) => exists != null;
 

@@ -56,6 +56,8 @@ namespace UnityEngine
             get { MainThread.Only("get_lossyScale"); return above == null ? size : Vector3.Scale(above.lossyScale, size); }
         }
 
+        public Transform root => above == null ? this : above.root;
+
         public Transform parent
         {
             get { MainThread.Only("get_parent"); return above; }

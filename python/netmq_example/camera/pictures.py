@@ -103,18 +103,29 @@ def encode(picture: Any) -> bytes:
 
 def decode(file: bytes) -> Any:
     """The pixels of a JPEG file."""
+    return pixels_of(file, ["JPEG"])
+
+
+def decode_any(file: bytes) -> Any:
+    """The pixels of a JPEG or PNG file; in grey [height, width]."""
+    return pixels_of(file, ["JPEG", "PNG"], grey=True)
+
+
+def pixels_of(file: bytes, formats: list[str], grey: bool = False) -> Any:
+    names = " or ".join(formats)
     if Image is None:
-        raise MessageError("no-pillow", "JPEG needs Pillow: pip install pillow")
-    refuse_slow(check.instance("file", file, bytes))
+        raise MessageError("no-pillow", f"{names} needs Pillow: pip install pillow")
+    if "PNG" not in formats or not check.instance("file", file, bytes).startswith(b"\x89PNG"):
+        refuse_slow(check.instance("file", file, bytes))
     try:
-        with Image.open(io.BytesIO(file), formats=["JPEG"]) as image:
+        with Image.open(io.BytesIO(file), formats=formats) as image:
             # Its size is known before it is decoded: a small file can claim to be an enormous picture.
             if image.width * image.height * 3 <= LIMIT:
-                return np.asarray(image.convert("RGB"))
+                return np.asarray(image.convert("L" if grey and image.mode in ("1", "L", "LA") else "RGB"))
     # Pillow raises whatever its decoders meet.
     except Exception as error:
-        raise MessageError("bad-jpeg", f"this is no JPEG picture: {error!s:.60}") from None
-    raise MessageError("too-big", f"a JPEG picture of {image.width} x {image.height} pixels is over the limit")
+        raise MessageError("bad-jpeg", f"this is no {names} picture: {error!s:.60}") from None
+    raise MessageError("too-big", f"a {names} picture of {image.width} x {image.height} pixels is over the limit")
 
 
 def refuse_slow(file: bytes) -> None:

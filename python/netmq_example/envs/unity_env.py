@@ -75,8 +75,8 @@ class UnityGymEnv(MadeAnew, gymnasium.Env[Any, Any]):
         return seen, reward, terminated, truncated, info
 
     def send_info(self, info: Any, agent: str | None = None) -> None:
-        """To this agent, to another one, or to the scene itself, which is ""."""
-        self.agents.send_info(info, self.name if agent is None else agent)
+        """To the scene itself, or to an agent: what a value is, trees.py says. `bytes` are C#'s `byte[]`."""
+        self.agents.send_info(info, agent or "")
 
     def close(self) -> None:
         self.close_once()

@@ -45,7 +45,7 @@ namespace NetMQExample.Tests
         [Obs] private readonly short[] small = { -5 };
         [Obs] private readonly object[] mixed = { 1, "two", new[] { 3.5f } };
         [Obs] private readonly Dictionary<string, object> parts = new() { ["a"] = 1, ["b"] = new[] { 2L } };
-        [Obs] private readonly MessageGraph graph = new(new MessageArray("float32", new byte[8], 2, 1));
+        [Obs] private readonly GraphInstance graph = new(new MessageArray("float32", new byte[8], 2, 1));
         [Obs] private readonly Vector3 place = new(1, 2, 3);
         [Box("@@.turn")] private readonly Quaternion turn = new(0.5f, 0.25f, 0.125f, 1);
         [Box] private readonly Vector3[] way = { new(1, 2, 3), new(4, 5, 6) };
@@ -72,7 +72,7 @@ namespace NetMQExample.Tests
 
         public override string Says => "not this";
 
-        [Graph] private MessageGraph Edges { get; } = new(new MessageArray("int64", new byte[16], 2), new MessageArray("int64", new byte[8], 1), new MessageArray("int32", new byte[8], 1, 2));
+        [Graph] private GraphInstance Edges { get; } = new(new MessageArray("int64", new byte[16], 2), new MessageArray("int64", new byte[8], 1), new MessageArray("int32", new byte[8], 1, 2));
     }
 
     // Each with one thing wrong.

@@ -36,7 +36,7 @@ namespace NetMQExample.Tests
 
         // Where null means "none", as the parameter's words say; so it does wherever it is the default.
         private static readonly string[] None =
-            { "PoseSubscriber snapshots", "SecureRequester keys", "AvatarBone end", "MessageGraph nodes" };
+            { "PoseSubscriber snapshots", "SecureRequester keys", "AvatarBone end", "GraphInstance nodes" };
 
         public static void Run()
         {

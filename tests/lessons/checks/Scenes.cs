@@ -2,6 +2,7 @@
 // classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
 //     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone]
+//     dotnet checks.dll scene Racer ENDPOINT
 //     dotnet checks.dll scene Weather ENDPOINT
 //     dotnet checks.dll scene OwnChannels ENDPOINT
 using System;
@@ -24,6 +25,14 @@ namespace NetMQExample.Tests
                 var thing = new GameObject("scene");
                 // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
                 thing.SetActive(false);
+                if (name == "Racer")
+                {
+                    var racer = new MonoBehaviour[] { thing.AddComponent<Racer>(), thing.AddComponent<GymManager>() };
+                    Inspector.Set(racer, "endpoint", endpoint);
+                    Inspector.Set(racer, "envName", "Racer");
+                    thing.SetActive(true);
+                    return;
+                }
                 if (name == "gymize")
                 {
                     Gymize(thing, endpoint, how.FirstOrDefault());

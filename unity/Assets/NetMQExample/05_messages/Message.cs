@@ -28,7 +28,7 @@ namespace NetMQExample
     }
 
     /// <summary>An array of numbers: how they are to be read, and their bytes.</summary>
-    public sealed class MessageArray
+    public sealed partial class MessageArray
     {
         // The names are numpy's. What Unity runs on is little-endian, as the bytes are.
         private static readonly Dictionary<string, (int Size, Type Type)> Kinds = new Dictionary<string, (int, Type)>

@@ -58,7 +58,8 @@ namespace NetMQExample
         /// <summary>Serves until it is closed.</summary>
         /// <param name="simulator">What answers.</param>
         /// <param name="count">Or until it is asked for more episodes than this; 0 is no limit.</param>
-        /// <param name="perform">Calls what it is given, on the simulation's own thread, and returns then.</param>
+        /// <param name="perform">Calls what it is given, on the simulation's own thread, and returns then. While the
+        /// simulator is waiting, it is called once for each frame.</param>
         /// <param name="stop">Ends it early, within 50 ms of being cancelled.</param>
         /// <exception cref="TimeoutException">There was no environment for too long.</exception>
         public void Run(
@@ -114,7 +115,8 @@ namespace NetMQExample
                 {
                     var begins = request == null && step.Has(Order.Reset);
                     if (begins && count > 0 && simulator.Episodes >= count) return;
-                    perform(answer);
+                    do perform(answer);
+                    while (simulator.Waiting);
                     if (simulator.Words != null) Send(simulator.Words, Try, stop);
                     else Send(simulator.Frame.Span, false, Try, stop);
                 }

@@ -13,6 +13,13 @@ namespace NetMQExample
         private Action work;
         private ExceptionDispatchInfo mistake;
 
+        /// <summary>Whether Python thinks for less than a frame, whether it steps, and whether it has launched the
+        /// game. The network thread sets them.</summary>
+        public volatile bool Quick, Stepped, Launched;
+
+        /// <summary>What is asked.</summary>
+        public SimulatorBase Simulator { get; set; }
+
         /// <summary>Has it done, and waits for that. For the network thread.</summary>
         /// <param name="action">What may touch the scene.</param>
         /// <param name="stop">Ends the wait.</param>

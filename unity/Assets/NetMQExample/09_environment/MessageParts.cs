@@ -16,6 +16,12 @@ namespace NetMQExample
             to.Advance(4);
         }
 
+        public static void WriteBytes(IBufferWriter<byte> to, byte[] bytes)
+        {
+            WriteSize(to, bytes.Length);
+            to.Write(bytes);
+        }
+
         public static void WriteText(IBufferWriter<byte> to, string text)
         {
             try

@@ -6,10 +6,12 @@
 //
 //     "null"  "bool"  "int64"  "float64"        null, bool, long, double: 0, 1, 8 and 8 bytes
 //     "text"                                    string: uint32, how many bytes; then UTF-8
+//     "bytes"                                   byte[]: uint32, how many bytes; then these
+//     {"image": "bytes"}                        EncodedImage, a PNG or JPEG file
 //     "float32[2,3]"                            MessageArray
 //     [form, …]                                 List<object>
 //     {"dict": {"speed": form, …}}              Dictionary<string, object>
-//     {"graph": [nodes, edges, edge_links]}     MessageGraph; without edges both are "null"
+//     {"graph": [nodes, edges, edge_links]}     GraphInstance; without edges both are "null"
 //
 // The form of most values stays the same from step to step, and so it is looked at once. The Python side is trees.py.
 using System;
@@ -111,6 +113,14 @@ namespace NetMQExample
                     form.Append("\"text\"");
                     MessageParts.WriteText(numbers, text);
                     return;
+                case byte[] bytes:
+                    form.Append("\"bytes\"");
+                    MessageParts.WriteBytes(numbers, bytes);
+                    return;
+                case EncodedImage image:
+                    form.Append("{\"image\":\"bytes\"}");
+                    MessageParts.WriteBytes(numbers, image.File);
+                    return;
                 case int _:
                 case long _:
                     form.Append("\"int64\"");
@@ -127,7 +137,7 @@ namespace NetMQExample
                     form.Append($"\"{array.Dtype}[{string.Join(",", array.Shape)}]\"");
                     numbers.Write(array.Data.Span);
                     return;
-                case MessageGraph graph:
+                case GraphInstance graph:
                     form.Append("{\"graph\":");
                     AddAll(form, numbers, new[] { graph.Nodes, graph.Edges, graph.EdgeLinks }, depth);
                     form.Append('}');
@@ -182,6 +192,7 @@ namespace NetMQExample
                 case "int64": return BitConverter.ToInt64(MessageParts.Take(ref numbers, 8).Span);
                 case "float64": return Finite(BitConverter.ToDouble(MessageParts.Take(ref numbers, 8).Span));
                 case "text": return MessageParts.ReadText(ref numbers);
+                case "bytes": return MessageParts.Take(ref numbers, MessageParts.Size(ref numbers)).ToArray();
                 case string array: return ReadArray(array, ref numbers);
                 case List<object> forms:
                     var items = new List<object>(forms.Count);
@@ -195,7 +206,7 @@ namespace NetMQExample
                         return dict;
                     }
                     if (fields.TryGetValue("graph", out inside) && inside is List<object> three && three.Count == 3)
-                        return new MessageGraph(
+                        return new GraphInstance(
                             Value(three[0], ref numbers), Value(three[1], ref numbers), Value(three[2], ref numbers));
                     break;
             }

@@ -30,27 +30,38 @@ namespace NetMQExample
         /// <summary>The last answer to a reset or a step.</summary>
         public ReadOnlyMemory<byte> Frame { get; private set; }
 
+        /// <summary>Whether a frame must pass before what was asked for can be answered: answer it again then.</summary>
+        public bool Waiting { get; private set; }
+
         /// <summary>What an environment has to know. Its requests are counted anew.</summary>
         public Message Hello()
         {
             id = 0;
+            Waiting = false;
             return Words = Describe();
         }
 
         /// <summary>Answers a reset or a step, unless that was done before. The answer is kept.</summary>
         public void Answer(StepRequest request)
         {
-            if (request.Id <= id) return;
-            id = request.Id;
+            if (request.Id <= id && !Waiting) return;
             try
             {
-                state.Begin(request);
-                Do(request, state);
+                if (!Waiting)
+                {
+                    id = request.Id;
+                    state.Begin(request);
+                    Do(request, state);
+                }
+                Waiting = NeedsFrame();
+                if (Waiting) return;
+                See(request, state);
                 Frame = state.Frame();
                 Words = null;
             }
             catch (Exception e)
             {
+                Waiting = false;
                 Words = Refusal(e);
             }
         }
@@ -76,8 +87,15 @@ namespace NetMQExample
         /// <summary>A hello: name, dt and spaces.</summary>
         public abstract Message Describe();
 
-        /// <summary>Resets or steps, and says what is seen then.</summary>
+        /// <summary>Resets or steps, and says what is seen then, unless See does.</summary>
         public abstract void Do(StepRequest request, StepAnswer answer);
+
+        /// <summary>Whether a frame must pass between Do and See. It is asked after Do, and again after each frame.
+        /// </summary>
+        public virtual bool NeedsFrame() => false;
+
+        /// <summary>Says what is seen, after what was done.</summary>
+        public virtual void See(StepRequest request, StepAnswer answer) { }
 
         /// <summary>Answers what is asked in words, such as render.</summary>
         public abstract Message Say(Message request);
@@ -188,10 +206,10 @@ namespace NetMQExample
                 areas[i].ResetWorld(new Chance(request.Seed(i)), options, state);
                 Episodes++;
             }
-            for (var i = 0; i < areas.Length; i++) See(i, request.OrderOf(i), answer);
+            for (var i = 0; i < areas.Length; i++) SeeArea(i, request.OrderOf(i), answer);
         }
 
-        private void See(int i, Order order, StepAnswer answer)
+        private void SeeArea(int i, Order order, StepAnswer answer)
         {
             info.Clear();
             var verdict = order == Order.Step ? areas[i].Judge(info) : (0, false, false);

@@ -28,7 +28,7 @@ namespace NetMQExample
         public double this[int at] => numbers[at];
 
         /// <summary>All of it: long, double, string, MessageArray, List&lt;object&gt;,
-        /// Dictionary&lt;string, object&gt;, MessageGraph; of one of several spaces a list, which one and what. It is
+        /// Dictionary&lt;string, object&gt;, GraphInstance; of one of several spaces a list, which one and what. It is
         /// made when it is asked for.</summary>
         public object Value => value ??= Decoded(row);
 
@@ -144,13 +144,13 @@ namespace NetMQExample
             var edges = none ? 0 : BitConverter.ToInt32(from.Span);
             from = from.Slice(4);
             var allNodes = Items(part.Parts[0], Least(nodes, from), ref from);
-            if (none) return new MessageGraph(allNodes);
+            if (none) return new GraphInstance(allNodes);
             if (part.Parts.Length < 2) throw NotInSpace("a graph with edges is");
             var allEdges = Items(part.Parts[1], Least(edges, from), ref from);
             var links = new MessageArray("int32", MessageParts.Take(ref from, checked(8 * edges)).ToArray(), edges, 2);
             foreach (var node in SpaceNumbers.Of(links))
                 if (node < 0 || node >= nodes) throw NotInSpace($"a graph with an edge of node {node}, of {nodes}, is");
-            return new MessageGraph(allNodes, allEdges, links);
+            return new GraphInstance(allNodes, allEdges, links);
         }
 
         private List<object> Items(GymSpace part, int count, ref ReadOnlyMemory<byte> from)

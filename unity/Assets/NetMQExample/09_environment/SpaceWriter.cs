@@ -83,7 +83,7 @@ namespace NetMQExample
         }
 
         /// <summary>The whole, in the types of C#: numbers, bool, string, arrays, MessageArray, dictionaries, lists,
-        /// MessageGraph; for one of several spaces a list, which one and what.</summary>
+        /// GraphInstance; for one of several spaces a list, which one and what.</summary>
         /// <exception cref="MessageException">It is not in the space.</exception>
         public void Set(object value)
         {
@@ -162,7 +162,7 @@ namespace NetMQExample
                     Write(of.Parts[which], pair[1]);
                     return;
                 case "graph":
-                    WriteGraph(of, value as MessageGraph ?? throw Wrong(of, value));
+                    WriteGraph(of, value as GraphInstance ?? throw Wrong(of, value));
                     return;
                 default:
                     WriteNumbers(of, value);
@@ -176,7 +176,7 @@ namespace NetMQExample
             foreach (var item in items) Write(of, item);
         }
 
-        private void WriteGraph(GymSpace of, MessageGraph graph)
+        private void WriteGraph(GymSpace of, GraphInstance graph)
         {
             var nodes = Items(of, graph.Nodes);
             var edges = graph.Edges == null || of.Parts.Length < 2 ? null : Items(of, graph.Edges);

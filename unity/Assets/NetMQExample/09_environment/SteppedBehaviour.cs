@@ -31,7 +31,6 @@ namespace NetMQExample
 
         private readonly Stopwatch clock = new Stopwatch(), thinking = new Stopwatch();
         private volatile Handover handover;
-        private volatile bool launched, quick, stepped;
 
         /// <summary>Where the environment listens.</summary>
         protected abstract string Endpoint { get; }
@@ -48,10 +47,22 @@ namespace NetMQExample
             if (Users.Count == 0) modeBefore = Physics.simulationMode;
             Users.Add(this);
             Physics.simulationMode = SimulationMode.Script;
-            stepped = false;
             // A new one each time: what a run before this one has asked for is over.
             handover = new Handover();
             if (Connects) base.Begin();
+        }
+
+        /// <summary>Goes on with what a component steps that a change of scenes takes away.</summary>
+        /// <param name="before">It has nothing to do afterwards.</param>
+        /// <returns>False if that is over.</returns>
+        protected bool GoOnWith(SteppedBehaviour before)
+        {
+            if (!TakeThread(before)) return false;
+            handover = before.handover;
+            Users.Remove(before);
+            Users.Add(this);
+            if (Fast.Remove(before)) Fast.Add(this);
+            return true;
         }
 
         /// <inheritdoc/>
@@ -68,22 +79,23 @@ namespace NetMQExample
             var words = Environment.GetCommandLineArgs();
             var told = Array.IndexOf(words, "--endpoint") + 1;
             var place = told > 0 && told < words.Length ? words[told] : Endpoint;
-            launched = told > 0;
+            var own = handover;
+            own.Launched = told > 0;
             Log($"asking {place}");
             var simulator = MakeSimulator();
             simulator.Mistake = Debug.LogException;
+            own.Simulator = simulator;
             using var client = new EnvironmentClient(place, Seconds(timeout), Log);
-            var own = handover;
             client.Run(simulator, count, work => Perform(own, simulator, work, stop), stop);
             Log($"done: {simulator.Episodes} episodes, {simulator.Steps} steps");
         }
 
         private void Perform(Handover own, SimulatorBase simulator, Action work, CancellationToken stop)
         {
-            quick = thinking.ElapsedMilliseconds < MostMilliseconds;
+            own.Quick = thinking.ElapsedMilliseconds < MostMilliseconds;
             own.Do(work, stop);
             // A hello, of which there is a new one each second while nobody listens, is no step.
-            stepped = simulator.Words?.Kind != "hello";
+            own.Stepped = simulator.Words?.Kind != "hello";
             thinking.Restart();
         }
 
@@ -91,10 +103,10 @@ namespace NetMQExample
         protected override void Update()
         {
             if (Connects) Serve();
-            if (stepped && Connects && !Done) Hurry();
+            if (Connects && handover.Stepped && !Done) Hurry();
             else Slow();
             // In the editor this does nothing. Not before the last line was logged.
-            if (launched && Done) Application.Quit();
+            if (Connects && handover.Launched && Done) Application.Quit();
         }
 
         // A Python that thinks fast makes many steps in a frame; else, or when time is up, it goes on.
@@ -106,10 +118,10 @@ namespace NetMQExample
                 // What is logged comes before the step that it was logged ahead of.
                 while (DoNext(0)) { }
                 var left = MostMilliseconds - (int)clock.ElapsedMilliseconds;
-                var wait = quick ? left : stepped ? Math.Min(left, IdleMilliseconds) : 1;
+                var wait = handover.Quick ? left : handover.Stepped ? Math.Min(left, IdleMilliseconds) : 1;
                 if (left <= 0 || !handover.DoNext(wait)) return;
             }
-            while (isActiveAndEnabled);
+            while (isActiveAndEnabled && !handover.Simulator.Waiting);
         }
 
         private void Hurry()

@@ -25,6 +25,7 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("How many ticks one of its steps takes")] private int stepPeriod = 1;
 
         private AgentState state;
+        private long seed;
 
         /// <summary>All that are enabled now. For the main thread.</summary>
         public static List<IAgent> All { get; } = new List<IAgent>();
@@ -49,32 +50,6 @@ namespace NetMQExample
 
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
         protected Chance Chance => State.Chance;
-
-        /// <summary>The source that a sensor is: where its locator puts it, below the agents above it.</summary>
-        /// <param name="at">Where the sensor is. Without a locator its key is the names of the game objects from the
-        /// agent to here.</param>
-        /// <param name="name">For a person who must mend something.</param>
-        /// <param name="locator">As it was declared.</param>
-        /// <param name="standard">The key for a sensor on the agent's own game object.</param>
-        /// <param name="read">What it senses now.</param>
-        /// <exception cref="ArgumentException">The locator is wrong, or nobody is meant.</exception>
-        public static Source Below(Transform at, string name, string locator, string standard, Func<object> read)
-        {
-            var scopes = new List<string>();
-            var keys = "";
-            if (at.GetComponent<Agent>() == null) standard = "";
-            for (; at != null; at = at.parent)
-            {
-                var agent = at.GetComponent<Agent>();
-                if (agent != null) scopes.Add($"{LocatorMapping.Quoted(agent.Name)}@{keys}");
-                keys = $"[{LocatorMapping.Quoted(at.name)}]{keys}";
-            }
-            var scope = scopes.Count > 0 ? Locator.Parse(string.Join(" & ", scopes)) : null;
-            var source = AgentState.Make(name, locator, standard, scope, read);
-            return source.Locator.Absolute
-                ? source
-                : throw new ArgumentException($"{name} has no agent above it, and its locator names none");
-        }
 
         /// <inheritdoc/>
         public abstract void OnReset();
@@ -126,8 +101,21 @@ namespace NetMQExample
         // All of the scene are enabled before the first one starts; one agent says it for all.
         private void Start()
         {
-            if (GymManager.Current == null && ReferenceEquals(All.FirstOrDefault(), this))
-                Debug.LogError($"trouble: {Name} waits for a GymManager: put one on any game object of the scene");
+            if (!GymManager.Steps && ReferenceEquals(All.FirstOrDefault(), this))
+                Debug.LogWarning("trouble: no GymManager is enabled in this scene: its agents play without Python");
+        }
+
+        // Without Python, by the clock.
+        private void FixedUpdate()
+        {
+            if (GymManager.Steps) return;
+            if (State.Over)
+            {
+                Debug.Log(FormattableString.Invariant($"by hand: {Name} has ended, return {State.Reward:F1}"));
+                State.Begin(new Chance(++seed), State.Options);
+                OnReset();
+            }
+            OnTick(Time.fixedDeltaTime);
         }
 
         private void Join()

@@ -17,7 +17,7 @@ namespace NetMQExample
         void OnReset();
 
         /// <summary>Python's action: long, double, bool, string, MessageArray, List&lt;object&gt;,
-        /// Dictionary&lt;string, object&gt;, or MessageGraph.</summary>
+        /// Dictionary&lt;string, object&gt;, or GraphInstance.</summary>
         void OnAction(object action);
 
         /// <summary>One step of the world's time; none more once its episode is over.</summary>
@@ -63,6 +63,9 @@ namespace NetMQExample
     /// <summary>The part of an agent that needs no engine.</summary>
     public sealed class AgentState
     {
+        // While a simulator resets or steps on this thread.
+        [ThreadStatic] internal static bool Inside;
+
         private readonly List<object> infos = new List<object>();
         private double reward;
         private bool terminated, truncated;
@@ -113,23 +116,31 @@ namespace NetMQExample
         }
 
         /// <summary>Adds to the reward that goes with the next answer.</summary>
-        public void AddReward(double more) => reward += more;
+        /// <exception cref="ArgumentException">It is no finite number.</exception>
+        public void AddReward(double more) => Judge(nameof(AddReward), reward + Finite(more), terminated, truncated);
 
         /// <summary>Replaces the reward that goes with the next answer.</summary>
-        public void SetReward(double all) => reward = all;
+        /// <exception cref="ArgumentException">It is no finite number.</exception>
+        public void SetReward(double all) => Judge(nameof(SetReward), Finite(all), terminated, truncated);
 
         /// <summary>The episode is over for it: it has reached an end of the world.</summary>
-        public void Terminate() => terminated = true;
+        public void Terminate() => Judge(nameof(Terminate), reward, true, truncated);
 
         /// <summary>The episode is over for it, for another reason, such as the time.</summary>
-        public void Truncate() => truncated = true;
+        public void Truncate() => Judge(nameof(Truncate), reward, terminated, true);
 
         /// <summary>Tells Python something, with the next answer.</summary>
         /// <exception cref="MessageException">It has no place in a message.</exception>
         public void SendInfo(object info) => infos.Add(Observed.Of(info));
 
+        // Since the last answer.
+        internal double Reward => reward;
+
         // It has no more ticks until the next reset.
         internal bool Over => terminated || truncated;
+
+        // What was called between two steps, such as in an Update: none of them knows of it. Or null.
+        internal string Late { get; private set; }
 
         internal void Begin(Chance chance, IReadOnlyDictionary<string, object> options)
         {
@@ -139,6 +150,19 @@ namespace NetMQExample
             terminated = false;
             truncated = false;
             infos.Clear();
+            Late = null;
+        }
+
+        // In the same episode there is another one of this name: its scene was loaded anew.
+        internal void GoOnFrom(AgentState before)
+        {
+            Chance = before.Chance;
+            Options = before.Options;
+            reward += before.reward;
+            terminated |= before.terminated;
+            truncated |= before.truncated;
+            infos.InsertRange(0, before.infos);
+            Late ??= before.Late;
         }
 
         // What Python is told is told once.
@@ -148,7 +172,19 @@ namespace NetMQExample
             infos.Clear();
             var taken = reward;
             reward = 0;
+            Late = null;
             return (taken, terminated, truncated);
         }
+
+        private void Judge(string what, double reward, bool terminated, bool truncated)
+        {
+            (this.reward, this.terminated, this.truncated) = (reward, terminated, truncated);
+            if (!Inside) Late = what;
+        }
+
+        private double Finite(double number) => Math.Abs(number) < double.PositiveInfinity
+            ? number
+            : throw new ArgumentException(
+                FormattableString.Invariant($"the reward of agent '{Name}' is {number}, which is no finite number"));
     }
 }

@@ -39,6 +39,18 @@ namespace NetMQExample
             .Where(pair => pair.Key != typeof(bool) && pair.Key != typeof(char))
             .ToDictionary(pair => pair.Value, pair => pair.Key);
 
+        // What C#, numpy and NumSharp call them.
+        private static readonly Dictionary<string, string> Aliases = new Dictionary<string, string>
+        {
+            ["bool"] = "uint8", ["?"] = "uint8", ["b1"] = "uint8", ["byte"] = "uint8", ["B"] = "uint8", ["u1"] = "uint8",
+            ["ushort"] = "uint16", ["char"] = "uint16", ["u2"] = "uint16",
+            ["sbyte"] = "int32", ["short"] = "int32", ["int8"] = "int32", ["int16"] = "int32", ["int"] = "int32",
+            ["i1"] = "int32", ["i2"] = "int32", ["i4"] = "int32",
+            ["uint"] = "int64", ["uint32"] = "int64", ["u4"] = "int64", ["long"] = "int64", ["i8"] = "int64",
+            ["float"] = "float32", ["single"] = "float32", ["f4"] = "float32",
+            ["double"] = "float64", ["decimal"] = "float64", ["f8"] = "float64",
+        };
+
         /// <summary>Whether these items are nothing but numbers, by their type: float[], List&lt;int&gt;.</summary>
         public static bool IsNumbers(IEnumerable items)
         {
@@ -54,6 +66,7 @@ namespace NetMQExample
         public static MessageArray Value(object value, string dtype = "")
         {
             value = Observed.Engine(value);
+            dtype = Named(dtype);
             if (value is MessageArray ready && (dtype == "" || dtype == ready.Dtype)) return ready;
             if (value is string text) value = text.ToCharArray();
             if (value is Array array && Same.TryGetValue(array.GetType().GetElementType(), out var own)
@@ -62,11 +75,19 @@ namespace NetMQExample
             var numbers = new List<object>();
             var shape = Flatten(value, numbers, 0);
             if (dtype == "") dtype = Natural(numbers.Count == 0 ? typeof(float) : numbers[0].GetType());
-            if (!Types.TryGetValue(dtype, out var type))
-                throw new MessageException("bad-dtype", $"dtype {dtype} is none of {string.Join(", ", Types.Keys)}");
+            var type = Types[dtype];
             var items = Array.CreateInstance(type, numbers.Count);
             for (var i = 0; i < items.Length; i++) items.SetValue(Exactly(numbers[i], type), i);
             return Copy(dtype, items, shape);
+        }
+
+        // In front may stand the order of bytes, as numpy has it: it changes no number.
+        private static string Named(string dtype)
+        {
+            var name = (dtype ?? "").TrimStart('<', '>', '=', '|');
+            if (Aliases.TryGetValue(name, out var own)) name = own;
+            if (name == "" || Types.ContainsKey(name)) return name;
+            throw new MessageException("bad-dtype", $"dtype {dtype} is none of {string.Join(", ", Types.Keys)}");
         }
 
         private static string Natural(Type type) => type.IsEnum ? "int64"
@@ -93,7 +114,7 @@ namespace NetMQExample
             if (!(value is IEnumerable items) || value is string)
             {
                 var type = value?.GetType().Name ?? "null";
-                if (!(value is IConvertible) || value is string)
+                if (!(value is IConvertible) || value is string || value is MessageArray)
                     throw new MessageException("no-space", $"a Box has numbers, and no {type}");
                 numbers.Add(value is char unit ? (ushort)unit : value);
                 return new int[0];

@@ -3,8 +3,10 @@
 // Use: start python/11_observations/server.py, open this lesson's scene, press Play. For your own scene: add this
 // component to any GameObject, and agents (Agent.cs) and sensors wherever they belong.
 // Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. What a
-// script does in FixedUpdate, it does in OnTick from now on.
+// script does in FixedUpdate, it does in OnTick from now on. While it is disabled, the agents play without Python.
+// A scene may be loaded anew, also by an agent's OnReset: the new scene's GymManager goes on with the connection.
 using UnityEngine;
+using UnityEngine.SceneManagement;
 
 namespace NetMQExample
 {
@@ -16,10 +18,19 @@ namespace NetMQExample
         [SerializeField, Tooltip("The env_name in Python")] private string envName = "Coins";
         [SerializeField, Tooltip("Seconds of a tick")] private double dt = 0.1;
 
+        // Its scene is left: that of the next one takes its connection, or it ends.
+        private static GymManager leaving;
+
+        private bool quits;
+
         /// <summary>The one of this scene, if there is one.</summary>
         public static GymManager Current { get; private set; }
 
-        /// <summary>What the environment itself says and hears: SendInfo, OnInfo. New after each enable.</summary>
+        /// <summary>Whether Python steps the agents, or will: else they play by the clock.</summary>
+        internal static bool Steps => Current != null && Current.isActiveAndEnabled;
+
+        /// <summary>What the environment itself says and hears: SendInfo, OnInfo. New after each enable, but not after a
+        /// change of scenes.</summary>
         public SceneSimulator Simulator { get; private set; }
 
         /// <inheritdoc/>
@@ -31,10 +42,53 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
+            var before = leaving;
+            leaving = null;
             Current = this;
+            if (!(before is null) && before.envName == envName && before.endpoint == endpoint && GoOnWith(before))
+            {
+                Simulator = before.Simulator;
+                return;
+            }
+            before?.Leave();
             Simulator = new SceneSimulator(
-                envName, dt, Agent.All, SensorComponent.All, () => Physics.Simulate((float)dt));
+                envName, dt, Agent.All, SensorComponent.All, () => Physics.Simulate((float)dt))
+            { Loads = Loads, Warn = Debug.LogWarning };
+            Simulator.OnInfo += GymEnv.Hear;
             base.Begin();
         }
+
+        /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            if (quits || !(Simulator.Loading || Loads()))
+            {
+                Leave();
+                return;
+            }
+            leaving = this;
+            SceneManager.sceneLoaded += Loaded;
+        }
+
+        /// <inheritdoc/>
+        protected override void OnApplicationQuit()
+        {
+            quits = true;
+            base.OnApplicationQuit();
+        }
+
+        private void Leave() => base.OnDisable();
+
+        private void Loaded(Scene scene, LoadSceneMode mode)
+        {
+            SceneManager.sceneLoaded -= Loaded;
+            if (!ReferenceEquals(leaving, this)) return;
+            leaving = null;
+            Debug.LogWarning($"trouble: {scene.name} has no GymManager with the Env Name {envName}: Python has lost it");
+            Leave();
+        }
+
+        // The one that is being loaded is the last one.
+        private static bool Loads() => !SceneManager.GetSceneAt(SceneManager.sceneCount - 1).isLoaded;
     }
 }

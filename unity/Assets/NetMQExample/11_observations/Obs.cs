@@ -87,15 +87,15 @@ namespace NetMQExample
         public override object Read(object value) => Observed.List(value);
     }
 
-    /// <summary>A MessageGraph.</summary>
+    /// <summary>A GraphInstance.</summary>
     public sealed class GraphAttribute : ObsAttribute
     {
         /// <inheritdoc/>
         public GraphAttribute(string locator = "") : base(locator) { }
 
         /// <inheritdoc/>
-        public override object Read(object value) => Observed.Of(value) as MessageGraph
-            ?? throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} is no MessageGraph");
+        public override object Read(object value) => Observed.Of(value) as GraphInstance
+            ?? throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} is no GraphInstance");
     }
 }
 

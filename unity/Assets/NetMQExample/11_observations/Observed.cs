@@ -80,8 +80,10 @@ namespace NetMQExample
                 case null:
                 case bool _:
                 case string _:
-                case MessageArray _:
-                case MessageGraph _: return value;
+                case EncodedImage _:
+                case MessageArray _: return value;
+                case GraphInstance graph:
+                    return new GraphInstance(Part(graph.Nodes), Part(graph.Edges), Part(graph.EdgeLinks));
                 case float _:
                 case double _:
                 case decimal _: return Finite(Convert.ToDouble(value));
@@ -106,6 +108,9 @@ namespace NetMQExample
         public static object List(object value) => value is IEnumerable items && !(value is string)
             ? Inside(() => items.Cast<object>().Select(Of).ToList())
             : throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} has no items");
+
+        // A graph's numbers are arrays, also a single one of them.
+        private static object Part(object value) => value == null ? null : BoxOf.Value(value);
 
         private static object Inside(Func<object> read)
         {

@@ -7,6 +7,7 @@
 // The Python side is netmq_example/envs/unity_env.py.
 using System;
 using System.Collections.Generic;
+using System.Diagnostics;
 using System.Linq;
 
 namespace NetMQExample
@@ -14,6 +15,9 @@ namespace NetMQExample
     /// <summary>Answers reset, step and info; lesson 09's EnvironmentClient brings it to Python.</summary>
     public sealed class SceneSimulator : SimulatorBase
     {
+        // How long after a change of scenes its agents may come.
+        private static readonly TimeSpan MostLoading = TimeSpan.FromSeconds(10);
+
         private readonly double dt;
         private readonly IReadOnlyList<IAgent> agents;
         private readonly IReadOnlyList<Source> sensors;
@@ -21,9 +25,15 @@ namespace NetMQExample
         private readonly List<object> infos = new List<object>();
         private readonly List<Source> seen = new List<Source>();
         private readonly Dictionary<string, object> info = new Dictionary<string, object>();
+        // Of those of the last reset: who is there now, or null; and who was there when it was asked before.
+        private readonly List<IAgent> present = new List<IAgent>();
+        private readonly Dictionary<string, AgentState> known = new Dictionary<string, AgentState>();
+        private readonly Stopwatch loading = new Stopwatch();
         // Those of the last reset: each has a row.
         private List<string> asked = new List<string>();
         private Dictionary<string, object> options = new Dictionary<string, object>();
+        // An agent judges in its Update: then each step needs a frame.
+        private bool framed, frameLeft;
 
         /// <summary>Of the agents that are in the list when Python asks: they may come and go.</summary>
         /// <param name="name">The env_name in Python.</param>
@@ -43,6 +53,15 @@ namespace NetMQExample
 
         /// <inheritdoc/>
         public override string Name { get; }
+
+        /// <summary>Whether a scene is being loaded, such as by an agent's OnReset: its agents come with it.</summary>
+        public Func<bool> Loads { get; set; } = () => false;
+
+        /// <summary>Whether it waits for the agents of a scene that was loaded.</summary>
+        internal bool Loading => Waiting && loading.IsRunning;
+
+        /// <summary>Called with a line that a person should read.</summary>
+        public Action<string> Warn { get; set; } = line => { };
 
         /// <summary>Hears what Python sends to the environment itself.</summary>
         public event Action<object> OnInfo;
@@ -71,8 +90,13 @@ namespace NetMQExample
         {
             if (request.Kind != "info") throw Unknown(request, "info");
             var (to, said) = InfoOf(request);
-            if (to == "") OnInfo?.Invoke(said);
-            else Find(to).OnInfo(said);
+            AgentState.Inside = true;
+            try
+            {
+                if (to == "") OnInfo?.Invoke(said);
+                else Find(to).OnInfo(said);
+            }
+            finally { AgentState.Inside = false; }
             return new Message("told", request.Id);
         }
 
@@ -83,12 +107,39 @@ namespace NetMQExample
             if (request.Count != asked.Count)
                 throw new MessageException("wrong-agents",
                     $"{request.Count} rows, but {asked.Count} agents were asked for");
-            if (request.Has(Order.Step)) Step(request);
-            if (request.Has(Order.Reset)) Reset(request);
+            Recognize();
+            AgentState.Inside = true;
+            try
+            {
+                if (request.Has(Order.Step)) Step(request);
+                if (request.Has(Order.Reset)) Reset(request);
+            }
+            finally { AgentState.Inside = false; }
+            frameLeft = framed && request.Has(Order.Step);
+            loading.Reset();
+        }
+
+        /// <inheritdoc/>
+        public override bool NeedsFrame()
+        {
+            var first = frameLeft;
+            frameLeft = false;
+            var loads = Loads();
+            if (loads) loading.Restart();
+            return first || loads || (loading.IsRunning && loading.Elapsed < MostLoading
+                && asked.Any(name => There(name) == null));
+        }
+
+        /// <inheritdoc/>
+        public override void See(StepRequest request, StepAnswer answer)
+        {
+            Recognize();
             for (var i = 0; i < asked.Count; i++)
             {
-                var agent = request.OrderOf(i) == Order.Nothing ? null : There(asked[i]);
+                var agent = request.OrderOf(i) == Order.Nothing ? null : present[i];
                 if (agent != null) See(agent.State, answer);
+                // A scene that was loaded has none of this name.
+                else if (request.OrderOf(i) == Order.Reset) Find(asked[i]);
                 else if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
                 else answer.EndAbsent();
             }
@@ -102,6 +153,26 @@ namespace NetMQExample
                 throw new MessageException("missing-field", "a reset has a list of agents, and options");
             options = given;
             asked = names.Select(name => Find(name as string).State.Name).ToList();
+            known.Clear();
+        }
+
+        // An agent that came with another scene goes on with the episode of the one of its name before it.
+        private void Recognize()
+        {
+            present.Clear();
+            foreach (var name in asked)
+            {
+                var agent = There(name);
+                present.Add(agent);
+                if (agent == null) continue;
+                var state = agent.State;
+                if (known.TryGetValue(name, out var before) && before != state) state.GoOnFrom(before);
+                known[name] = state;
+                if (framed || state.Late == null) continue;
+                framed = true;
+                Warn($"trouble: agent '{name}' called {state.Late} between two steps, such as in its Update: from now on"
+                    + " each step waits for a frame; in OnAction or OnTick it belongs to its step, and steps are fast");
+            }
         }
 
         private void Reset(StepRequest request)
@@ -134,7 +205,7 @@ namespace NetMQExample
             for (var i = 0; i < asked.Count; i++)
             {
                 // Whoever has left since does not act; the answer is without it.
-                var agent = request.OrderOf(i) == Order.Step ? There(asked[i]) : null;
+                var agent = request.OrderOf(i) == Order.Step ? present[i] : null;
                 if (agent != null) acting.Add((agent, MessageTree.Read(request.Row(i))));
             }
             foreach (var (agent, action) in acting) agent.OnAction(action);

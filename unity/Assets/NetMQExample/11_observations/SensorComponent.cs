@@ -39,7 +39,7 @@ namespace NetMQExample
             {
                 // Without a reload of the scene Unity may start what lives on once more.
                 All.Remove(place);
-                place = Agent.Below(transform, FullName, locator, Key, Read);
+                place = Place();
                 All.Add(place);
             }
             catch (ArgumentException e)
@@ -57,6 +57,24 @@ namespace NetMQExample
 
         /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
         protected virtual void OnDisable() => All.Remove(place);
+
+        // Below each of the agents above it; its key is the names of the game objects from the agent to here.
+        private Source Place()
+        {
+            var scopes = new List<string>();
+            var keys = "";
+            for (var at = transform; at != null; at = at.parent)
+            {
+                var agent = at.GetComponent<Agent>();
+                if (agent != null) scopes.Add($"{LocatorMapping.Quoted(agent.Name)}@{keys}");
+                keys = $"[{LocatorMapping.Quoted(at.name)}]{keys}";
+            }
+            var scope = scopes.Count > 0 ? Locator.Parse(string.Join(" & ", scopes)) : null;
+            var source = AgentState.Make(FullName, locator, GetComponent<Agent>() == null ? "" : Key, scope, Read);
+            return source.Locator.Absolute
+                ? source
+                : throw new ArgumentException($"{FullName} has no agent above it, and its locator names none");
+        }
 
         private object Read()
         {

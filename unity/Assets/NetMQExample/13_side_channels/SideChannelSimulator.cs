@@ -28,6 +28,15 @@ namespace NetMQExample.SideChannels
         {
             if (request.HasExchange) SideChannelManager.Receive(new[] { request.Exchange.ToArray() });
             simulator.Do(request, answer);
+        }
+
+        /// <inheritdoc/>
+        public override bool NeedsFrame() => simulator.NeedsFrame();
+
+        /// <inheritdoc/>
+        public override void See(StepRequest request, StepAnswer answer)
+        {
+            simulator.See(request, answer);
             Episodes = simulator.Episodes;
             Steps = simulator.Steps;
             if (request.HasExchange) answer.Exchange = SideChannelManager.GetSideChannelMessage();

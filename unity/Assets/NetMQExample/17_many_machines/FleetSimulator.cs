@@ -56,6 +56,15 @@ namespace NetMQExample
                 Thread.Sleep(Delay);
             }
             simulator.Do(request, answer);
+        }
+
+        /// <inheritdoc/>
+        public override bool NeedsFrame() => simulator.NeedsFrame();
+
+        /// <inheritdoc/>
+        public override void See(StepRequest request, StepAnswer answer)
+        {
+            simulator.See(request, answer);
             Episodes = simulator.Episodes;
             Steps = simulator.Steps;
         }

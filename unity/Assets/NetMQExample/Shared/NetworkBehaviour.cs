@@ -96,6 +96,19 @@ namespace NetMQExample
             run.Thread.Start();
         }
 
+        /// <summary>Goes on with the thread of a component that a change of scenes takes away.</summary>
+        /// <param name="before">It has none afterwards.</param>
+        /// <returns>False if its thread has ended.</returns>
+        protected bool TakeThread(NetworkBehaviour before)
+        {
+            if (before.run == null || before.run.Stop.IsCancellationRequested || before.Done) return false;
+            var taken = before.run;
+            before.run = null;
+            run = taken;
+            run.Behaviour = this;
+            return true;
+        }
+
         /// <summary>Ends this client alone: the others note by themselves what the game's pause has interrupted.
         /// </summary>
         protected override void End()
@@ -146,9 +159,14 @@ namespace NetMQExample
             public readonly BlockingCollection<Action> ForUpdate = new BlockingCollection<Action>(MostQueued);
             public readonly CancellationTokenSource Stop = new CancellationTokenSource();
             public readonly Thread Thread;
+            // Whose thread it is: a change of scenes may give it to another one. For the main thread.
+            public NetworkBehaviour Behaviour;
 
-            public Run(NetworkBehaviour behaviour) =>
+            public Run(NetworkBehaviour behaviour)
+            {
+                Behaviour = behaviour;
                 Thread = new Thread(() => Work(behaviour)) { IsBackground = true, Name = behaviour.GetType().Name };
+            }
 
             private void Work(NetworkBehaviour behaviour)
             {
@@ -165,7 +183,7 @@ namespace NetMQExample
                     // After Stop nobody wants to know why it ended.
                     if (Stop.IsCancellationRequested) return;
                     var why = LogText.Why(e);
-                    while (!ForUpdate.TryAdd(() => behaviour.GiveUp(why), 50) && !Stop.IsCancellationRequested) { }
+                    while (!ForUpdate.TryAdd(() => Behaviour.GiveUp(why), 50) && !Stop.IsCancellationRequested) { }
                 }
             }
         }

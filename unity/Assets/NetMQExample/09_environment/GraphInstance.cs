@@ -1,12 +1,12 @@
 // Lesson 09, a graph: Gymnasium's GraphInstance, as a value (MessageTree.cs) and in a space (GymSpace.cs).
 namespace NetMQExample
 {
-    /// <summary>Points, what lies between them, and which it connects: Gymnasium's GraphInstance. Each is an array, or
+    /// <summary>Points, what lies between them, and which it connects. Each is an array, such as a float[,], or
     /// null.</summary>
-    public sealed class MessageGraph
+    public sealed class GraphInstance
     {
         /// <summary>Without edges, the other two are left out.</summary>
-        public MessageGraph(object nodes, object edges = null, object edgeLinks = null)
+        public GraphInstance(object nodes = null, object edges = null, object edgeLinks = null)
         {
             Nodes = nodes;
             Edges = edges;
@@ -14,12 +14,15 @@ namespace NetMQExample
         }
 
         /// <summary>An item for each node.</summary>
-        public object Nodes { get; }
+        public object Nodes { get; set; }
 
         /// <summary>An item for each edge.</summary>
-        public object Edges { get; }
+        public object Edges { get; set; }
 
         /// <summary>For each edge the numbers of two nodes, counted from 0: int32 [edges, 2].</summary>
-        public object EdgeLinks { get; }
+        public object EdgeLinks { get; set; }
+
+        /// <inheritdoc/>
+        public override string ToString() => $"nodes {Nodes ?? "none"}; edges {Edges ?? "none"}; links {EdgeLinks ?? "none"}";
     }
 }
