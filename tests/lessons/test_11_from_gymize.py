@@ -19,6 +19,7 @@ folder beside a video (lesson 11 writes no files).
 
 from __future__ import annotations
 
+import string
 import sys
 
 import pytest
@@ -27,8 +28,12 @@ from kitlib.docs import guide
 from kitlib.setup import dotnet
 from tests.programs import ROOT, free_port, steady_endpoint
 
-pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
+np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
+from gymnasium import spaces
+
+import netmq_example.envs  # noqa: F401, it registers Unity-v0.
 from netmq_example.messages import MessageError
 
 PARTS = {block.language: block.body for block in guide.blocks(ROOT / "docs" / "guide" / "from_gymize.md")}
@@ -39,7 +44,7 @@ CHECKS = ROOT / "tests" / "lessons" / "checks"
 def scene(netmq, start):
     """A scene with the page's agent, of tests/lessons/checks/Scenes.cs, as a program."""
     program = dotnet.build(netmq, CHECKS)
-    return lambda endpoint, *how: start("dotnet", program, "scene", "gymize", endpoint, *how)
+    return lambda endpoint, *how, name="gymize": start("dotnet", program, "scene", name, endpoint, *how)
 
 
 @pytest.fixture
@@ -113,6 +118,96 @@ def test_a_script_names_the_agents_that_it_makes(run):
 
 def test_agents_without_a_manager_say_so_at_once(scene):
     player = scene(f"tcp://127.0.0.1:{free_port()}", "alone")
-    player.wait_for("^trouble: agent waits for a GymManager: put one on any game object of the scene")
+    player.wait_for("^trouble: no GymManager is enabled in this scene: its agents play without Python")
     player.wait_for("^the sensor's camera draws: False")
     assert player.output.count("GymManager") == 1
+
+
+def test_without_python_agents_play_by_the_clock(scene):
+    """Each episode that has ended is followed by another one."""
+    player = scene(f"tcp://127.0.0.1:{free_port()}", name="Faller")
+    for _ in range(3):
+        player.wait_for("^by hand: agent has ended, return 1.5$")
+
+
+# The class of gymize's README, tests/lessons/checks/Racer.cs: OnReset loads the scene, Update ends the episode
+
+
+@pytest.fixture
+def race(scene):
+    """Such a scene, and its environment."""
+    pytest.importorskip("PIL", reason="the agent sees a PNG file")
+    made = []
+
+    def race(*how):
+        endpoint = steady_endpoint()
+        player = scene(endpoint, *how, name="Racer")
+        env = gymnasium.make(
+            "NetMQExample/Unity-v0",
+            env_name="Racer",
+            endpoint=endpoint,
+            wait=60,
+            observation_space=spaces.Dict(
+                m_NickName=spaces.Text(20, charset=string.printable),
+                Distance=spaces.Box(-np.inf, np.inf, ()),
+                Height=spaces.Box(-np.inf, np.inf, (1,)),
+                track=spaces.Graph(spaces.Box(0, 9, (2,)), spaces.Box(0, 9, (1,))),
+                eye=spaces.Box(0, 255, (1, 2, 3), np.uint8),
+            ),
+            action_space=spaces.Dict(speed=spaces.Box(-1, 1, (1,)), arr=spaces.Tuple([spaces.Discrete(3)])),
+        )
+        made.append(env)
+        return env, player
+
+    yield race
+    for env in made:
+        env.close()
+
+
+DRIVE = {"speed": np.ones(1, np.float32), "arr": (1,)}
+
+
+def test_the_class_of_gymizes_readme_runs_as_it_stands(race):
+    env, player = race()
+    loads = []
+    for episode in range(4):
+        seen, info = env.reset(seed=episode)
+        assert (seen["Distance"], seen["m_NickName"]) == (0, "nobody"), "the agent of the new scene"
+        assert seen["track"].edge_links.tolist() == [[0, 1]]
+        assert seen["eye"].tolist() == [[[255, 0, 0], [0, 0, 255]]], "red and blue"
+        env.unwrapped.send_info(b"abc" if episode else "Bob", "agent")
+        steps, over = 0, False
+        while not over:
+            seen, _, over, _, info = env.step(DRIVE)
+            steps += 1
+            loads.append(int(info["agent"][0].split()[-1]))
+        # Until it is known that this agent judges in Update, a frame is many steps.
+        assert (seen["Distance"], steps) == (3, 3) or episode == 0
+        assert seen["m_NickName"] == ("3 bytes" if episode else "Bob")
+    assert sorted({*loads}) == [2, 3, 4, 5], "one scene for each episode, after that of Play"
+    player.wait_for("^float32 .1.: 1$")
+    late = "trouble: agent 'agent' called Terminate between two steps, such as in its Update: from now on each step"
+    assert player.output.count(late) == player.output.count("trouble: ") == 1
+    assert player.output.count("asking ") == 1, "one connection for all scenes"
+
+
+def test_a_scene_without_a_manager_is_said_and_lost_at_once(race):
+    env, player = race("lost")
+    env.unwrapped.agents.simulators.wait = 1
+    with pytest.raises(TimeoutError, match="no simulator came"):
+        env.reset(seed=1)
+    player.wait_for("^trouble: SampleScene has no GymManager with the Env Name Racer: Python has lost it")
+
+
+def test_a_script_that_is_no_agent_speaks_for_all(run):
+    printed, _, player = run(
+        "env",
+        before_close="""for said in ("more", "enough"):
+    env.reset()
+    env.unwrapped.send_info(said)
+    print(*env.step({"push": np.zeros(1, np.float32), "jump": 0})[1:])
+""",
+    )
+    told = "{'env': ['the referee heard %s'], 'agent': ['yours', 'at 0']}"
+    assert printed.endswith(f"5.5 False True {told % 'more'}\n5.5 True False {told % 'enough'}\n")
+    player.wait_for("^no agent is named 'nobody'; there are: agent$")

@@ -429,8 +429,8 @@ def test_rewards_add_up_until_they_are_told(alone):
 def test_infos_go_both_ways(alone):
     env = alone.unwrapped
     info = {"a": [1, 2.5, None, True, {"b": "c"}], "array": np.arange(3, dtype=np.int32), "é": ()}
-    env.send_info(info)
-    env.send_info("to the environment", "")
+    env.send_info(info, "a")
+    env.send_info("to the environment")
     env.send_info(7, "b")
     said = alone.step("info one")[-1]
     assert said["env"] == ["heard to the environment"], "and what b heard is b's own"

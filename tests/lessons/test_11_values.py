@@ -384,8 +384,8 @@ def test_it_hears_what_is_said_to_the_environment_and_says_something_of_it(world
 
     env = world(simulator=Heard("Cars", 0.1, seeing(np.zeros(2)).agents.values()))
     env.reset(seed=1)
-    env.send_info("all", "")
-    env.send_info("one")
+    env.send_info("all")
+    env.send_info("one", "agent")
     assert env.step(1)[-1] == {"env": ["heard all"], "agent": ["one"]}
     assert env.step(1)[-1] == {"env": [], "agent": []}, "once"
 

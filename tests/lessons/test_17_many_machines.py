@@ -194,6 +194,16 @@ def test_a_hub_that_was_killed_gets_all_back_and_no_return_changes(serve, simula
     assert trainer.lines.count("the hub has given this trainer 2 simulators") == 2
 
 
+def test_a_trainer_says_that_it_waits_for_another_simulator(serve, simulators, train):
+    _, endpoint = serve(KEY, *STAY)
+    simulators(endpoint, "python", words=["--crash-after", "20"])
+    trainer = train(endpoint, 1, 3)
+    trainer.wait_for("^1 of 1 episodes wait for a simulator: start one, if none comes$")
+    simulators(endpoint, "python")
+    assert played(trainer) == returns(3)
+    assert trainer.lines.count("each episode has a simulator again") == 1
+
+
 def test_an_episode_that_is_lost_while_another_begins_is_begun_anew():
     class Lost:
         """Two areas whose episodes take two and three steps; at the first reset of one, the other is lost."""

@@ -115,8 +115,8 @@ def pixels_of(file: bytes, formats: list[str], grey: bool = False) -> Any:
     names = " or ".join(formats)
     if Image is None:
         raise MessageError("no-pillow", f"{names} needs Pillow: pip install pillow")
-    if "PNG" not in formats or not check.instance("file", file, bytes).startswith(b"\x89PNG"):
-        refuse_slow(check.instance("file", file, bytes))
+    if check.instance("file", file, bytes).startswith(b"\xff\xd8"):
+        refuse_slow(file, names)
     try:
         with Image.open(io.BytesIO(file), formats=formats) as image:
             # Its size is known before it is decoded: a small file can claim to be an enormous picture.
@@ -128,7 +128,7 @@ def pixels_of(file: bytes, formats: list[str], grey: bool = False) -> Any:
     raise MessageError("too-big", f"a {names} picture of {image.width} x {image.height} pixels is over the limit")
 
 
-def refuse_slow(file: bytes) -> None:
+def refuse_slow(file: bytes, names: str) -> None:
     """Refuse a file that would be slow to decode, by what it announces."""
     at, parts = 2, 0
     while (part := PART.match(file, at)) and parts < MOST_PARTS:
@@ -138,4 +138,4 @@ def refuse_slow(file: bytes) -> None:
     if part or file.count(b"\xff\xda", at) > MOST_SCANS:
         raise MessageError("too-big", f"a JPEG picture of over {MOST_SCANS} scans or {MOST_PARTS} parts is refused")
     if file[at : at + 2] != b"\xff\xda":
-        raise MessageError("bad-jpeg", "this is no JPEG picture: its parts are not in order")
+        raise MessageError("bad-jpeg", f"this is no {names} picture: its parts are not in order")

@@ -186,8 +186,10 @@ class Hub:
             self.admit(trainer)
         self.look_after_episodes(trainer, now)
         if now > trainer.sent + RESEND_SECONDS:
+            missing = sum(not episode.runs for episode in trainer.under_way())
             # Its hello, until it asks for something: that may have gone to a connection that is no more.
-            trainer.reply(trainer.kept if trainer.request.kind == "join" else Message("alive"))
+            joins = trainer.request.kind == "join"
+            trainer.reply(trainer.kept if joins else Message("alive", 0, {"missing": missing}))
 
     def admit(self, trainer: Trainer) -> None:
         """It may begin when there is a simulator for each of its areas."""

@@ -41,6 +41,7 @@ class FleetSocket:
         # When something was sent, and whether it still waits for simulators.
         self.sent = 0.0
         self.waits = True
+        self.missing = 0
         # What is known of the hub, which the environment gives up with.
         self.told = "is the hub running?"
 
@@ -48,9 +49,13 @@ class FleetSocket:
         if time.monotonic() > self.sent + SILENCE_SECONDS:
             self.open()
         frames = self.socket.recv_multipart()
-        if self.waits and not is_record(frames):
+        if is_record(frames):
+            self.report_lost(0)
+        else:
             message = read(frames)
-            if message.kind == "alive":
+            if message.kind == "alive" and not self.waits:
+                self.report_lost(int(message.values.get("missing", 0)))
+            elif message.kind == "alive":
                 self.sent = time.monotonic()
                 self.report_missing(message)
                 raise zmq.Again
@@ -70,6 +75,14 @@ class FleetSocket:
         self.report(
             f"the hub has {here} simulators of '{self.name}', of which {taken} are taken: {self.areas} are needed"
         )
+
+    def report_lost(self, missing: int) -> None:
+        """Which episodes wait for a simulator, in place of one that was lost: whenever there are more or fewer."""
+        if missing > self.missing:
+            print(f"{missing} of {self.areas} episodes wait for a simulator: start one, if none comes", flush=True)
+        elif missing < self.missing:
+            print("each episode has a simulator again", flush=True)
+        self.missing = missing
 
     def report(self, text: str) -> None:
         if text != self.told:

@@ -64,6 +64,11 @@ namespace NetMQExample.Tests
         [Obs(".said[]")] private readonly string first = "one";
         [Obs(".said[] = $[0]")] private readonly string[] second = { "two" };
         [Obs] private readonly int hidden = 8;
+        [Box("", "float")] private readonly int lone = 1;
+        [Box(".twice", "<f8")] private readonly MessageArray doubled = new("float64", new byte[8]);
+        [Box(".bit", "bool")] private readonly bool bit = true;
+        [Box(".wide", "int16")] private readonly short wide = -1;
+        [Graph] private readonly GraphInstance plain = new(new[,] { { 1f, 2 } }, new[] { new[] { 3.0 } }, new[,] { { 0, 0 } });
         [Box(null, "float32")] private readonly int exact = 16777216;
         [Discrete] private readonly long most = long.MaxValue;
         private int unseen = 9;
@@ -198,6 +203,14 @@ namespace NetMQExample.Tests
             for (var step = 0; step < 100; step++)
                 foreach (var source in new AgentState("other", new Car()).Sources) source.Read();
             try { new MessageArray("float64", new byte[16], 2).Items<float>(); }
+            catch (MessageException e) { Console.WriteLine(e.Message); }
+            var half = BoxOf.Value(0.5f);
+            Console.WriteLine(FormattableString.Invariant(
+                $"half: {Convert.ToSingle(half)} {Convert.ToInt32(BoxOf.Value(new[] { 7.0 }))} {Convert.ToBoolean(BoxOf.Value(1L))} {half}"));
+            Console.WriteLine($"{BoxOf.Value(Enumerable.Range(1, 9).ToArray())} {Convert.ToString(BoxOf.Value(new byte[0, 2]))}");
+            try { Convert.ToSingle(BoxOf.Value(new float[2])); }
+            catch (InvalidCastException e) { Console.WriteLine(e.Message); }
+            try { new AgentState("car", new Car()).AddReward(double.NaN); }
             catch (MessageException e) { Console.WriteLine(e.Message); }
             Console.WriteLine($"made {CountedAttribute.Made} times");
             var before = GC.GetAllocatedBytesForCurrentThread();

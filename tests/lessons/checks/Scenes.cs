@@ -1,8 +1,9 @@
 // Scenes with scripts of a user's own, played until somebody ends them or a minute is over. Runner.cs and Weather.cs are the
 // classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
-//     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone]
-//     dotnet checks.dll scene Racer ENDPOINT
+//     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone | env]
+//     dotnet checks.dll scene Racer ENDPOINT [lost]
+//     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Weather ENDPOINT
 //     dotnet checks.dll scene OwnChannels ENDPOINT
 using System;
@@ -17,6 +18,8 @@ namespace NetMQExample.Tests
 {
     internal static class Scenes
     {
+        private static int made;
+
         public static void Run(string name, string endpoint, string[] how)
         {
             var player = new Player(typeof(GymManager).Assembly, typeof(Runner).Assembly);
@@ -25,11 +28,14 @@ namespace NetMQExample.Tests
                 var thing = new GameObject("scene");
                 // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
                 thing.SetActive(false);
-                if (name == "Racer")
+                if (name == "Racer" || name == "Faller")
                 {
-                    var racer = new MonoBehaviour[] { thing.AddComponent<Racer>(), thing.AddComponent<GymManager>() };
-                    Inspector.Set(racer, "endpoint", endpoint);
-                    Inspector.Set(racer, "envName", "Racer");
+                    thing.AddComponent(name == "Racer" ? typeof(Racer) : typeof(Faller));
+                    var manager = new MonoBehaviour[] { thing.AddComponent<GymManager>() };
+                    Inspector.Set(manager, "endpoint", endpoint);
+                    Inspector.Set(manager, "envName", "Racer");
+                    // The second scene has none.
+                    manager[0].enabled = name == "Racer" && (how.Length == 0 || made++ == 0);
                     thing.SetActive(true);
                     return;
                 }
@@ -77,6 +83,7 @@ namespace NetMQExample.Tests
                 Add<Runner>("third").Name = "one";
                 Add<Runner>("last");
             }
+            if (how == "env") Add<Referee>("referee");
             if (how == "radar" || how == "broken")
             {
                 var other = new GameObject("twin");
@@ -106,6 +113,42 @@ namespace NetMQExample.Tests
         {
             if (eye != null) Debug.Log($"the sensor's camera draws: {eye.enabled}");
             eye = null;
+        }
+    }
+
+    internal sealed class Referee : MonoBehaviour
+    {
+        private void OnEnable() => GymEnv.OnInfo += Hear;
+
+        private void OnDisable() => GymEnv.OnInfo -= Hear;
+
+        private static void Hear(object info)
+        {
+            GymEnv.SendInfo($"the referee heard {info}");
+            GymEnv.SendInfo("agent", "yours");
+            GymEnv.SetReward("agent", 5);
+            GymEnv.AddReward("agent", 0.5);
+            if ((string)info == "enough") GymEnv.Terminate();
+            else GymEnv.Truncate("agent");
+            try { GymEnv.AddReward("nobody", 1); }
+            catch (ArgumentException e) { Debug.Log(e.Message); }
+        }
+    }
+
+    internal sealed class Faller : Agent
+    {
+        private int ticks;
+
+        public override void OnReset() => ticks = 0;
+
+        public override void OnAction(object action)
+        {
+        }
+
+        public override void OnTick(double dt)
+        {
+            AddReward(0.5);
+            if (++ticks == 3) Terminate();
         }
     }
 

@@ -35,7 +35,9 @@ namespace NetMQExample
         {
             played = byHand;
             base.Begin();
-            if (played) ResetByHand(new Chance(seed));
+            if (!played) return;
+            Debug.Log("by hand: Heuristic plays, without Python; each episode's return follows");
+            ResetByHand(new Chance(seed));
         }
 
         /// <summary>Plays by hand.</summary>

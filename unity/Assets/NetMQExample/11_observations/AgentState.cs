@@ -116,11 +116,11 @@ namespace NetMQExample
         }
 
         /// <summary>Adds to the reward that goes with the next answer.</summary>
-        /// <exception cref="ArgumentException">It is no finite number.</exception>
+        /// <exception cref="MessageException">It is not finite.</exception>
         public void AddReward(double more) => Judge(nameof(AddReward), reward + Finite(more), terminated, truncated);
 
         /// <summary>Replaces the reward that goes with the next answer.</summary>
-        /// <exception cref="ArgumentException">It is no finite number.</exception>
+        /// <exception cref="MessageException">It is not finite.</exception>
         public void SetReward(double all) => Judge(nameof(SetReward), Finite(all), terminated, truncated);
 
         /// <summary>The episode is over for it: it has reached an end of the world.</summary>
@@ -184,7 +184,7 @@ namespace NetMQExample
 
         private double Finite(double number) => Math.Abs(number) < double.PositiveInfinity
             ? number
-            : throw new ArgumentException(
-                FormattableString.Invariant($"the reward of agent '{Name}' is {number}, which is no finite number"));
+            : throw new MessageException("bad-reward",
+                FormattableString.Invariant($"the reward of agent '{Name}' is {number}, which is not finite"));
     }
 }
