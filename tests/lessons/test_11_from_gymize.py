@@ -196,7 +196,7 @@ def test_a_scene_without_a_manager_is_said_and_lost_at_once(race):
     env.unwrapped.agents.simulators.wait = 1
     with pytest.raises(TimeoutError, match="no simulator came"):
         env.reset(seed=1)
-    player.wait_for("^trouble: SampleScene has no GymManager with the Env Name Racer: Python has lost it")
+    player.wait_for("^trouble: Main has no GymManager with the Env Name Racer: Python has lost it")
 
 
 def test_a_script_that_is_no_agent_speaks_for_all(run):

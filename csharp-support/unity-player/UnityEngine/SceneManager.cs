@@ -15,11 +15,13 @@ namespace UnityEngine.SceneManagement
         public string name => SceneManager.Name;
 
         public int buildIndex => 0;
+
+        public GameObject[] GetRootGameObjects() => LoadedScene.Objects.Where(thing => thing.transform.parent == null).ToArray();
     }
 
-    public static class SceneManager
+    public class SceneManager
     {
-        internal const string Name = "SampleScene";
+        internal const string Name = "Main";
 
         private static bool asked;
 

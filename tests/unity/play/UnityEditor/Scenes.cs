@@ -128,16 +128,3 @@ namespace UnityEngine
 {
     public class TextAsset : Object { }
 }
-
-namespace UnityEngine.SceneManagement
-{
-    /// <summary>There is one: what is there.</summary>
-    public struct Scene
-    {
-        public string name => "Main";
-
-        public GameObject[] GetRootGameObjects() => LoadedScene.Objects.Where(thing => thing.transform.parent == null).ToArray();
-    }
-
-    public class SceneManager { }
-}
