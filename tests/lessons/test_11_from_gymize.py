@@ -31,10 +31,10 @@ from tests.programs import ROOT, free_port, steady_endpoint
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
-from gymnasium import spaces
+from gymnasium import spaces  # noqa: E402
 
-import netmq_example.envs  # noqa: F401, it registers Unity-v0.
-from netmq_example.messages import MessageError
+import netmq_example.envs  # noqa: E402, F401, it registers Unity-v0.
+from netmq_example.messages import MessageError  # noqa: E402
 
 PARTS = {block.language: block.body for block in guide.blocks(ROOT / "docs" / "guide" / "from_gymize.md")}
 CHECKS = ROOT / "tests" / "lessons" / "checks"
@@ -210,4 +210,4 @@ def test_a_script_that_is_no_agent_speaks_for_all(run):
     )
     told = "{'env': ['the referee heard %s'], 'agent': ['yours', 'at 0']}"
     assert printed.endswith(f"5.5 False True {told % 'more'}\n5.5 True False {told % 'enough'}\n")
-    player.wait_for("^no agent is named 'nobody'; there are: agent$")
+    player.wait_for("^unknown-agent: no agent is named 'nobody'; there are: agent$")

@@ -12,7 +12,8 @@ public class Racer : Agent
     [Obs] private string m_NickName = "nobody";
     [Box] private float Distance;
     [Box(".Height=$", "float")] private int m_Height = 3;
-    [Graph] private GraphInstance track = new GraphInstance(
+    [Graph]
+    private GraphInstance track = new GraphInstance(
         new[,] { { 1f, 2f }, { 3f, 4f } }, new[,] { { 5f } }, new[,] { { 0, 1 } });
     [Obs(".eye")] private EncodedImage m_Eye = new EncodedImage(Convert.FromBase64String(Pixel));
 

@@ -131,7 +131,7 @@ namespace NetMQExample.Tests
             if ((string)info == "enough") GymEnv.Terminate();
             else GymEnv.Truncate("agent");
             try { GymEnv.AddReward("nobody", 1); }
-            catch (ArgumentException e) { Debug.Log(e.Message); }
+            catch (MessageException e) { Debug.Log(e.Message); }
         }
     }
 

@@ -13,15 +13,18 @@ namespace NetMQExample
         public override string ToString()
         {
             var count = Data.Length / SizeOf(Dtype);
-            var shown = Enumerable.Range(0, Math.Min(count, MostShown)).Select(at => FormattableString.Invariant($"{At(at)}"));
-            return $"{Dtype} [{string.Join(", ", Shape)}]: {string.Join(", ", shown)}{(count > MostShown ? ", …" : "")}";
+            var shown = Enumerable.Range(0, Math.Min(count, MostShown))
+                .Select(at => FormattableString.Invariant($"{At(at)}"));
+            var more = count > MostShown ? ", …" : "";
+            return $"{Dtype} [{string.Join(", ", Shape)}]: {string.Join(", ", shown)}{more}";
         }
 
         TypeCode IConvertible.GetTypeCode() => TypeCode.Object;
         bool IConvertible.ToBoolean(IFormatProvider provider) => Convert.ToBoolean(Number(), provider);
         byte IConvertible.ToByte(IFormatProvider provider) => Convert.ToByte(Number(), provider);
         char IConvertible.ToChar(IFormatProvider provider) => (char)Convert.ToUInt16(Number(), provider);
-        DateTime IConvertible.ToDateTime(IFormatProvider provider) => throw new InvalidCastException("a number is no date");
+        DateTime IConvertible.ToDateTime(IFormatProvider provider) =>
+            throw new InvalidCastException("a number is no date");
         decimal IConvertible.ToDecimal(IFormatProvider provider) => Convert.ToDecimal(Number(), provider);
         double IConvertible.ToDouble(IFormatProvider provider) => Convert.ToDouble(Number(), provider);
         short IConvertible.ToInt16(IFormatProvider provider) => Convert.ToInt16(Number(), provider);

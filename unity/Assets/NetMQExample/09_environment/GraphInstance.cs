@@ -23,6 +23,7 @@ namespace NetMQExample
         public object EdgeLinks { get; set; }
 
         /// <inheritdoc/>
-        public override string ToString() => $"nodes {Nodes ?? "none"}; edges {Edges ?? "none"}; links {EdgeLinks ?? "none"}";
+        public override string ToString() =>
+            $"nodes {Nodes ?? "none"}; edges {Edges ?? "none"}; links {EdgeLinks ?? "none"}";
     }
 }

@@ -13,9 +13,15 @@ namespace NetMQExample
         private Action work;
         private ExceptionDispatchInfo mistake;
 
-        /// <summary>Whether Python thinks for less than a frame, whether it steps, and whether it has launched the
-        /// game. The network thread sets them.</summary>
-        public volatile bool Quick, Stepped, Launched;
+        /// <summary>Whether Python thinks for less than a frame. The network thread sets this, and what follows.
+        /// </summary>
+        public bool Quick { get; set; }
+
+        /// <summary>Whether it steps.</summary>
+        public bool Stepped { get; set; }
+
+        /// <summary>Whether it has launched the game.</summary>
+        public bool Launched { get; set; }
 
         /// <summary>What is asked.</summary>
         public SimulatorBase Simulator { get; set; }

@@ -30,7 +30,8 @@ namespace NetMQExample
         /// <summary>The last answer to a reset or a step.</summary>
         public ReadOnlyMemory<byte> Frame { get; private set; }
 
-        /// <summary>Whether a frame must pass before what was asked for can be answered: answer it again then.</summary>
+        /// <summary>Whether a frame must pass before what was asked for can be answered: Answer it again then.
+        /// </summary>
         public bool Waiting { get; private set; }
 
         /// <summary>What an environment has to know. Its requests are counted anew.</summary>

@@ -39,17 +39,19 @@ namespace NetMQExample
             .Where(pair => pair.Key != typeof(bool) && pair.Key != typeof(char))
             .ToDictionary(pair => pair.Value, pair => pair.Key);
 
-        // What C#, numpy and NumSharp call them.
-        private static readonly Dictionary<string, string> Aliases = new Dictionary<string, string>
-        {
-            ["bool"] = "uint8", ["?"] = "uint8", ["b1"] = "uint8", ["byte"] = "uint8", ["B"] = "uint8", ["u1"] = "uint8",
-            ["ushort"] = "uint16", ["char"] = "uint16", ["u2"] = "uint16",
-            ["sbyte"] = "int32", ["short"] = "int32", ["int8"] = "int32", ["int16"] = "int32", ["int"] = "int32",
-            ["i1"] = "int32", ["i2"] = "int32", ["i4"] = "int32",
-            ["uint"] = "int64", ["uint32"] = "int64", ["u4"] = "int64", ["long"] = "int64", ["i8"] = "int64",
-            ["float"] = "float32", ["single"] = "float32", ["f4"] = "float32",
-            ["double"] = "float64", ["decimal"] = "float64", ["f8"] = "float64",
-        };
+        // What a message calls it, and then what C#, numpy and NumSharp do.
+        private static readonly Dictionary<string, string> Aliases = new[]
+            {
+                "uint8 bool ? b1 byte B u1",
+                "uint16 ushort char u2",
+                "int32 sbyte short int8 int16 int i1 i2 i4",
+                "int64 uint uint32 u4 long i8",
+                "float32 float single f4",
+                "float64 double decimal f8",
+            }
+            .Select(line => line.Split(' '))
+            .SelectMany(names => names.Skip(1), (names, alias) => (Alias: alias, Name: names[0]))
+            .ToDictionary(pair => pair.Alias, pair => pair.Name);
 
         /// <summary>Whether these items are nothing but numbers, by their type: float[], List&lt;int&gt;.</summary>
         public static bool IsNumbers(IEnumerable items)

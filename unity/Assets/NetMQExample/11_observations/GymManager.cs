@@ -29,7 +29,7 @@ namespace NetMQExample
         /// <summary>Whether Python steps the agents, or will: else they play by the clock.</summary>
         internal static bool Steps => Current != null && Current.isActiveAndEnabled;
 
-        /// <summary>What the environment itself says and hears: SendInfo, OnInfo. New after each enable, but not after a
+        /// <summary>What the environment itself says and hears, as GymEnv does. New after each enable, but not after a
         /// change of scenes.</summary>
         public SceneSimulator Simulator { get; private set; }
 
@@ -54,7 +54,7 @@ namespace NetMQExample
             Simulator = new SceneSimulator(
                 envName, dt, Agent.All, SensorComponent.All, () => Physics.Simulate((float)dt))
             { Loads = Loads, Warn = Debug.LogWarning };
-            Simulator.OnInfo += GymEnv.Hear;
+            GymEnv.Simulator = Simulator;
             base.Begin();
         }
 
@@ -84,7 +84,8 @@ namespace NetMQExample
             SceneManager.sceneLoaded -= Loaded;
             if (!ReferenceEquals(leaving, this)) return;
             leaving = null;
-            Debug.LogWarning($"trouble: {scene.name} has no GymManager with the Env Name {envName}: Python has lost it");
+            Debug.LogWarning(
+                $"trouble: {scene.name} has no GymManager with the Env Name {envName}: Python has lost it");
             Leave();
         }
 

@@ -170,8 +170,8 @@ namespace NetMQExample
                 known[name] = state;
                 if (framed || state.Late == null) continue;
                 framed = true;
-                Warn($"trouble: agent '{name}' called {state.Late} between two steps, such as in its Update: from now on"
-                    + " each step waits for a frame; in OnAction or OnTick it belongs to its step, and steps are fast");
+                Warn($"trouble: agent '{name}' called {state.Late} between two steps, such as in its Update: from now "
+                    + "on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
             }
         }
 
@@ -226,7 +226,7 @@ namespace NetMQExample
             return null;
         }
 
-        private IAgent Find(string name)
+        internal IAgent Find(string name)
         {
             var found = agents.Where(agent => agent.State.Name == name).ToList();
             if (found.Count == 1) return found[0];
