@@ -321,7 +321,7 @@ def test_a_mistake_in_a_simulation_is_told_in_one_line_and_it_goes_on(capfd):
     for id, (action, world.reward) in enumerate(((1, float("nan")), (0, 1.0), (1, 1.0)), 1):
         answers.append(read_frames(ANSWERS, simulator.answer(step(id, action))))
     assert [answer.kind for answer in answers] == ["error", "error", ANSWERS]
-    assert answers[0].values == {"code": "bad-reward", "text": "the reward is nan"}
+    assert answers[0].values == {"code": "bad-reward", "text": "the reward of CartPole is nan"}
     assert answers[1].values["code"] == "error-in-simulation"
     assert re.fullmatch(r"ZeroDivisionError\('.*'\)", answers[1].values["text"])
     said = capfd.readouterr().err

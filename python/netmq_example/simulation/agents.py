@@ -54,7 +54,7 @@ class AgentSimulator(SimulatorBase):
             self.steps += 1
             judged = {agent: self.game.judge(agent) for agent in self.living}
         rows = [self.bytes[name][0].write(self.game.observe(name)) if name in judged else b"" for name in agents]
-        answer = answer_to(request, [judged.get(name, {}) for name in agents], rows, self.game.infos.take())
+        answer = answer_to(request, agents, [judged.get(name, {}) for name in agents], rows, self.game.infos.take())
         over = {name for name, ends in zip(agents, answer.marks, strict=True) if ends}
         self.living = [name for name in self.living if name not in over]
         return answer

@@ -1,6 +1,7 @@
 """What a simulator says: its hello, its answers to resets and steps, pictures, and refusals."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -33,16 +34,18 @@ def options_in(request: Record) -> dict[str, Any]:
     return options
 
 
-def answer_to(request: Record, judged: list[dict[str, Any]], rows: list[bytes], options: bytes = b"") -> Record:
+def answer_to(
+    request: Record, names: Sequence[str], judged: list[dict[str, Any]], rows: list[bytes], options: bytes = b""
+) -> Record:
     """`judged` has the reward and the ends of each that has stepped; whatever else is in it is its info."""
     numbers = []
     marks = []
     infos = []
-    for one in judged:
+    for name, one in zip(names, judged, strict=True):
         info = dict(one)
         reward = float(info.pop("reward", 0.0))
         if not math.isfinite(reward):
-            raise MessageError("bad-reward", f"the reward is {reward}")
+            raise MessageError("bad-reward", f"the reward of {name} is {reward}")
         numbers.append(reward)
         ended = TERMINATED if info.pop("terminated", False) else 0
         marks.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))

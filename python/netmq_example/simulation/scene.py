@@ -164,7 +164,7 @@ class SceneSimulator(SimulatorBase):
                 judged[-1]["env"] = self.infos
             rows.append(self.seen(agent) if order else b"")
         self.infos = []
-        return answer_to(request, judged, rows)
+        return answer_to(request, [agent.name for agent in self.asked], judged, rows)
 
     def reset(self, request: Record) -> None:
         seeds = struct.unpack(f"<{len(request.marks)}q", request.numbers)

@@ -91,6 +91,8 @@ class Simulator(SimulatorBase):
         self.areas = [check.instance("simulation", area, Simulation) for area in (simulation, *others)]
         super().__init__(simulation.name)
         self.simulation = simulation
+        # For a person who must mend something.
+        self.names = [f"{simulation.name}, area {at}" for at in range(len(self.areas))] if others else [simulation.name]
         self.observations = Bytes(simulation.observation)
         self.actions = Bytes(simulation.action)
 
@@ -125,7 +127,8 @@ class Simulator(SimulatorBase):
             elif order == RESET:
                 area.reset(draws(seeds[at]), options, state)
                 self.episodes += 1
-        return answer_to(request, judged, [self.observations.write(area.observe()) for area in self.areas])
+        seen = [self.observations.write(area.observe()) for area in self.areas]
+        return answer_to(request, self.names, judged, seen)
 
     def state_of(self, given: Any) -> list[float]:
         """In which an episode begins; nothing, if it begins by chance."""

@@ -142,6 +142,8 @@ namespace NetMQExample
         private readonly ISimulation[] areas;
         private readonly SpaceReader[] actions;
         private readonly SpaceWriter seen;
+        // For a person who must mend something. Made when they are needed: in Unity on the main thread.
+        private string[] names;
         private readonly Dictionary<string, object> info = new Dictionary<string, object>();
 
         /// <summary>For simulations of one kind, which from then on nobody else steps.</summary>
@@ -216,7 +218,8 @@ namespace NetMQExample
             var verdict = order == Order.Step ? areas[i].Judge(info) : (0, false, false);
             areas[i].Observe(seen.Begin(answer.Rows));
             seen.End();
-            answer.EndRow(Name, verdict, info);
+            names ??= areas.Select((area, at) => Count > 1 ? $"{area.Name}, area {at}" : area.Name).ToArray();
+            answer.EndRow(names[i], verdict, info);
         }
 
         private double[] State(Dictionary<string, object> options)
