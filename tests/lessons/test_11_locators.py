@@ -1,4 +1,4 @@
-"""Lesson 11, the locator language, in both languages: one golden table, random texts, and the page's tables."""
+"""Lesson 11, the locator language, in both languages: golden tables, random texts, and the page's tables."""
 
 from __future__ import annotations
 
@@ -23,11 +23,17 @@ PAGE = ROOT / "docs" / "guide" / "11_locators.md"
 
 
 def text_of(said):
-    """A text, or pieces and how often they are repeated."""
-    return said if isinstance(said, str) else "".join(piece * count for piece, count in said)
+    """A text or none, or pieces and how often they are repeated."""
+    return said if isinstance(said, str | None) else "".join(piece * count for piece, count in said)
 
 
-GOLDEN = json.loads((ROOT / "tests" / "lessons" / "golden" / "11_locators.json").read_text(encoding="utf-8"))
+def table(name):
+    return json.loads((ROOT / "tests" / "lessons" / "golden" / name).read_text(encoding="utf-8"))
+
+
+GOLDEN = table("11_locators.json")
+for text, said in table("11_gymize.json")["answers"].items():
+    GOLDEN.append({"name": text, "text": text, "column" if isinstance(said, int) else "canonical": said})
 CASES = [(text_of(one["text"]), one.get("default", ""), one.get("scope")) for one in GOLDEN]
 # The sentence of an error, by its column and how it begins.
 ERROR = re.compile(r"column (\d+): expected ([^\x00-\x1f\x7f]+)")
@@ -95,7 +101,7 @@ def test_csharp_agrees_with_the_golden_table(runtime, csharp_says, python_said):
     if runtime == "mono":
         needs_mono()
     # What is long is not long in another way elsewhere.
-    short = [at for at, (text, *_) in enumerate(CASES) if len(text) < 1000]
+    short = [at for at, (text, *_) in enumerate(CASES) if len(text or "") < 1000]
     asked = [("", range(len(CASES))), *((culture, short) for culture in CULTURES if culture and runtime == "dotnet")]
     answers = iter(
         csharp_says([one for culture, which in asked for one in (culture, *map(CASES.__getitem__, which))], runtime)
@@ -126,7 +132,13 @@ SIGNS = [
     "@@",
     "...",
     "newaxis",
+    "np.",
+    "[]",
+    "\u2003",
     "\\u00e9",
+    "\\ud83d",
+    "\\x41",
+    "\\c",
     "99999999999",
     "\U0001f697",
     "\udc80",
@@ -151,16 +163,20 @@ def a_range(at_random):
     return ":".join(parts) if len(parts) > 1 else parts[0] or "3"
 
 
+def a_list(at_random):
+    items = (at_random.choice([a_range(at_random), "...", "np.newaxis"]) for _ in range(at_random.randrange(4)))
+    return ",".join([*items, *at_random.choice([[], [], [""]])])
+
+
 def a_path(at_random, appends):
     steps = []
     for _ in range(at_random.choice([0, 1, 1, 2, 4])):
-        kinds = [f".{at_random.choice(BARE)}", f"[{a_name(at_random)}]", f"[{a_range(at_random)}]"]
-        steps.append(at_random.choice(kinds))
+        kinds = [f".{at_random.choice(BARE)}", f"[{a_name(at_random)}]", f"[{a_list(at_random) or 0}]"]
+        steps.append(at_random.choice([*kinds, f"[{a_range(at_random)}]", "[0]" if appends else "[]"]))
     if appends and at_random.random() < 0.1:
         return "".join([*steps, "[]"])
     for _ in range(at_random.choice([0, 0, 1, 2])):
-        items = (at_random.choice([a_range(at_random), "...", "newaxis"]) for _ in range(at_random.randrange(4)))
-        steps.append(f"({','.join(items)})")
+        steps.append(f"({a_list(at_random)})")
     return at_random.choice(["", "", " "]).join(steps)
 
 
@@ -250,9 +266,9 @@ PROGRAMS = [
     ("['naïve \U0001f697']", [], 0, "['naïve \U0001f697'] = $"),
     ("-x", [], 2, "column 1: expected '.', '[', '(', '=', '&' or the end, found '-'"),
     ("--speed", [], 2, "column 1: expected '.', '[', '(', '=', '&' or the end, found '-'"),
-    (".a[", [], 2, "column 4: expected a key, a number, a slice or ']', found the end"),
+    (".a[", [], 2, "column 4: expected a key, a number, a slice, ... or ']', found the end"),
     (".a", ["--scope", "car@.b."], 2, "scope, column 8: expected a name, found the end"),
-    (".a", ["--scope", ".b"], 2, "column 1: expected agents, such as car@, because the scope names none"),
+    (".a", ["--scope", ".b"], 0, "['b']['a'] = $"),
     ("['\x1b[2J", [], 2, None),
 ]
 

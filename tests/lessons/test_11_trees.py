@@ -477,6 +477,17 @@ def test_a_locator_writes_to_all_its_places_or_to_none():
     assert there == {"a": {"x": 0}, "b": {"x": 0}}
 
 
+def test_what_numpy_indexes_is_an_array_also_after_the_dollar():
+    there = {"car": {"x": np.zeros(2), "s": [0, 0]}}
+    merge(there, ("car@.x = $[...,1][]", np.array([[1, 2], [3, 4]])))
+    assert there["car"]["x"].tolist() == [2, 4]
+    merge(there, ("car@.x[...][np.newaxis][0,1] = $()", np.float32(7)))
+    assert there["car"]["x"].tolist() == [2, 7]
+    for value, kind in (([1, 2], "list"), ({"a": 1}, "dict"), (1, "int")):
+        with pytest.raises(LocatorError, match=rf"\['x'\] = \$\[0,1\]: {kind} has no \[0,1\]"):
+            merge(there, ("car@.x = $[0,1]", value))
+
+
 def test_every_kind_of_value_is_cast_to_what_is_there():
     picture = np.frombuffer(b"\1\2\3\4", np.uint8)
     given = {

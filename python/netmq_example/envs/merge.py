@@ -27,7 +27,7 @@ from gymnasium import spaces
 from gymnasium.spaces import GraphInstance, Space
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 
-from netmq_example.locator import APPEND, Locator, LocatorError, Path, quoted, spelled
+from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
 
 # So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.
@@ -53,7 +53,7 @@ def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: 
         try:
             if not mapping.absolute:
                 raise ValueError("it names no agent")
-            part = reduce(lambda whole, step: whole[step], mapping.source, value)
+            part = reduce(part_of, mapping.source, value)
             for agent in filter(mapping.names, observations) if mapping.everyone else mapping.agents:
                 place = f"{quoted(agent)}@{spelled(mapping.destination)}"
                 new[agent] = placed(new[agent], mapping.destination, part, place not in known)
@@ -63,6 +63,13 @@ def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: 
             raise LocatorError(f"{str(mapping)[:100]}: {' '.join(why.split())[:200]}") from None
     observations.update(new)
     appended |= known
+
+
+def part_of(whole: Any, step: Step) -> Any:
+    """What a step of the source leads to."""
+    if isinstance(step, tuple) and not isinstance(whole, np.ndarray | np.generic):
+        raise TypeError(f"{type(whole).__name__} has no {spelled((step,))}")
+    return whole[step]
 
 
 def placed(old: Any, path: Path, value: Any, first: bool) -> Any:
@@ -79,7 +86,7 @@ def placed(old: Any, path: Path, value: Any, first: bool) -> Any:
         array = old.copy()
         array[step] = placed(array[step], rest, value, first)
         return array
-    if type(old) not in (list, tuple, Chosen):
+    if type(old) not in (list, tuple, Chosen) or isinstance(step, tuple):
         raise TypeError(f"{type(old).__name__} has no {spelled((step,))}")
     items = list(old)
     items[step] = placed(items[step], rest, value, first)  # type: ignore[index]

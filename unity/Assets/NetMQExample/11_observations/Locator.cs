@@ -74,7 +74,8 @@ namespace NetMQExample
             : path.EndsWith(")", StringComparison.Ordinal) ? "'(', " : "'.', '[', '(', ";
 
         // The name of a field is the key where nothing says a place.
-        internal LocatorMapping Named(string name) => name == "" || Absolute || root || destination != ""
+        internal LocatorMapping Named(string name) =>
+            string.IsNullOrEmpty(name) || Absolute || root || destination != ""
             ? this : new LocatorMapping(false, Agents, false, $"[{Quoted(name)}]", source);
 
         // Put where the scope says.
@@ -82,15 +83,14 @@ namespace NetMQExample
         {
             var before = root ? "" : scope.destination;
             var after = destination;
-            if (!scope.Absolute)
-                throw reader.Fault(at, "expected agents, such as car@, because the scope names none");
             if (scope.source != "")
                 throw reader.Fault(at, "expected a scope without a source: nothing after '$'");
             if (after != "" && before.EndsWith("[]", StringComparison.Ordinal))
                 throw reader.Fault(at, "expected nothing after the [] of the scope");
             if (after != "" && after[0] != '(' && before.EndsWith(")", StringComparison.Ordinal))
                 throw reader.Fault(at, "expected only (…) after the (…) of the scope");
-            return new LocatorMapping(scope.Everyone, scope.Agents, false, before + after, source);
+            var relative = !scope.Absolute && (root || scope.root);
+            return new LocatorMapping(scope.Everyone, scope.Agents, relative, before + after, source);
         }
     }
 
@@ -113,11 +113,12 @@ namespace NetMQExample
         public bool Absolute => Mappings.All(mapping => mapping.Absolute);
 
         /// <summary>The locator that a text means. The name is the key where the text has no place at all, such as the
-        /// name of a field. With a scope, what is relative is put there: once for each mapping of the scope.</summary>
+        /// name of a field. With a scope, what is relative is put there: once for each mapping of the scope.
+        /// Null is as an empty text.</summary>
         /// <exception cref="LocatorException">Where the text is wrong, and what was expected there.</exception>
         public static Locator Parse(string text, string name = "", Locator scope = null)
         {
-            var reader = new LocatorReader(text);
+            var reader = new LocatorReader(text ?? "");
             var mappings = new List<LocatorMapping>();
             string more;
             do

@@ -1,12 +1,13 @@
 // Lesson 11, reading: the text of a locator, sign by sign, and at which column it is wrong.
 //
-//     .key  [key]  ["key"]                    a name is ASCII letters, digits and _; any other is quoted, where a
-//                                             backslash stands before \ ' " n r t and uXXXX
+//     .key  [key]  ["key"]                    a name is ASCII letters, digits and _; any other is quoted, with
+//                                             the escapes of .NET's regular expressions
 //     [0]  [-1]  [1:3]  [::2]                 numbers and slices, as Python has them
-//     []                                      to append
+//     []                                      to append; after $ it is the whole
 //     (0, 1:3, ..., newaxis)                  an index of numpy's; np.newaxis is the same
+//     [0, 1:3, ..., np.newaxis]               the same; newaxis alone is a key
 //
-// Blanks between two signs are free. The Python side is netmq_example/locator.py.
+// Blanks between two signs are free. The Python side is netmq_example/locator_reader.py.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -18,14 +19,24 @@ namespace NetMQExample
     /// <summary>Goes through a text from left to right. What it has read it spells as in the canonical text.</summary>
     internal sealed class LocatorReader
     {
-        private const string Escape = @"\\[""'\\nrt]|\\u(?![Dd][89A-Fa-f])[0-9A-Fa-f]{4}";
+        // What .NET takes for blank, by name: other runtimes may have another list.
+        private const string Blanks = @"[\t-\r \x85\xa0\u1680\u2000-\u200a\u2028\u2029\u202f\u205f\u3000]*";
 
-        // Half a character (U+D800 to U+DFFF) is no text, neither as it stands nor as an escape.
+        // Those of Regex.Unescape. Half a character (U+D800 to U+DFFF) is no text, neither as it stands nor escaped.
+        private const string Hex = "[0-9A-Fa-f]";
+        private const string Escape = @"\\[ -/:-@\[-^`{-~abefnrtv]|\\x" + Hex + @"{2}|\\c[@-\[\]^_a-z]|\\[0-7]{1,3}" +
+            @"|\\u(?![Dd][89A-Fa-f])" + Hex + @"{4}|\\u[Dd][89ABab]" + Hex + @"{2}\\u[Dd][C-Fc-f]" + Hex + "{2}";
+
         private const string Character = @"[\ud800-\udbff][\udc00-\udfff]|[^\\\ud800-\udfff";
+        private const string AnItem = "a number, a slice, ... or newaxis";
 
+        private static readonly Regex Blank = new(@"\G" + Blanks);
         private static readonly Regex Name = new(@"\G[A-Za-z_][A-Za-z0-9_]*");
-        private static readonly Regex Digits = new(@"\G[+-]?[ \t\r\n]*[0-9]+");
-        private static readonly Regex NewAxis = new(@"\G(?:np[ \t\r\n]*\.[ \t\r\n]*)?newaxis(?![A-Za-z0-9_])");
+        private static readonly Regex Digits = new($@"\G[+-]?{Blanks}[0-9]+");
+        private static readonly Regex NewAxis = new($@"\G(?:np{Blanks}\.{Blanks})?newaxis(?![A-Za-z0-9_])");
+
+        // What is no key in brackets, although a name begins it.
+        private static readonly Regex NoKey = new($@"\G(?:np{Blanks}\.|newaxis{Blanks},)");
         private static readonly Regex InSingle = new($@"\G(?>{Character}']|{Escape})*");
         private static readonly Regex InDouble = new($@"\G(?>{Character}""]|{Escape})*");
 
@@ -41,7 +52,7 @@ namespace NetMQExample
         /// <summary>Goes past this sign, if it stands next, after blanks. With what is expected, it must.</summary>
         public bool Sign(string sign, string expected = null)
         {
-            while (at < text.Length && " \t\r\n".IndexOf(text[at]) >= 0) at++;
+            Take(Blank);
             if (string.CompareOrdinal(text, at, sign, 0, sign.Length) != 0)
                 return expected == null ? false : throw Wrong(expected);
             at += sign.Length;
@@ -68,26 +79,33 @@ namespace NetMQExample
             var quote = Sign("'") ? "'" : Sign("\"") ? "\"" : null;
             if (quote == null) return Take(Name);
             var inside = Take(quote == "'" ? InSingle : InDouble);
-            Sign(quote, $@"{quote} after the name; escapes are \\ \' \"" \n \r \t \uXXXX");
+            Sign(quote, $@"{quote} after the name; escapes are such as \\ \' \"" \n \uXXXX");
             return Regex.Unescape(inside);
         }
 
-        /// <summary>As many steps as there are. Only to a place where a value is written, it can be appended.</summary>
+        /// <summary>As many steps as there are. Where a value is written, [] appends; else it is the whole
+        /// of what is there.</summary>
         public string Path(bool appends)
         {
             var path = new StringBuilder();
             for (var dot = Sign("."); dot || Sign("["); dot = Sign("."))
             {
-                if (appends && !dot && Sign("]")) return path.Append("[]").ToString();
                 Sign("");
-                var name = dot ? Take(Name) ?? throw Wrong("a name") : TakeName();
-                var step = name == null ? Range() : LocatorMapping.Quoted(name);
-                if (step == null) throw Wrong("a key, a number, a slice" + (appends ? " or ']'" : ""));
-                if (!dot) Sign("]", "']'");
-                path.Append('[').Append(step).Append(']');
+                var step = dot ? LocatorMapping.Quoted(Take(Name) ?? throw Wrong("a name")) : Bracket();
+                if (step != "" || appends) path.Append('[').Append(step).Append(']');
+                if (step == "" && appends) return path.ToString();
             }
-            while (Sign("(")) path.Append('(').Append(string.Join(",", Items())).Append(')');
+            while (Sign("(")) path.Append('(').Append(Items(")", AnItem)).Append(')');
             return path.ToString();
+        }
+
+        // The rest of [ … ]; "" if nothing is in it.
+        private string Bracket()
+        {
+            var name = NoKey.IsMatch(text, at) ? null : TakeName();
+            if (name == null) return Items("]", "a key, a number, a slice, ... or ']'");
+            Sign("]", "']'");
+            return LocatorMapping.Quoted(name);
         }
 
         private string Take(Regex pattern)
@@ -103,7 +121,7 @@ namespace NetMQExample
             var before = at;
             var digits = Take(Digits);
             if (digits == null) return null;
-            var number = Regex.Replace(digits, @"[ \t\r\n]", "");
+            var number = Regex.Replace(digits, Blanks, "");
             var fits = int.TryParse(number, NumberStyles.AllowLeadingSign, CultureInfo.InvariantCulture, out var value);
             if (fits && value != never) return value;
             at = before;
@@ -124,23 +142,27 @@ namespace NetMQExample
 
         private static string Text(int? number) => number?.ToString(CultureInfo.InvariantCulture);
 
-        private string Item()
+        private string Item(string expected)
         {
             if (Sign("...")) return "...";
             if (Take(NewAxis) != null) return "np.newaxis";
-            return Range() ?? throw Wrong("a number, a slice, ... or newaxis");
+            return Range() ?? throw Wrong(expected);
         }
 
-        // The rest of ( … ).
-        private List<string> Items()
+        // An index of numpy's up to its end; a comma may stand before that.
+        private string Items(string end, string first)
         {
             var items = new List<string>();
-            while (!Sign(")"))
+            while (!Sign(end))
             {
-                if (items.Count > 0) Sign(",", "',' or ')'");
-                items.Add(Item());
+                if (items.Count > 0)
+                {
+                    Sign(",", $"',' or '{end}'");
+                    if (Sign(end)) break;
+                }
+                items.Add(Item(items.Count > 0 ? AnItem : first));
             }
-            return items;
+            return string.Join(",", items);
         }
     }
 }
