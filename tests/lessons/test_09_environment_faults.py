@@ -315,7 +315,7 @@ def test_by_hand_it_plays_without_python(start, client_command):
     client = start(*client_command("unity", KEY, f"tcp://127.0.0.1:{free_port()}", "--byHand", "true"))
     for _ in range(2):
         steps = re.match(
-            r"by hand: (\d+) steps, return \1.0$", client.wait_for("^by hand: .*", start=len(client.lines))[0]
+            r"by hand: (\d+) steps, return \1.0$", client.wait_for(r"^by hand: \d.*", start=len(client.lines))[0]
         )
         assert 7 < int(steps[1]) < 12
     assert "asking" not in client.output

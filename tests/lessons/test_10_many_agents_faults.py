@@ -493,5 +493,5 @@ def test_it_may_be_closed_twice(areas, game):
 def test_by_hand_it_plays_without_python(start, client_command):
     """Nobody presses a key: all rest until no hunter has energy, after 100 steps."""
     client = start(*client_command("unity", KEY, f"tcp://127.0.0.1:{free_port()}", "--byHand", "true"))
-    assert client.wait_for("^by hand: .*")[0] == "by hand: 100 steps, return -1.0"
+    assert client.wait_for(r"^by hand: \d.*")[0] == "by hand: 100 steps, return -1.0"
     assert "asking" not in client.output
