@@ -104,7 +104,7 @@ def read(kind: int, frame: Any) -> Record:
         raise bad("it ends too early")
     sizes = struct.unpack_from(f"<{2 * count}I", view, at)
     marks = bytes(view[begin - count : begin])
-    if max(marks) > (RESET if kind == ASKS else ABSENT):
+    if max(marks) > (RESET if kind == ASKS else TERMINATED | TRUNCATED | ABSENT):
         raise bad(f"mark {max(marks)} is none")
     ends = list(itertools.accumulate((options, exchange, *sizes), initial=begin))
     if ends[-1] != len(view):

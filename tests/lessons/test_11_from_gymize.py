@@ -33,7 +33,7 @@ np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 i
 pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
 from gymnasium import spaces  # noqa: E402
 
-import netmq_example.envs  # noqa: E402, F401, it registers Unity-v0.
+from netmq_example.envs import UnityParallelEnv  # noqa: E402
 from netmq_example.messages import MessageError  # noqa: E402
 
 PARTS = {block.language: block.body for block in guide.blocks(ROOT / "docs" / "guide" / "from_gymize.md")}
@@ -128,6 +128,38 @@ def test_without_python_agents_play_by_the_clock(scene):
     player = scene(f"tcp://127.0.0.1:{free_port()}", name="Faller")
     for _ in range(3):
         player.wait_for("^by hand: agent has ended, return 1.5$")
+
+
+# Bots that die in their third step, tests/lessons/checks/Scenes.cs: who leaves keeps its reward, its end and its info
+
+BOTS = ["leader", "stays", "ends", "ends_off", "off", "led", "destroyed", "respawned", "replaced"]
+
+
+def test_who_dies_keeps_its_last_reward_and_the_next_reset_brings_it_back(scene):
+    endpoint = steady_endpoint()
+    player = scene(endpoint, name="Arena")
+    space = {name: spaces.Dict(age=spaces.Discrete(99)) for name in BOTS}
+    actions = {name: spaces.Discrete(2) for name in BOTS}
+    env = UnityParallelEnv("Arena", observation_spaces=space, action_spaces=actions, endpoint=endpoint)
+    for episode in range(3):
+        seen, _ = env.reset(seed=episode)
+        assert {name: one["age"] for name, one in seen.items()} == dict.fromkeys(BOTS, 0)
+        for _ in range(2):
+            env.step(dict.fromkeys(env.agents, 0))
+        assert env.agents == BOTS
+        _, rewards, terminated, truncated, infos = env.step(dict.fromkeys(BOTS, 0))
+        died = BOTS[2:]
+        assert rewards == {**dict.fromkeys(died, -10), "leader": 1, "stays": 1}
+        assert [name for name in BOTS if terminated[name]] == [name for name in died if name not in ("off", "replaced")]
+        assert [name for name in BOTS if truncated[name]] == ["off"]
+        assert [name for name in BOTS if infos[name]["agent"] == ["died"]] == died
+        assert infos["off"]["lost"] == "agent off has left the scene"
+        # A new one in the place of one that was not over: its episode goes on.
+        assert env.agents == ["leader", "stays", "replaced"]
+        for _ in range(30):
+            env.step(dict.fromkeys(env.agents, 0))
+    env.close()
+    assert "gave up" not in player.output
 
 
 # The class of gymize's README, tests/lessons/checks/Racer.cs: OnReset loads the scene, Update ends the episode

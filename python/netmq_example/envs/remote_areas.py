@@ -184,4 +184,5 @@ class RemoteAreas:
             raise MessageError("bad-info", f"these names are the environment's own: {', '.join(OWN)}")
         for area in np.flatnonzero(ends == ABSENT):
             infos[area]["lost"] = GONE
-        return seen, rewards, (ends & TERMINATED) > 0, (ends & (TRUNCATED | ABSENT)) > 0, infos
+        truncated = ((ends & TRUNCATED) > 0) | (ends == ABSENT)
+        return seen, rewards, (ends & TERMINATED) > 0, truncated, infos

@@ -162,11 +162,15 @@ class Agents:
             if name not in names:
                 continue
             ends = state.marks[at]
-            if ends == ABSENT:
-                results[name] = self.gone(name, f"agent {name} has left the scene")
-                continue
-            seen = self.sights[name].read(state.rows[at])
             info = {"env": [], "agent": [], **info_in(state.infos[at])}
+            if ends & ABSENT:
+                # Who was over by then has ended as it said; else its episode is cut.
+                seen = self.sights[name].again()
+                if ends == ABSENT:
+                    ends |= TRUNCATED
+                    info["lost"] = f"agent {name} has left the scene"
+            else:
+                seen = self.sights[name].read(state.rows[at])
             results[name] = seen, rewards[at], bool(ends & TERMINATED), bool(ends & TRUNCATED), info
         return results
 

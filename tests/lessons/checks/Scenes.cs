@@ -4,6 +4,7 @@
 //     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone | env]
 //     dotnet checks.dll scene Racer ENDPOINT [lost]
 //     dotnet checks.dll scene Faller ENDPOINT
+//     dotnet checks.dll scene Arena ENDPOINT
 //     dotnet checks.dll scene Weather ENDPOINT
 //     dotnet checks.dll scene OwnChannels ENDPOINT
 using System;
@@ -37,6 +38,16 @@ namespace NetMQExample.Tests
                     // The second scene has none.
                     manager[0].enabled = name == "Racer" && (how.Length == 0 || made++ == 0);
                     thing.SetActive(true);
+                    return;
+                }
+                if (name == "Arena")
+                {
+                    var arena = new MonoBehaviour[] { thing.AddComponent<GymManager>() };
+                    Inspector.Set(arena, "endpoint", endpoint);
+                    Inspector.Set(arena, "envName", "Arena");
+                    thing.SetActive(true);
+                    foreach (var bot in new[] { "leader", "stays", "ends", "ends_off", "off", "led", "destroyed", "respawned", "replaced" })
+                        Bot.Spawn(bot);
                     return;
                 }
                 if (name == "gymize")
@@ -132,6 +143,46 @@ namespace NetMQExample.Tests
             else GymEnv.Truncate("agent");
             try { GymEnv.AddReward("nobody", 1); }
             catch (MessageException e) { Debug.Log(e.Message); }
+        }
+    }
+
+    /// <summary>Dies in its third step, each in its own way.</summary>
+    internal sealed class Bot : Agent
+    {
+        private static readonly System.Collections.Generic.Dictionary<string, Bot> Newest = new();
+
+        [Discrete] private int age;
+
+        public static void Spawn(string name)
+        {
+            var bot = new GameObject(name).AddComponent<Bot>();
+            bot.Name = name;
+            Newest[name] = bot;
+        }
+
+        public override void OnReset()
+        {
+            age = 0;
+            if (Name != "led") gameObject.SetActive(true);
+            if (Name != "leader") return;
+            Newest["led"].gameObject.SetActive(true);
+            if (Newest["destroyed"] == null) Spawn("destroyed");
+        }
+
+        public override void OnAction(object action)
+        {
+        }
+
+        public override void OnTick(double dt)
+        {
+            AddReward(1);
+            if (++age != 3 || Name == "stays" || Name == "leader") return;
+            AddReward(-11);
+            SendInfo("died");
+            if (Name != "off" && Name != "replaced") Terminate();
+            if (Name == "ends_off" || Name == "off" || Name == "led") gameObject.SetActive(false);
+            if (Name == "destroyed" || Name == "respawned" || Name == "replaced") Destroy(gameObject);
+            if (Name == "respawned" || Name == "replaced") Spawn(Name);
         }
     }
 

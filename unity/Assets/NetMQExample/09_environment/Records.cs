@@ -180,7 +180,7 @@ namespace NetMQExample
                 throw new MessageException("bad-reward",
                     FormattableString.Invariant($"the reward of {who} is {verdict.Reward}"));
             rewards[count] = verdict.Reward;
-            EndRow((byte)((verdict.Terminated ? 1 : 0) | (verdict.Truncated ? 2 : 0)), info);
+            EndRow(Ends(verdict), info);
         }
 
         /// <summary>The next one had no part in this.</summary>
@@ -190,11 +190,14 @@ namespace NetMQExample
             EndRow(0, null);
         }
 
-        /// <summary>The next one is not there any more.</summary>
-        public void EndAbsent()
+        /// <summary>The next one is not there any more: nothing is seen of it.</summary>
+        /// <param name="verdict">What it was worth until it left, and whether its episode was over by then.</param>
+        /// <param name="info">What it has said until then.</param>
+        public void EndAbsent((double Reward, bool Terminated, bool Truncated) verdict,
+            IReadOnlyDictionary<string, object> info)
         {
-            rewards[count] = 0;
-            EndRow(4, null);
+            rewards[count] = verdict.Reward;
+            EndRow((byte)(4 | Ends(verdict)), info);
         }
 
         /// <summary>All of it, until the next answer begins.</summary>
@@ -223,6 +226,9 @@ namespace NetMQExample
                 throw new MessageException("too-big", $"an answer has at most {Message.LimitBytes} bytes");
             return whole.WrittenMemory;
         }
+
+        private static byte Ends((double Reward, bool Terminated, bool Truncated) verdict) =>
+            (byte)((verdict.Terminated ? 1 : 0) | (verdict.Truncated ? 2 : 0));
 
         private void EndRow(byte end, IReadOnlyDictionary<string, object> info)
         {

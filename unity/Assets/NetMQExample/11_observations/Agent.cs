@@ -27,8 +27,8 @@ namespace NetMQExample
         private AgentState state;
         private long seed;
 
-        /// <summary>All that are enabled now. For the main thread.</summary>
-        public static List<IAgent> All { get; } = new List<IAgent>();
+        /// <summary>All that take part now. For the main thread.</summary>
+        public static List<IAgent> All => AgentRoster.All;
 
         /// <summary>What Python calls it. A script that makes agents names each one as soon as it is made.</summary>
         public string Name
@@ -38,7 +38,7 @@ namespace NetMQExample
             {
                 agentName = value;
                 state = null;
-                if (All.Remove(this)) Join();
+                if (AgentRoster.Leave(this)) Join();
             }
         }
 
@@ -96,7 +96,7 @@ namespace NetMQExample
         }
 
         /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
-        protected virtual void OnDisable() => All.Remove(this);
+        protected virtual void OnDisable() => AgentRoster.Leave(this);
 
         // All of the scene are enabled before the first one starts; one agent says it for all.
         private void Start()
@@ -118,16 +118,18 @@ namespace NetMQExample
             OnTick(Time.fixedDeltaTime);
         }
 
+        internal static void Refuse(IAgent agent)
+        {
+            Debug.LogError($"gave up: two agents are named '{agent.State.Name}': each needs a name of its own");
+            ((Agent)agent).enabled = false;
+        }
+
         private void Join()
         {
             Observed.Engine = UnityValues.Numbers;
             try
             {
-                // Made also for the only agent: what is wrong with its members is said now.
-                var name = State.Name;
-                if (All.Any(other => other.State.Name == name))
-                    throw new ArgumentException($"two agents are named '{Name}': each needs a name of its own");
-                All.Add(this);
+                AgentRoster.Join(this);
             }
             catch (ArgumentException e)
             {

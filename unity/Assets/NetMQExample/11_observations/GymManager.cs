@@ -53,7 +53,7 @@ namespace NetMQExample
             before?.Leave();
             Simulator = new SceneSimulator(
                 envName, dt, Agent.All, SensorComponent.All, () => Physics.Simulate((float)dt))
-            { Loads = Loads, Warn = Debug.LogWarning };
+            { Loads = Loads, Warn = Debug.LogWarning, Exists = agent => (Agent)agent != null };
             GymEnv.Simulator = Simulator;
             base.Begin();
         }
@@ -68,6 +68,13 @@ namespace NetMQExample
             }
             leaving = this;
             SceneManager.sceneLoaded += Loaded;
+        }
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            AgentRoster.Settle(Agent.Refuse);
+            base.Update();
         }
 
         /// <inheritdoc/>

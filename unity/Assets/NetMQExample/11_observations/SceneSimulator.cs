@@ -25,9 +25,9 @@ namespace NetMQExample
         private readonly List<object> infos = new List<object>();
         private readonly List<Source> seen = new List<Source>();
         private readonly Dictionary<string, object> info = new Dictionary<string, object>();
-        // Of those of the last reset: who is there now, or null; and who was there when it was asked before.
+        // Of those of the last reset: who is there now, or null; and who was there last, of each name.
         private readonly List<IAgent> present = new List<IAgent>();
-        private readonly Dictionary<string, AgentState> known = new Dictionary<string, AgentState>();
+        private readonly Dictionary<string, IAgent> known = new Dictionary<string, IAgent>();
         private readonly Stopwatch loading = new Stopwatch();
         // Those of the last reset: each has a row.
         private List<string> asked = new List<string>();
@@ -56,6 +56,9 @@ namespace NetMQExample
 
         /// <summary>Whether a scene is being loaded, such as by an agent's OnReset: its agents come with it.</summary>
         public Func<bool> Loads { get; set; } = () => false;
+
+        /// <summary>Whether an agent that has left could come back: in Unity it is not destroyed.</summary>
+        public Func<IAgent, bool> Exists { get; set; } = agent => true;
 
         /// <summary>Whether it waits for the agents of a scene that was loaded.</summary>
         internal bool Loading => Waiting && loading.IsRunning;
@@ -136,12 +139,11 @@ namespace NetMQExample
             Recognize();
             for (var i = 0; i < asked.Count; i++)
             {
-                var agent = request.OrderOf(i) == Order.Nothing ? null : present[i];
-                if (agent != null) See(agent.State, answer);
-                // A scene that was loaded has none of this name.
+                if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
+                else if (present[i] != null) See(present[i].State, answer);
+                // No OnReset, and no scene that was loaded, has brought it.
                 else if (request.OrderOf(i) == Order.Reset) Find(asked[i]);
-                else if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
-                else answer.EndAbsent();
+                else EndAbsent(asked[i], answer);
             }
             infos.Clear();
         }
@@ -152,11 +154,14 @@ namespace NetMQExample
                 && said.GetValueOrDefault("options") is Dictionary<string, object> given))
                 throw new MessageException("missing-field", "a reset has a list of agents, and options");
             options = given;
-            asked = names.Select(name => Find(name as string).State.Name).ToList();
-            known.Clear();
+            // Who is not there may come by an OnReset.
+            asked = names.Select(name => name as string ?? throw new MessageException("wrong-type", "a name is a text"))
+                .ToList();
+            var twice = asked.Find(name => agents.Count(agent => agent.State.Name == name) > 1);
+            if (twice != null) Find(twice);
         }
 
-        // An agent that came with another scene goes on with the episode of the one of its name before it.
+        // Another agent of a name, such as that of a scene that was loaded, goes on with the episode of the one before.
         private void Recognize()
         {
             present.Clear();
@@ -166,8 +171,8 @@ namespace NetMQExample
                 present.Add(agent);
                 if (agent == null) continue;
                 var state = agent.State;
-                if (known.TryGetValue(name, out var before) && before != state) state.GoOnFrom(before);
-                known[name] = state;
+                if (known.TryGetValue(name, out var before) && before != agent) state.GoOnFrom(before.State);
+                known[name] = agent;
                 if (framed || state.Late == null) continue;
                 framed = true;
                 Warn($"trouble: agent '{name}' called {state.Late} between two steps, such as in its Update: from now "
@@ -179,25 +184,34 @@ namespace NetMQExample
         {
             // Agents of one seed draw from the same numbers, one after the other.
             var chances = new Dictionary<long, Chance>();
-            var resetting = new List<IAgent>();
-            for (var i = 0; i < asked.Count; i++)
-            {
-                if (request.OrderOf(i) != Order.Reset) continue;
-                var seed = request.Seed(i);
-                if (!chances.ContainsKey(seed)) chances[seed] = new Chance(seed);
-                var agent = Find(asked[i]);
-                agent.State.Begin(chances[seed], options);
-                resetting.Add(agent);
-            }
-            if (resetting.Count == asked.Count)
+            var waiting = Enumerable.Range(0, asked.Count).Where(i => request.OrderOf(i) == Order.Reset).ToList();
+            foreach (var i in waiting)
+                if (!chances.ContainsKey(request.Seed(i))) chances[request.Seed(i)] = new Chance(request.Seed(i));
+            if (waiting.Count == asked.Count)
             {
                 infos.Clear();
                 // Also those whom Python does not ask: they move.
-                foreach (var agent in agents.Except(resetting)) agent.State.Begin(chances[request.Seed(0)], options);
+                foreach (var agent in agents.Where(agent => !asked.Contains(agent.State.Name)))
+                    agent.State.Begin(chances[request.Seed(0)], options);
             }
-            foreach (var agent in resetting) agent.OnReset();
-            Episodes += resetting.Count;
+            // An OnReset may bring back others, which then have their turn.
+            for (var resetting = Known(waiting); resetting.Count > 0; resetting = Known(waiting))
+            {
+                foreach (var (i, agent) in resetting)
+                {
+                    agent.State.Begin(chances[request.Seed(i)], options);
+                    known[asked[i]] = agent;
+                    waiting.Remove(i);
+                }
+                foreach (var (_, agent) in resetting) agent.OnReset();
+                Episodes += resetting.Count;
+            }
         }
+
+        // Also who has left: its own OnReset may switch it on again.
+        private List<(int Row, IAgent Agent)> Known(List<int> rows) => rows
+            .Select(i => (Row: i, Agent: There(asked[i]) ?? known.GetValueOrDefault(asked[i])))
+            .Where(one => one.Agent != null && Exists(one.Agent)).ToList();
 
         private void Step(StepRequest request)
         {
@@ -234,6 +248,14 @@ namespace NetMQExample
             throw new MessageException(found.Count == 0 ? "unknown-agent" : "two-agents", found.Count == 0
                 ? $"no agent is named '{name}'; there are: {known}"
                 : $"{found.Count} agents are named '{name}': each needs a name of its own");
+        }
+
+        private void EndAbsent(string name, StepAnswer answer)
+        {
+            info.Clear();
+            var verdict = known.TryGetValue(name, out var left) ? left.State.Take(info) : (0, false, false);
+            if (infos.Count > 0) info["env"] = new List<object>(infos);
+            answer.EndAbsent(verdict, info);
         }
 
         // In the order of their locators: the whole of a thing before its parts, and the same on every side.
