@@ -225,11 +225,20 @@ def test_films_at_the_same_time_and_the_newest_pictures(films, game, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one.gif", "two.png"]
 
 
+def test_with_a_rate_of_0_there_are_the_pictures_that_were_asked_for(films, game):
+    for view in ("one", "two"):
+        films.begin_render(view, None, fps=0)
+    for _ in range(3):
+        assert all(known(pixels) for pixels in films.look(["one", "two"]).values())
+    films.look(["two"])
+    assert [(film.frames, film.skipped) for film in map(films.end_render, ("one", "two"))] == [(3, 0), (4, 0)]
+
+
 def test_what_cannot_be_done_is_said(films, game, tmp_path):
     for wrong, why in (
         ({"view": "side"}, "unknown-view: there is no view 'side'; there are: one, two"),
         ({"width": 65}, "bad-size: one is at most 64 x 48"),
-        ({"fps": 0, "path": None}, "bad-rate: fps is more than 0, and at most 1000"),
+        ({"fps": 1001, "path": None}, "bad-rate: fps is at most 1000, and 0 for pictures on demand alone"),
     ):
         with pytest.raises(MessageError, match=why):
             films.begin_render(**wrong)
@@ -237,7 +246,7 @@ def test_what_cannot_be_done_is_said(films, game, tmp_path):
         films.end_render("one")
     with pytest.raises(OSError, match="No such file or directory"):
         films.begin_render("one", "nowhere/film.gif")
-    films.begin_render("one")
+    films.begin_render("one", width=-1, height=-1)
     with pytest.raises(MessageError, match="busy-view: one is being filmed already: end that film first"):
         films.begin_render("one", "other.gif")
     while not films.films["one"].frames:

@@ -291,8 +291,8 @@ def test_what_nothing_can_be_made_of_is_named_at_once(call, wrong, named, tmp_pa
     [
         ("view", (*NOTHING[:4], b"a")),
         ("path", NOTHING[:2]),
-        ("width", (*NOTHING[1:], 1.5, 2**70)),
-        ("height", NOTHING[1:]),
+        ("width", (*NOTHING[2:], -2, 1.5, 2**70)),
+        ("height", (*NOTHING[2:], -2)),
         ("fps", NOTHING),
     ],
 )

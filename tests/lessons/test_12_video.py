@@ -196,6 +196,20 @@ def test_two_pictures_are_on_the_way_and_the_game_goes_on(kind, filmer, start, c
     assert values["skipped"] >= 10
 
 
+@each_client
+def test_with_a_rate_of_0_pictures_come_on_demand(kind, filmer, start, client_command):
+    start(*client_command(kind, KEY, filmer.endpoint, "--count", "0"))
+    filmer.greet()
+    begun = filmer.begin("front", fps=0.0)
+    assert begun.kind == "begun" and not filmer.socket.poll(300), "none by itself"
+    for number in range(1, 4):
+        filmer.say("look", view="front")
+        assert filmer.next("frame").values["number"] == number
+        filmer.say("took", begun.id, view="front", number=number)
+    filmer.say("end", view="front")
+    assert filmer.next("ended").values["frames"] == 3
+
+
 @each_terminal
 def test_what_cannot_be_filmed_is_refused_with_its_cure(kind, filmer, start, client_command):
     start(*client_command(kind, KEY, filmer.endpoint, "--count", "0"))
@@ -203,9 +217,12 @@ def test_what_cannot_be_filmed_is_refused_with_its_cure(kind, filmer, start, cli
     assert filmer.refused(view="side") == "unknown-view: there is no view 'side'; there are: front, map"
     for wrong in ({"width": 321}, {"height": -1}, {"width": 2**40}):
         assert filmer.refused(view="map", **wrong) == "bad-size: map is at most 320 x 240"
-    assert filmer.refused(view="map", fps=0.0) == "bad-rate: fps is more than 0, and at most 1000"
-    filmer.say("end", view="map")
-    assert filmer.next("error").values["code"] == "not-filmed"
+    for rate in (-1.0, 1001.0):
+        refused = filmer.refused(view="map", fps=rate)
+        assert refused == "bad-rate: fps is at most 1000, and 0 for pictures on demand alone"
+    for request in ("end", "look"):
+        filmer.say(request, view="map")
+        assert filmer.next("error").values["code"] == "not-filmed"
     assert filmer.begin("map", fps=1.0).kind == "begun"
     assert filmer.refused(view="map") == "busy-view: map is being filmed already: end that film first"
     # Half a message: its array is missing. The game says hello again, with a new socket.

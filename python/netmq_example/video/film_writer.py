@@ -48,13 +48,19 @@ def open_film(path: str | os.PathLike[str], fps: float = 25) -> "Film":
     return PictureFilm(new, FORMATS[new.suffix.lower()]())
 
 
-def new_path(name: str, value: Any) -> Path:
-    """A rule as in check.py: the path of a film that does not exist yet."""
+def film_path(name: str, value: Any) -> Path:
+    """A rule as in check.py: what it ends in is a film's."""
     if not isinstance(value, str | os.PathLike):
         raise ValueError(f"{name} takes the name of a file, not {value!r:.40}")
     path = Path(value)
     if path.suffix.lower() not in (*FORMATS, ".mp4"):
         raise ValueError(f"'{path}' is no film: its name must end in {', '.join(FORMATS)} or .mp4")
+    return path
+
+
+def new_path(name: str, value: Any) -> Path:
+    """A rule as in check.py: the path of a film that does not exist yet."""
+    path = film_path(name, value)
     if path.exists():
         raise ValueError(f"'{path}' is there already, and nothing is written over: give another name")
     return path

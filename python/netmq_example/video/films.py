@@ -16,7 +16,8 @@ The messages are those of lesson 05. The game sends `hello` with its `views`, na
 largest widths and heights as int32 [n, 2]; the reply is `welcome`. A `begin` has `view`, `width`, `height` and `fps`;
 it is answered by `begun`. From then on each `frame` has the id of that begin, `view`, `number`, `time`, in seconds
 since it began, and one array, uint8 [height, width, 3 or 4], with `bottom_up` the lowest row first; the reply is
-`took`. An `end` of a `view` is answered by `ended`, with `frames`, `skipped` and `time`.
+`took`. A `look` at a `view` asks for one more frame, of now; with an `fps` of 0 there are no others. An `end` of a
+`view` is answered by `ended`, with `frames`, `skipped` and `time`.
 
 The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and Pillow, and ffmpeg for an MP4.
 """
@@ -28,7 +29,7 @@ import os
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from typing import Any, Self
 
@@ -36,7 +37,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import Message, MessageError
-from netmq_example.video.game import ENDPOINT, Game, Lost, bound
+from netmq_example.video.game import ENDPOINT, Game, Lost, bound, side
 from netmq_example.video.view_film import ViewFilm
 
 
@@ -89,12 +90,13 @@ class Films:
         height: int = 0,
         fps: float = 25,
     ) -> None:
-        """Begin a film of a view, or of the first one. 0 is the view's largest width or height.
+        """Begin a film of a view, or of the first one. 0 or -1 is the view's largest width or height.
 
-        Without a path it becomes VIEW_1.gif, or the next number that is free; None writes no file.
+        Without a path it becomes VIEW_1.gif, or the next number that is free. None writes no file; fps may then be 0,
+        and all pictures are those that `look` asks for.
         """
         view = a_view(view) or next(iter(self.game.views), "")
-        size = {"width": check.count("width", width, least=0), "height": check.count("height", height, least=0)}
+        size = {"width": side("width", width), "height": side("height", height)}
         film = ViewFilm(view, path, fps)
         try:
             self.ask("begin", {"view": view, **size, "fps": float(fps)}, film)
@@ -135,6 +137,14 @@ class Films:
         finally:
             for view in idle:
                 self.end_render(view)
+
+    def look(self, views: Iterable[str]) -> dict[str, Any]:
+        """A picture of now of each of these views, which are being filmed with fps=0."""
+        films = {view: self.films[view] for view in views}
+        for view, film in films.items():
+            film.expect()
+            self.requests.put(Message("look", next(self.ids), {"view": view}))
+        return {view: film.picture(self.timeout) for view, film in films.items()}
 
     def close(self) -> None:
         """End all films, and leave the game."""

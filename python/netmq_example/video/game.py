@@ -30,6 +30,13 @@ class Lost(ConnectionError):
     """There is no game, or it is gone."""
 
 
+def side(name: str, value: Any) -> int:
+    """A rule as in check.py: a width or height in pixels. 0, or gymize's -1, is the largest that the game allows."""
+    if check.is_number(value) and int(value) == value and -1 <= value < 2**31:
+        return max(0, int(value))
+    raise ValueError(f"{name} takes pixels, or 0 or -1 for as many as the game allows, not {value!r:.40}")
+
+
 def bound(endpoint: str) -> zmq.Socket[bytes]:
     """A socket that listens, in a context of its own. ValueError and OSError say why it cannot."""
     check.endpoint(endpoint, ENDPOINT, lowest_port=0)
@@ -65,7 +72,7 @@ class Game:
 
     def receive(self) -> Message | None:
         """The next message of the game; None if nothing came for a moment, or nothing that matters."""
-        if not self.socket.poll(20):
+        if not self.socket.poll(5):
             if self.peer and time.monotonic() > self.heard + SILENCE_SECONDS:
                 self.heard = time.monotonic()
                 if not self.send("alive"):

@@ -52,7 +52,7 @@ class ViewFilm:
         self.trouble = ""
         self.over = False
         self.newest: Any = None
-        self.first = threading.Event()
+        self.came = threading.Event()
 
     def __str__(self) -> str:
         name = self.path or self.view
@@ -94,7 +94,7 @@ class ViewFilm:
         # Without the alpha of graphics cards, and with the highest row first.
         pixels = frame.arrays[0].numpy()[:, :, :3]
         self.newest = pixels[::-1] if frame.values.get("bottom_up") is True else pixels
-        self.first.set()
+        self.came.set()
         if self.trouble:
             return
         if self.file:
@@ -114,9 +114,14 @@ class ViewFilm:
             if file:
                 file.close(self.began + self.seconds)
 
+    def expect(self) -> None:
+        """A picture is to be waited for, and it is not the newest one of now."""
+        self.newest = None
+        self.came.clear()
+
     def picture(self, timeout: float) -> Any:
         """The newest; the first one is waited for."""
-        if not self.first.wait(timeout) or self.newest is None:
+        if not self.came.wait(timeout) or self.newest is None:
             raise TimeoutError(f"no picture of {self.view} within {timeout:g} s; is the game paused, or gone?")
         return self.newest.copy()
 
@@ -129,7 +134,7 @@ class ViewFilm:
         if self.over:
             return
         self.over = True
-        self.first.set()
+        self.came.set()
         if self.trouble:
             return
         if skipped is not None:

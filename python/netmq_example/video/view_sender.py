@@ -14,6 +14,7 @@ game goes on, and when Python is back it is offered the views again. The message
 ViewSender.cs and FilmView.cs. It needs only pyzmq.
 """
 
+import math
 import re
 import threading
 import time
@@ -48,6 +49,8 @@ class Film:
     number: int = 0
     skipped: int = 0
     sent: int = 0
+    # Whether Python has asked for one more picture.
+    wanted: bool = False
     # Those that are sent and not acknowledged, and those that are to be sent.
     away: set[Any] = field(default_factory=set)
     ready: deque[Message] = field(default_factory=deque)
@@ -89,7 +92,7 @@ class FilmView:
         if not film or film.ending:
             return None
         now = film.now()
-        if now < film.next:
+        if now < film.next and not film.wanted:
             return None
         # As often as it was asked for, whenever the game has its frames; more than one is not made up for.
         film.next = max(film.next + film.interval, now - film.interval)
@@ -97,6 +100,7 @@ class FilmView:
         if film.number - film.skipped - film.sent + len(film.away) > MOST_PICTURES:
             film.skipped += 1
             return None
+        film.wanted = False
         return Picture(film, {"view": self.name, "number": film.number, "time": now, "bottom_up": True})
 
     def take(self, picture: Picture, pixels: Any) -> None:
@@ -118,16 +122,23 @@ class FilmView:
         fps = take(request.values, "fps", float)
         if not (0 < width <= self.width and 0 < height <= self.height):
             raise MessageError("bad-size", f"{self.name} is at most {self.width} x {self.height}")
-        if not 0 < fps <= 1000:
-            raise MessageError("bad-rate", "fps is more than 0, and at most 1000")
-        self.film = Film(request.id, width, height, 1 / fps)
+        if not 0 <= fps <= 1000:
+            raise MessageError("bad-rate", "fps is at most 1000, and 0 for pictures on demand alone")
+        self.film = Film(request.id, width, height, 1 / fps if fps else math.inf, next=0 if fps else math.inf)
         return Message("begun", request.id, {"view": self.name, "width": width, "height": height})
 
+    def look(self) -> None:
+        self.running().wanted = True
+
     def end(self, request: Message) -> None:
+        film = self.running()
+        film.seconds = film.now()
+        film.ending = request
+
+    def running(self) -> Film:
         if not self.film or self.film.ending:
             raise MessageError("not-filmed", f"{self.name} is not being filmed: begin a film first")
-        self.film.seconds = self.film.now()
-        self.film.ending = request
+        return self.film
 
     def took(self, request: Message) -> None:
         if self.film and self.film.id == request.id:
@@ -231,7 +242,7 @@ class ViewSender:
 
     def do(self, views: list[FilmView], request: Message) -> Message | None:
         """The answer to a request that has one."""
-        if request.kind not in ("begin", "end", "took"):
+        if request.kind not in ("begin", "look", "took", "end"):
             return None
         try:
             name = take(request.values, "view", str)
@@ -240,7 +251,9 @@ class ViewSender:
                 raise MessageError("unknown-view", f"there is no view {name!a:.40}; there are: {', '.join(there)}")
             if request.kind == "begin":
                 return there[name].begin(request)
-            if request.kind == "end":
+            if request.kind == "look":
+                there[name].look()
+            elif request.kind == "end":
                 there[name].end(request)
             else:
                 there[name].took(request)

@@ -58,7 +58,7 @@ namespace NetMQExample
         public void Take(Picture picture, bool failed = false) => picture.Film.Take(picture, failed);
 
         /// <summary>Does what Python asks for.</summary>
-        /// <param name="request">Of kind begin, end or took.</param>
+        /// <param name="request">Of kind begin, look, took or end.</param>
         /// <returns>The answer, or null: that to end comes after the last picture.</returns>
         /// <exception cref="MessageException">It cannot be done.</exception>
         public Message Do(Message request)
@@ -67,6 +67,7 @@ namespace NetMQExample
             if (request.Kind == "took") film?.Took(request);
             else if (film == null || film.Ending)
                 throw new MessageException("not-filmed", $"{Name} is not being filmed: begin a film first");
+            else if (request.Kind == "look") film.Look();
             else film.End(request);
             return null;
         }
@@ -100,8 +101,8 @@ namespace NetMQExample
                 throw new MessageException("busy-view", $"{Name} is being filmed already: end that film first");
             if (!(width >= 1 && width <= Width && height >= 1 && height <= Height))
                 throw new MessageException("bad-size", $"{Name} is at most {Width} x {Height}");
-            if (!(fps > 0 && fps <= 1000))
-                throw new MessageException("bad-rate", "fps is more than 0, and at most 1000");
+            if (!(fps >= 0 && fps <= 1000))
+                throw new MessageException("bad-rate", "fps is at most 1000, and 0 for pictures on demand alone");
             film = new RunningFilm(request.Id, Name, (int)width, (int)height, channels, fps);
             var begun = new Message("begun", request.Id) { Values = { ["view"] = Name } };
             begun.Values["width"] = film.Width;

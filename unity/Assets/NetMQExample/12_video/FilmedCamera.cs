@@ -1,7 +1,8 @@
 // Lesson 12, a camera that can be filmed: any camera of a scene, also the main one.
 //
 // While a film is made it renders once more for each picture, into a texture as large as Python asked for; at all other
-// times it costs nothing. The pixels come a frame or two later, as in lesson 08: no frame waits for the graphics card.
+// times it costs nothing. The pixels come a frame or two later, as in lesson 08: no frame waits for the graphics card,
+// but for a picture on demand.
 using System.Collections.Generic;
 using UnityEngine;
 
@@ -39,19 +40,21 @@ namespace NetMQExample
         {
             if (camera == null || (begun.Count == 0 && !View.Filming)) return;
             var before = camera.targetTexture;
-            if (begun.Count > 0) camera.targetTexture = texture;
-            while (begun.Count > 0 && readbacks[begun.Peek()].Look())
-            {
-                var picture = begun.Dequeue();
-                View.Take(picture, readbacks[picture].Failed);
-            }
             if (View.Due() is Picture due)
             {
                 if (due.Film != film) Begin(due.Film);
                 camera.targetTexture = texture;
                 if (!readbacks.ContainsKey(due)) readbacks[due] = Readback(due);
                 readbacks[due].Begin();
+                // Python does nothing until it is there.
+                if (due.Film.OnDemand) readbacks[due].Wait();
                 begun.Enqueue(due);
+            }
+            if (begun.Count > 0) camera.targetTexture = texture;
+            while (begun.Count > 0 && readbacks[begun.Peek()].Look())
+            {
+                var picture = begun.Dequeue();
+                View.Take(picture, readbacks[picture].Failed);
             }
             camera.targetTexture = before;
         }

@@ -39,6 +39,7 @@ namespace NetMQExample
         private readonly string view;
         private readonly double interval;
         private volatile Message ending;
+        private volatile bool wanted;
         private volatile int number, skipped;
         private int frames;
         private double next, seconds;
@@ -49,7 +50,9 @@ namespace NetMQExample
             this.view = view;
             Width = width;
             Height = height;
+            // Without end, where pictures are taken on demand alone.
             interval = 1 / fps;
+            next = fps > 0 ? 0 : interval;
             for (var i = 0; i < Pictures; i++) free.Enqueue(new Picture(this, channels));
         }
 
@@ -59,6 +62,9 @@ namespace NetMQExample
         /// <summary>In pixels.</summary>
         public int Height { get; }
 
+        /// <summary>Whether it has only the pictures that Python asks for.</summary>
+        public bool OnDemand => double.IsInfinity(interval);
+
         internal long Id { get; }
 
         internal bool Ending => ending != null;
@@ -66,7 +72,7 @@ namespace NetMQExample
         internal Picture Due()
         {
             var now = clock.Elapsed.TotalSeconds;
-            if (Ending || now < next) return null;
+            if (Ending || (now < next && !wanted)) return null;
             // As often as it was asked for, whenever the game has its frames; more than one is not made up for.
             next = Math.Max(next + interval, now - interval);
             number++;
@@ -75,6 +81,7 @@ namespace NetMQExample
                 skipped++;
                 return null;
             }
+            wanted = false;
             picture.Number = number;
             picture.Time = now;
             return picture;
@@ -83,8 +90,12 @@ namespace NetMQExample
         internal void Take(Picture picture, bool failed)
         {
             if (failed) skipped++;
+            // Python waits for it.
+            wanted |= failed && OnDemand;
             (failed ? free : ready).Enqueue(picture);
         }
+
+        internal void Look() => wanted = true;
 
         internal void Took(Message request)
         {

@@ -1,7 +1,8 @@
 // Lesson 12 in Unity: several views of a running game become films, on command. The command comes from Python.
 //
-// Use: add this component to any GameObject of any scene, drag the cameras that can be filmed into Cameras, press Play,
-// and start python/12_video/server.py, or a script of your own with films.py. A view has the name of its camera.
+// Use: add this component to any GameObject of any scene, drag the cameras that can be filmed into Cameras, or none for
+// the main camera alone, press Play, and start python/12_video/server.py, or a script of your own with films.py. A view
+// has the name of its camera.
 using System;
 using System.Collections.Generic;
 using System.Threading;
@@ -15,7 +16,7 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("Where Python films")] private string endpoint = "tcp://127.0.0.1:5562";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for Python")] private float timeout = 3600;
-        [SerializeField, Tooltip("What can be filmed")] private List<Camera> cameras = new List<Camera>();
+        [SerializeField, Tooltip("What can be filmed; without any the main one")] private List<Camera> cameras = new List<Camera>();
         [SerializeField, Min(1), Tooltip("The widest picture that Python may ask for")] private int width = 320;
         [SerializeField, Min(1), Tooltip("The highest picture that Python may ask for")] private int height = 240;
 
@@ -43,6 +44,7 @@ namespace NetMQExample
         private FilmedCamera[] Offer()
         {
             // In Update, since another component's Awake may come after this one is enabled.
+            if (cameras.Count == 0 && Camera.main != null) cameras.Add(Camera.main);
             if (cameras.Count == 0) throw new ArgumentException("no camera to film: drag some into Cameras");
             OnDestroy();
             return filmed = cameras.ConvertAll(one => new FilmedCamera(one, width, height)).ToArray();

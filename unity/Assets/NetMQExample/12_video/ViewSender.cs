@@ -20,6 +20,7 @@ namespace NetMQExample
     {
         // For a connection, and then for the answer to hello.
         private static readonly TimeSpan Try = TimeSpan.FromSeconds(1);
+        private static readonly string[] Requests = { "begin", "look", "took", "end" };
 
         private readonly Stopwatch silence = new Stopwatch();
         private readonly MessageDealer dealer;
@@ -105,7 +106,7 @@ namespace NetMQExample
         private void Serve(IReadOnlyList<FilmView> views, CancellationToken stop)
         {
             var request = dealer.Receive(NetMQConnection.Slice, stop);
-            if (request != null && (request.Kind == "begin" || request.Kind == "end" || request.Kind == "took"))
+            if (request != null && Array.IndexOf(Requests, request.Kind) >= 0)
                 if (Do(views, request) is Message answer) dealer.Send(answer, stop);
             foreach (var message in views.SelectMany(view => view.Outgoing()))
             {
