@@ -252,17 +252,6 @@ def test_what_cannot_be_sent_is_named_before_it_is(info, world):
     assert env.step(1)[2:4] == (False, False), "it goes on"
 
 
-@pytest.mark.filterwarnings("ignore:.*render_mode=")
-def test_a_render_mode_is_refused_before_anybody_is_waited_for():
-    declared = {"observation_space": ONE, "action_space": ONE}
-    for kind, spaces_of in (
-        (lambda **words: gymnasium.make("NetMQExample/Unity-v0", **words), declared),
-        (UnityParallelEnv, {f"{name}s": {"a": space} for name, space in declared.items()}),
-    ):
-        with pytest.raises(ValueError, match=r"^render_mode takes None, not 'rgb_array': lesson 12 makes films"):
-            kind(env_name="Cars", render_mode="rgb_array", **spaces_of)
-
-
 def test_a_wrong_seed_wrong_options_and_a_step_too_early_are_named(world):
     env = world(simulator=seeing(np.zeros(2)))
     with pytest.raises(gymnasium.error.ResetNeeded):

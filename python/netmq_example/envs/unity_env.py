@@ -23,10 +23,11 @@ import gymnasium
 from gymnasium.spaces import Space
 
 from netmq_example import check, trees
-from netmq_example.envs.common import MadeAnew, hello_from, info_in, options_as_bytes
+from netmq_example.envs.common import MadeAnew, frames_per_second, hello_from, info_in, options_as_bytes
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.envs.merge import empty, fitted
 from netmq_example.envs.plan import Sight, form_in
+from netmq_example.envs.rendering import MODES, Rendered, check_words
 from netmq_example.locator import quoted
 from netmq_example.messages import ENCODER, Message, MessageError
 from netmq_example.records import ABSENT, ASKS, NOTHING, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
@@ -37,10 +38,13 @@ Spaces = dict[str, Space[Any]]
 ENDPOINT = "tcp://127.0.0.1:5561"
 
 
-class UnityGymEnv(MadeAnew, gymnasium.Env[Any, Any]):
-    """One agent. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket."""
+class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
+    """One agent. `where` is what Simulators takes: endpoint, launch, wait, timeout, socket.
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012, Gymnasium's own way.
+    Pictures and films, and what `views`, `render_fps` and `view_endpoint` are for, are in rendering.py.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 50}  # noqa: RUF012, Gymnasium's own way.
 
     def __init__(
         self,
@@ -50,28 +54,34 @@ class UnityGymEnv(MadeAnew, gymnasium.Env[Any, Any]):
         agent_name: str = "agent",
         file_name: str | os.PathLike[str] | None = None,
         render_mode: str | None = None,
+        views: Sequence[str] = ("",),
+        render_fps: float | None = None,
+        view_endpoint: str = "",
         **where: Any,
     ) -> None:
-        refuse_render_mode(render_mode)
+        check_words(render_mode, views, render_fps)
         self.observation_space = observation_space
         self.action_space = action_space
-        self.render_mode = render_mode
         self.name = check.text("agent_name", agent_name)
         self.agents = Agents(env_name, {self.name: observation_space}, {self.name: action_space}, file_name, **where)
+        self.show(self.agents.simulators, render_mode, views, view_endpoint)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = self.agents.simulators.start(self, self.agents.accept)
+        self.metadata = {**self.metadata, "render_fps": render_fps or self.agents.fps}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         super().reset(seed=seed)
         # The scene gets a seed each time, so that an episode never depends on the one before.
         seed = int(self.np_random.integers(2**53)) if seed is None else int(seed)
         seen, info = self.agents.reset([self.name], seed, options)[self.name]
+        self.filmed(begins=True)
         return seen, info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if not self.agents.names:
             raise gymnasium.error.ResetNeeded("call reset before step")
         seen, reward, terminated, truncated, info = self.agents.step({self.name: action})[self.name]
+        self.filmed(begins=False)
         return seen, reward, terminated, truncated, info
 
     def send_info(self, info: Any, agent: str | None = None) -> None:
@@ -79,12 +89,8 @@ class UnityGymEnv(MadeAnew, gymnasium.Env[Any, Any]):
         self.agents.send_info(info, agent or "")
 
     def close(self) -> None:
+        self.end_films()
         self.close_once()
-
-
-def refuse_render_mode(mode: Any) -> None:
-    if mode is not None:
-        raise ValueError(f"render_mode takes None, not {mode!r:.40}: lesson 12 makes films")
 
 
 class Agents:
@@ -114,10 +120,12 @@ class Agents:
         self.actions = {name: ActionRows(name, space) for name, space in actions.items()}
         # Those of the last reset, whose rows are in this order.
         self.names: list[str] = []
+        self.fps = 0
         self.simulators = Simulators(default=ENDPOINT, **launched_as(file_name, where))
 
     def accept(self, hello: Message) -> None:
         hello_from(hello, self.env_name)
+        self.fps = max(1, frames_per_second(hello))
 
     def reset(self, names: list[str], seed: int, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Observation and info of each."""

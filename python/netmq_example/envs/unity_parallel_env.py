@@ -12,7 +12,7 @@ Infos, errors, and where the simulator comes from are those of unity_env.py. It 
 
 import copy
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,11 +21,12 @@ from pettingzoo import ParallelEnv
 from pettingzoo.utils import BaseWrapper, parallel_to_aec
 
 from netmq_example.envs.common import MadeAnew
-from netmq_example.envs.unity_env import Agents, Spaces, refuse_render_mode
+from netmq_example.envs.rendering import MODES, Rendered, check_words
+from netmq_example.envs.unity_env import Agents, Spaces
 
 
-class UnityParallelEnv(MadeAnew, ParallelEnv):  # type: ignore[misc, unused-ignore]
-    """Agents may end one after the other. `where` is what Simulators takes."""
+class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, unused-ignore]
+    """Agents may end one after the other. `where` is what Simulators takes; films are in rendering.py."""
 
     def __init__(
         self,
@@ -34,16 +35,24 @@ class UnityParallelEnv(MadeAnew, ParallelEnv):  # type: ignore[misc, unused-igno
         action_spaces: Spaces,
         file_name: str | os.PathLike[str] | None = None,
         render_mode: str | None = None,
+        views: Sequence[str] = ("",),
+        render_fps: float | None = None,
+        view_endpoint: str = "",
         **where: Any,
     ) -> None:
-        refuse_render_mode(render_mode)
-        self.metadata = {"name": env_name, "render_modes": [], "is_parallelizable": True}
-        self.render_mode = render_mode
+        check_words(render_mode, views, render_fps)
         self.observation_spaces = copies(observation_spaces)
         self.action_spaces = copies(action_spaces)
         self.scene = Agents(env_name, self.observation_spaces, self.action_spaces, file_name, **where)
+        self.show(self.scene.simulators, render_mode, views, view_endpoint)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
         self.close_once = self.scene.simulators.start(self, self.scene.accept)
+        self.metadata = {
+            "name": env_name,
+            "render_modes": MODES,
+            "render_fps": render_fps or self.scene.fps,
+            "is_parallelizable": True,
+        }
         self.possible_agents = list(self.observation_spaces)
         self.agents: list[str] = []
         self.random = np.random.default_rng()
@@ -60,7 +69,9 @@ class UnityParallelEnv(MadeAnew, ParallelEnv):  # type: ignore[misc, unused-igno
         if seed is not None:
             self.random = np.random.default_rng(seed)
         self.agents = self.possible_agents.copy()
-        return by_agent(self.scene.reset(self.agents, int(self.random.integers(2**53)), options), 2)
+        results = by_agent(self.scene.reset(self.agents, int(self.random.integers(2**53)), options), 2)
+        self.filmed(begins=True)
+        return results
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         """Observations, rewards, terminations, truncations and infos, also of those that end with this step."""
@@ -72,6 +83,7 @@ class UnityParallelEnv(MadeAnew, ParallelEnv):  # type: ignore[misc, unused-igno
         results = by_agent(self.scene.step({name: actions[name] for name in self.agents}), 5)
         _, _, terminations, truncations, _ = results
         self.agents = [name for name in self.agents if not terminations[name] and not truncations[name]]
+        self.filmed(begins=False)
         return results
 
     def send_info(self, info: Any, agent: str = "") -> None:
@@ -79,6 +91,7 @@ class UnityParallelEnv(MadeAnew, ParallelEnv):  # type: ignore[misc, unused-igno
         self.scene.send_info(info, agent)
 
     def close(self) -> None:
+        self.end_films()
         self.close_once()
 
 
@@ -91,6 +104,19 @@ class UnityAECEnv(MadeAnew, BaseWrapper):  # type: ignore[misc, unused-ignore]
     def send_info(self, info: Any, agent: str = "") -> None:
         """To an agent, or to the scene itself, which is ""."""
         self.unwrapped.send_info(info, agent)
+
+    def begin_render(self, screen_width: int = -1, screen_height: int = -1, fullscreen: bool = False) -> None:
+        """As in rendering.py."""
+        self.unwrapped.begin_render(screen_width, screen_height, fullscreen)
+
+    def end_render(self) -> None:
+        """As in rendering.py."""
+        self.unwrapped.end_render()
+
+    def render_all(self, video_paths: Any = None) -> dict[str, Any]:
+        """As in rendering.py."""
+        films: dict[str, Any] = self.unwrapped.render_all(video_paths)
+        return films
 
 
 def copies(spaces: Spaces) -> Spaces:

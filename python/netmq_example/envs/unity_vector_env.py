@@ -26,7 +26,6 @@ from netmq_example.envs.unity_env import (
     ActionRows,
     check_spaces,
     launched_as,
-    refuse_render_mode,
     scene_options,
 )
 from netmq_example.envs.vector_env import AreasEnv
@@ -104,7 +103,8 @@ class UnityVectorEnv(AreasEnv):
         render_mode: str | None = None,
         **where: Any,
     ) -> None:
-        refuse_render_mode(render_mode)
+        if render_mode is not None:
+            raise ValueError(f"render_mode takes None, not {render_mode!r:.40}: lesson 12 makes films")
         spaces = [observation_space, action_space]
         where = launched_as(file_name, where)
         areas = RemoteScene(num_envs, env_name, spaces, agent_name, max_episode_steps, **where)

@@ -1,0 +1,295 @@
+"""What an environment of lesson 11 shows becomes pictures and films: the views of a ViewRecorder, lesson 12's.
+
+    env = gymnasium.make("NetMQExample/Unity-v0", …, render_mode="video", views=["", "front"])
+    env.reset()
+    env.unwrapped.begin_render()                            a picture of now, then one of each reset and step
+    env.step(action)
+    env.unwrapped.end_render()
+    env.unwrapped.render_all({"front": "front.mp4"})        {"": an MP4 in bytes, "front": the file's whole path}
+    film = env.render()                                     that of the first view, in bytes
+
+A film goes by the world's time and not by the real clock: a step is one picture, and `render_fps` of them are a second.
+Without `render_fps` a picture is as long as a tick. With "rgb_array" each `render` is a new picture of now; with
+"rgb_array_list" it is those that no `render` has returned yet, of this episode, or since `begin_render`.
+A view "" is the game's first one.
+
+ValueError names what was called wrongly, OSError says that there is no view or no ffmpeg. It needs numpy and Pillow.
+"""
+
+import math
+import os
+import shutil
+import tempfile
+import weakref
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import logger
+
+from netmq_example import check
+from netmq_example.envs.common import gives_pictures
+from netmq_example.envs.connection import FREE_PORT, Simulators
+from netmq_example.video.game import ENDPOINT, Lost, side
+
+MODES = ["rgb_array", "rgb_array_list", "video"]
+# For a ViewRecorder, whose game is there already.
+WAIT_SECONDS = 10.0
+
+
+class Rendered:
+    """What an environment has of it. Its `render_mode` and `metadata` are Gymnasium's."""
+
+    render_mode: str | None
+    metadata: dict[str, Any]
+    renderer: "Renderer | None" = None
+
+    def show(self, simulators: Simulators, mode: str | None, views: Sequence[str], view_endpoint: str) -> None:
+        """Before the simulator is found: one that is launched is told where its views go."""
+        self.render_mode = mode
+        if mode is None:
+            return
+        try:
+            self.renderer = Renderer(mode, views, view_endpoint or (FREE_PORT if simulators.launch else ENDPOINT))
+        except BaseException:
+            simulators.close()
+            raise
+        if simulators.launch:
+            simulators.launch += ["--ViewRecorder.endpoint", self.renderer.films.game.endpoint]
+        # Also when nobody calls close, and when no simulator comes.
+        weakref.finalize(self, self.renderer.close)
+
+    def begin_render(self, screen_width: int = -1, screen_height: int = -1, fullscreen: bool = False) -> None:
+        """Begin a film of each view, in place of the one before. -1 is the largest size that the game allows.
+
+        The screen stays as it is. It is always the pictures that are so large.
+        """
+        if gives_pictures(self.render_mode) and self.renderer:
+            if fullscreen:
+                logger.warn("fullscreen changes nothing: begin_render leaves the screen as it is")
+            self.renderer.begin(screen_width, screen_height)
+
+    def end_render(self) -> None:
+        """No more pictures. What came stays until the next begin_render."""
+        if self.renderer:
+            self.renderer.end()
+
+    def render_all(self, video_paths: Mapping[str, str | os.PathLike[str] | None] | None = None) -> dict[str, Any]:
+        """By view what its render_mode says: a picture, a list of them, or a film.
+
+        A film whose path is None or missing is an MP4 in bytes, else a file, which replaces one of that name; its whole
+        path is returned. What the path ends in decides what it becomes, see film_writer.py.
+        """
+        if not gives_pictures(self.render_mode) or not self.renderer:
+            return {}
+        return self.renderer.all_of(self.renderer.views, video_paths or {}, self.metadata["render_fps"])
+
+    def render(self) -> Any:
+        """The same of the first view alone."""
+        if not gives_pictures(self.render_mode) or not self.renderer:
+            return None
+        first = self.renderer.views[0]
+        return self.renderer.all_of([first], {}, self.metadata["render_fps"])[first]
+
+    def filmed(self, begins: bool) -> None:
+        """Called after each reset, which begins an episode, and after each step."""
+        if self.renderer:
+            self.renderer.moved(begins)
+
+    def end_films(self) -> None:
+        if self.renderer:
+            self.renderer.close()
+
+
+class Take:
+    """The pictures of a view, in a file without a name: those of a long film would fill the memory."""
+
+    def __init__(self) -> None:
+        self.file = tempfile.TemporaryFile()  # noqa: SIM115, close does it.
+        self.shapes: list[tuple[int, ...]] = []
+
+    def add(self, pixels: Any) -> None:
+        self.file.seek(0, os.SEEK_END)
+        self.file.write(pixels.tobytes())
+        self.shapes.append(pixels.shape)
+
+    def pictures(self) -> Iterator[Any]:
+        self.file.seek(0)
+        for shape in self.shapes:
+            yield np.frombuffer(self.file.read(math.prod(shape)), np.uint8).reshape(shape).copy()
+
+    def clear(self) -> None:
+        self.file.truncate(0)
+        self.shapes = []
+
+
+class Renderer:
+    """The views of one environment. `views` are the names that its user gave."""
+
+    def __init__(self, mode: str, views: Sequence[str], endpoint: str) -> None:
+        self.films = films_at(endpoint)
+        self.films.start()
+        self.mode = mode
+        self.views = list(dict.fromkeys(views))
+        self.size = (0, 0)
+        self.takes = {name: Take() for name in self.views}
+        # The newest picture of each view in this episode.
+        self.newest: dict[str, Any] = {}
+        # A list is filled in every episode, as Gymnasium has it, until its user says when.
+        self.by_itself = self.recording = mode == "rgb_array_list"
+        self.moving = False
+
+    def begin(self, width: int, height: int) -> None:
+        sides = [side("screen_width", width), side("screen_height", height)]
+        there = self.there()
+        for view in self.names(there).values():
+            if sides[0] > there[view][0] or sides[1] > there[view][1]:
+                most = " x ".join(map(str, there[view]))
+                raise ValueError(f"{view} is at most {most}: set Width and Height of its ViewRecorder, or leave -1")
+        if self.mode == "video" and not shutil.which("ffmpeg"):
+            logger.warn("ffmpeg is not here: render_all can write .gif, .png and .webp, and no MP4")
+        if self.size != (sides[0], sides[1]):
+            self.films.end_all()
+            self.size = (sides[0], sides[1])
+        self.clear()
+        self.by_itself = False
+        self.recording = self.mode != "rgb_array"
+        if self.moving and self.recording:
+            self.keep()
+
+    def end(self) -> None:
+        self.by_itself = self.recording = False
+
+    def moved(self, begins: bool) -> None:
+        self.moving = True
+        if begins:
+            self.newest.clear()
+        if begins and self.by_itself:
+            self.clear()
+        if self.recording:
+            self.keep()
+
+    def keep(self) -> None:
+        for name, pixels in self.look(self.views).items():
+            self.takes[name].add(pixels)
+
+    def all_of(self, names: Sequence[str], paths: Mapping[str, Any], fps: float) -> dict[str, Any]:
+        self.check_open()
+        unknown = [name for name in paths if name not in self.views]
+        if unknown:
+            raise ValueError(f"video_paths has the view {unknown[0]!r}, but views is {self.views}")
+        if self.mode == "rgb_array":
+            return self.look(names)
+        if self.mode == "rgb_array_list":
+            return {name: taken(self.takes[name]) for name in names}
+        files = {name: film_path(paths.get(name)) for name in names}
+        return {name: film_of(name, self.takes[name], files[name], fps) for name in names}
+
+    def look(self, names: Sequence[str]) -> dict[str, Any]:
+        """A new picture of each. A film goes on when the game is gone, with the picture before, and a line says so."""
+        try:
+            self.newest.update(self.see(names))
+        except OSError as error:
+            if self.newest.keys() >= set(names):
+                self.films.report(f"trouble: {error}; the picture before is shown once more")
+            elif isinstance(error, Lost):
+                # It was that of the simulator before. The one that came in its place is waited for.
+                self.newest.update(self.see(names))
+            else:
+                raise
+        return {name: self.newest[name] for name in names}
+
+    def see(self, names: Sequence[str]) -> dict[str, Any]:
+        views = self.names(self.there())
+        for view in views.values():
+            # They stay begun until the game or the size is another one.
+            if view not in self.films.films or self.films.films[view].over:
+                self.films.begin_render(view, None, *self.size, fps=0)
+        pictures = self.films.look({views[name] for name in names})
+        return {name: pictures[views[name]] for name in names}
+
+    def there(self) -> dict[str, tuple[int, int]]:
+        """The game's views, and how large they are at most."""
+        self.check_open()
+        if not self.films.game.views and self.newest:
+            raise Lost("the game is gone")
+        try:
+            views: dict[str, tuple[int, int]] = self.films.game.views or self.films.wait(WAIT_SECONDS)
+            return views
+        except TimeoutError:
+            at = self.films.game.endpoint
+            raise TimeoutError(f"no view came to {at}: add a ViewRecorder with this Endpoint to the scene") from None
+
+    def names(self, there: Mapping[str, Any]) -> dict[str, str]:
+        """What the game calls the views."""
+        unknown = [name for name in self.views if name not in ("", *there)]
+        if unknown:
+            raise ValueError(f"there is no view {unknown[0]!r}; the game has: {', '.join(there)}")
+        return {name: name or next(iter(there)) for name in self.views}
+
+    def clear(self) -> None:
+        for take in self.takes.values():
+            take.clear()
+
+    def check_open(self) -> None:
+        if self.films.over.is_set():
+            raise ValueError("this environment is closed")
+
+    def close(self) -> None:
+        self.recording = False
+        self.films.close()
+        for take in self.takes.values():
+            take.file.close()
+
+
+def check_words(mode: Any, views: Any, render_fps: Any) -> None:
+    """What cannot be is named before anybody is waited for."""
+    if mode not in (None, *MODES):
+        raise ValueError(f"render_mode takes None or one of {', '.join(MODES)}, not {mode!r:.40}")
+    if not isinstance(views, list | tuple) or not views or not all(isinstance(view, str) for view in views):
+        raise ValueError(f'views takes a list of names, such as ["", "front"], not {views!r:.80}')
+    if render_fps is not None:
+        check.number("render_fps", render_fps, least=0.01, most=1000)
+
+
+def films_at(endpoint: str) -> Any:
+    """Lesson 12's, whose Pillow nobody needs who has no render_mode."""
+    try:
+        from netmq_example.video.films import Films
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
+    return Films(endpoint)
+
+
+def taken(take: Take) -> list[Any]:
+    """Each picture is given once, as Gymnasium has it."""
+    pictures = list(take.pictures())
+    take.clear()
+    return pictures
+
+
+def film_path(path: Any) -> Path | None:
+    from netmq_example.video.film_writer import film_path
+
+    return None if path is None else film_path("video_paths", path)
+
+
+def film_of(name: str, take: Take, path: Path | None, fps: float) -> Any:
+    """An MP4 in bytes; or the whole path of the file that it has become."""
+    from netmq_example.video.film_writer import open_film
+
+    if not take.shapes:
+        raise ValueError(f"no picture of view {name!r} is there: call begin_render before the steps that are filmed")
+    with tempfile.TemporaryDirectory() as folder:
+        # A film that fails leaves what was there under its name.
+        made = Path(folder) / f"film{path.suffix if path else '.mp4'}"
+        film = open_film(made, fps)
+        try:
+            for number, pixels in enumerate(take.pictures()):
+                film.add(pixels, number / fps)
+        finally:
+            film.close(len(take.shapes) / fps)
+        if path is None:
+            return made.read_bytes()
+        return os.path.abspath(shutil.move(made, path))

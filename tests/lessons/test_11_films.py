@@ -1,0 +1,361 @@
+"""Lesson 11, films: render modes, views and the calls that a script of gymize makes, of all three environments.
+
+Known defects of gymize that are tests here: a video without ffmpeg was None, without a word; a folder `tmp` beside the
+video was deleted; waiting for several views gave {}, or some of them.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import threading
+import warnings
+from typing import Annotated
+
+import pytest
+
+from tests.programs import ROOT, steady_endpoint
+
+gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
+np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
+pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
+pytest.importorskip("PIL", reason="films need Pillow: kit.py run 12 installs it")
+
+from netmq_example.envs import UnityAECEnv, UnityGymEnv, UnityParallelEnv, UnityVectorEnv, rendering  # noqa: E402
+from netmq_example.simulation.scene import Agent, Obs, SceneSimulator  # noqa: E402
+from netmq_example.video.view_sender import FilmView, ViewSender  # noqa: E402
+from tests.lessons.test_12_video import shown  # noqa: E402
+
+HAS_FFMPEG = shutil.which("ffmpeg") is not None
+SEEN = gymnasium.spaces.Dict(steps=gymnasium.spaces.Discrete(100))
+DONE = gymnasium.spaces.Discrete(2)
+ONE = {"observation_space": SEEN, "action_space": DONE}
+MANY = {"observation_spaces": {"agent": SEEN}, "action_spaces": {"agent": DONE}}
+
+
+# A script, as gymize's README has it, and a game in the player
+
+
+def gym_script(where):
+    env = gymnasium.make("NetMQExample/Unity-v0", **where, **ONE)
+    return env, env.reset, lambda: env.step(1)
+
+
+def parallel_script(where):
+    env = UnityParallelEnv(**where, **MANY)
+    return env, env.reset, lambda: env.step({"agent": 1})
+
+
+def aec_script(where):
+    env = UnityAECEnv(**where, **MANY)
+    return env, env.reset, lambda: env.step(1)
+
+
+def place(picture):
+    """Where the cube is: the middle of the columns in which something else than the first pixel's colour is."""
+    return np.flatnonzero((picture != picture[0, 0]).any(axis=(0, 2))).mean()
+
+
+@pytest.mark.parametrize("script", [gym_script, parallel_script, aec_script])
+def test_a_script_of_gymize_films_a_game(script, netmq, console, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    kit = ROOT / "unity/Assets/NetMQExample"
+    files = [kit / "11_observations/GymManager.cs", kit / "12_video/ViewRecorder.cs"]
+    words = [sys.executable, ROOT / "kit.py", "play", ROOT / "tests/lessons/checks/Looker.cs", *files]
+    where = {"env_name": "Look", "launch": [*map(str, words), "--envName", "Look"], "wait": 300}
+    env, reset, step = script({**where, "render_mode": "video", "views": ["", "front"]})
+    try:
+        reset()
+        env.unwrapped.begin_render(-1, -1, False)
+        for _ in range(6):
+            step()
+        env.unwrapped.end_render()
+        step()
+        films = env.unwrapped.render_all({"": "all.png", "front": "front.png"})
+        assert films == {"": str(tmp_path / "all.png"), "front": str(tmp_path / "front.png")}
+        for path in films.values():
+            pictures, times = shown(path)
+            assert times == [100] * 7, "a tick is 0.1 s"
+            assert pictures[0].shape == (240, 320, 3)
+            places = [place(picture) for picture in pictures]
+            assert sorted(set(places)) == places, "to the right with each step"
+        if HAS_FFMPEG:
+            films = env.unwrapped.render_all({"": None, "front": "front.mp4"})
+            assert films["front"] == str(tmp_path / "front.mp4")
+            for film in (films[""], (tmp_path / "front.mp4").read_bytes(), env.render()):
+                assert film[4:8] == b"ftyp"
+        else:
+            with pytest.raises(OSError, match=r"^an MP4 needs ffmpeg, which is not here: install it, or let the"):
+                env.render()
+    finally:
+        env.close()
+    assert {path.suffix for path in tmp_path.iterdir()} <= {".png", ".mp4"}, "nothing else is left"
+
+
+# A game in this process
+
+
+class Counter(Agent):
+    steps: Annotated[int, Obs()] = 0
+
+    def on_reset(self):
+        self.steps = 0
+
+    def on_action(self, action):
+        self.steps += action
+
+
+class Game:
+    """A scene, and two views of it: each pixel is ten times the steps."""
+
+    def __init__(self, inside, size=(32, 24)):
+        self.counter = Counter()
+        self.simulator = inside(SceneSimulator("Count", 0.1, [self.counter]))
+        self.size, self.over, self.threads = size, threading.Event(), []
+
+    def show(self, endpoint):
+        """Its views, to be ended by `hide`."""
+        self.views = [FilmView(name, *self.size) for name in ("map", "front")]
+        self.over.clear()
+        sender = ViewSender(endpoint, 60, lambda line: None)
+        self.threads = [
+            threading.Thread(target=sender.run, args=(self.views, self.over), daemon=True),
+            threading.Thread(target=self.play, daemon=True),
+        ]
+        for thread in self.threads:
+            thread.start()
+
+    def play(self):
+        while not self.over.wait(0.002):
+            for view in self.views:
+                if due := view.due():
+                    shape = (due.film.height, due.film.width, 3)
+                    view.take(due, np.full(shape, 10 * self.counter.steps, np.uint8))
+
+    def hide(self):
+        self.over.set()
+        for thread in self.threads:
+            thread.join()
+
+
+@pytest.fixture
+def game(inside):
+    game = Game(inside)
+    yield game
+    game.hide()
+
+
+@pytest.fixture
+def make(game):
+    """An environment of that game, whose views come as well."""
+    made = []
+
+    def make(kind=UnityGymEnv, shows=True, **words):
+        endpoint = steady_endpoint()
+        spaces = ONE if kind is UnityGymEnv else MANY
+        where = {"socket": game.simulator.socket, "view_endpoint": endpoint}
+        made.append(kind(env_name="Count", **{**where, **spaces, **words}))
+        if shows:
+            game.show(endpoint)
+        return made[-1]
+
+    yield make
+    for env in made:
+        env.close()
+
+
+def steps_of(pictures):
+    return [int(picture[0, 0, 0]) // 10 for picture in pictures]
+
+
+def test_a_picture_is_of_now_as_gymnasiums_wrappers_want_it(make):
+    env = make(render_mode="rgb_array", views=["front", ""])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env = gymnasium.wrappers.PassiveEnvChecker(gymnasium.wrappers.OrderEnforcing(env))
+        env.reset()
+        for step in range(3):
+            assert env.render().shape == (24, 32, 3)
+            assert steps_of([env.render()]) == [step]
+            env.step(1)
+    env.unwrapped.begin_render(16, 12)
+    assert {view: seen.shape for view, seen in env.unwrapped.render_all().items()} == {
+        "front": (12, 16, 3),
+        "": (12, 16, 3),
+    }
+    env.unwrapped.end_render()
+    assert steps_of([env.render()]) == [3]
+
+
+def test_a_list_has_each_picture_of_an_episode_once(make):
+    """As Gymnasium has it: without begin_render, and anew with each reset."""
+    env = make(render_mode="rgb_array_list")
+    for _ in range(2):
+        env.reset()
+        env.step(1)
+    env.step(1)
+    assert steps_of(env.render()) == [0, 1, 2]
+    assert env.render() == []
+    env.step(1)
+    assert steps_of(env.render()) == [3]
+
+
+def test_begin_and_end_say_what_is_filmed(make):
+    env = make(render_mode="rgb_array_list", views=["", "front"])
+    env.end_render()
+    env.reset()
+    assert env.render() == [], "ended before it began"
+    env.begin_render()
+    env.step(1)
+    env.reset()
+    env.end_render()
+    env.step(1)
+    assert {view: steps_of(seen) for view, seen in env.render_all().items()} == {"": [0, 1, 0], "front": [0, 1, 0]}
+    env.begin_render()
+    env.step(1)
+    env.begin_render(16)
+    env.step(1)
+    assert steps_of(env.render()) == [2, 3], "begun twice: that before is gone"
+    assert env.render_all()["front"][0].shape == (24, 16, 3)
+
+
+def test_a_film_may_be_begun_before_the_first_reset_and_closed_before_its_end(make):
+    env = make(render_mode="rgb_array_list")
+    env.begin_render()
+    env.reset()
+    env.step(1)
+    assert steps_of(env.render()) == [0, 1]
+    env.close()
+    for call in (env.render, env.render_all, env.begin_render):
+        with pytest.raises(ValueError, match=r"^this environment is closed"):
+            call()
+    env.end_render()
+
+
+@pytest.mark.parametrize("kind", [UnityGymEnv, UnityParallelEnv, UnityAECEnv])
+def test_a_video_stays_until_the_next_one_begins(kind, make, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    env = make(kind, render_mode="video", views=["", "front"], render_fps=4)
+    assert env.metadata["render_fps"] == 4
+    env.reset()
+    with pytest.raises(ValueError, match=r"^no picture of view '' is there: call begin_render before the steps"):
+        env.render()
+    env.begin_render()
+    for _ in range(2):
+        env.step(1 if kind is not UnityParallelEnv else {"agent": 1})
+    for _ in range(2):
+        assert env.render_all({"": "map.gif", "front": "front.png"})["front"] == str(tmp_path / "front.png")
+        for name in ("map.gif", "front.png"):
+            pictures, times = shown(name)
+            assert (steps_of(pictures), times) == ([0, 1, 2], [250] * 3)
+    (tmp_path / "tmp").mkdir()
+    for wrong, why in (
+        ({"side": None}, r"^video_paths has the view 'side', but views is \['', 'front'\]"),
+        ({"": "map.avi"}, r"^'map.avi' is no film: its name must end in .gif"),
+        ({"": 1}, "^video_paths takes the name of a file, not 1"),
+    ):
+        with pytest.raises(ValueError, match=why):
+            env.render_all(wrong)
+    with pytest.raises(FileNotFoundError):
+        env.render_all({"": "nowhere/map.gif", "front": "front.gif"})
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["front.png", "map.gif", "tmp"]
+
+
+def test_without_ffmpeg_a_video_says_so_when_it_begins(make, tmp_path, monkeypatch):
+    env = make(render_mode="video")
+    env.reset()
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.warns(UserWarning, match="ffmpeg is not here: render_all can write .gif, .png and .webp, and no MP4"):
+        env.begin_render()
+    for path in (None, tmp_path / "a.mp4"):
+        with pytest.raises(
+            OSError, match=r"^an MP4 needs ffmpeg, which is not here: install it, or let the film end in"
+        ):
+            env.render_all({"": path})
+    env.render_all({"": tmp_path / "a.gif"})
+    assert steps_of(shown(tmp_path / "a.gif")[0]) == [0]
+
+
+def test_what_cannot_be_filmed_is_named(make):
+    env = make(render_mode="rgb_array", views=["", "side"])
+    env.reset()
+    for call in (env.begin_render, env.render):
+        with pytest.raises(ValueError, match=r"^there is no view 'side'; the game has: map, front"):
+            call()
+    env.renderer.views = ["front"]
+    with pytest.raises(
+        ValueError, match=r"^front is at most 32 x 24: set Width and Height of its ViewRecorder, or leave"
+    ):
+        env.begin_render(33)
+    for name in ("screen_width", "screen_height"):
+        for wrong in (-2, 1.5, "", None):
+            with pytest.raises(ValueError, match=f"^{name} takes pixels, or 0 or -1 for as many as the game allows"):
+                env.begin_render(**{name: wrong})
+    with pytest.warns(UserWarning, match="fullscreen changes nothing"):
+        env.begin_render(0, -1, True)
+    assert env.render().shape == (24, 32, 3)
+
+
+def test_a_scene_without_a_view_says_what_to_add(make, monkeypatch):
+    monkeypatch.setattr(rendering, "WAIT_SECONDS", 0.1)
+    env = make(render_mode="video", shows=False)
+    env.reset()
+    env.step(1)
+    with pytest.raises(
+        TimeoutError, match=r"^no view came to tcp://127.*: add a ViewRecorder with this Endpoint to the"
+    ):
+        env.begin_render()
+
+
+def test_a_film_goes_on_when_its_game_is_gone_and_in_the_one_that_comes_then(make, game, capsys):
+    env = make(render_mode="rgb_array_list")
+    env.reset()
+    env.step(1)
+    game.hide()
+    env.step(1)
+    assert steps_of(env.render()) == [0, 1, 1]
+    assert capsys.readouterr().out.count("; the picture before is shown once more") == 1
+    game.show(env.renderer.films.game.endpoint)
+    env.reset()
+    env.step(1)
+    assert steps_of(env.render()) == [0, 1]
+
+
+@pytest.mark.parametrize("kind", [UnityGymEnv, UnityParallelEnv])
+def test_without_a_render_mode_nothing_is_filmed(kind, make):
+    env = make(kind, shows=False, views=["", "front"])
+    env.reset()
+    for call in (env.begin_render, env.render_all, env.render):
+        with pytest.warns(
+            UserWarning, match='render gives no picture: make the environment with render_mode="rgb_array"'
+        ):
+            assert not call()
+    env.end_render()
+
+
+def test_what_cannot_be_is_named_before_anybody_is_waited_for(make):
+    for wrong, why in (
+        ({"render_mode": "human"}, "^render_mode takes None or one of rgb_array, rgb_array_list, video, not 'human'"),
+        ({"views": []}, r"^views takes a list of names, such as \[.*, not \[\]"),
+        ({"views": "front"}, "^views takes a list of names, such as .* not 'front'"),
+        ({"views": [None]}, "^views takes a list of names"),
+        ({"render_fps": 0}, "^render_fps takes a number from 0.01 to 1000, not 0"),
+        ({"render_mode": "video", "view_endpoint": "nonsense"}, "^bad endpoint 'nonsense'"),
+    ):
+        with pytest.raises(ValueError, match=why):
+            make(**wrong)
+    with pytest.raises(ValueError, match=r"^render_mode takes None, not 'video': lesson 12 makes films"):
+        UnityVectorEnv(2, "Count", **ONE, render_mode="video")
+
+
+def test_two_that_film_at_one_place_are_told_so(make):
+    env = make(render_mode="video")
+    endpoint = env.renderer.films.game.endpoint
+    with pytest.raises(OSError, match=f"^cannot listen on {endpoint}: .*; if another program films there, end it, or"):
+        UnityGymEnv("Count", endpoint=steady_endpoint(), wait=0.1, render_mode="video", view_endpoint=endpoint, **ONE)
+
+
+def test_without_pillow_a_render_mode_names_it(make, monkeypatch):
+    monkeypatch.setitem(sys.modules, "netmq_example.video.films", None)
+    with pytest.raises(ModuleNotFoundError, match=r"^render_mode needs Pillow: pip install pillow"):
+        make(render_mode="video")
