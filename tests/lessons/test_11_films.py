@@ -56,13 +56,18 @@ def place(picture):
     return np.flatnonzero((picture != picture[0, 0]).any(axis=(0, 2))).mean()
 
 
-@pytest.mark.parametrize("script", [gym_script, parallel_script, aec_script])
-def test_a_script_of_gymize_films_a_game(script, netmq, console, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture
+def where(netmq, console):
+    """The words for tests/lessons/checks/Looker.cs and a recorder in the player."""
     kit = ROOT / "unity/Assets/NetMQExample"
     files = [kit / "11_observations/GymManager.cs", kit / "12_video/ViewRecorder.cs"]
     words = [sys.executable, ROOT / "kit.py", "play", ROOT / "tests/lessons/checks/Looker.cs", *files]
-    where = {"env_name": "Look", "launch": [*map(str, words), "--envName", "Look"], "wait": 300}
+    return {"env_name": "Look", "launch": [*map(str, words), "--envName", "Look"], "wait": 300}
+
+
+@pytest.mark.parametrize("script", [gym_script, parallel_script, aec_script])
+def test_a_script_of_gymize_films_a_game(script, where, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     env, reset, step = script({**where, "render_mode": "video", "views": ["", "front"]})
     try:
         reset()
@@ -90,6 +95,21 @@ def test_a_script_of_gymize_films_a_game(script, netmq, console, tmp_path, monke
     finally:
         env.close()
     assert {path.suffix for path in tmp_path.iterdir()} <= {".png", ".mp4"}, "nothing else is left"
+
+
+def test_a_recorder_that_was_given_no_camera_has_the_main_one(where):
+    where["launch"] += ["--agentName", "alone"]
+    env, reset, step = gym_script(
+        {**where, "agent_name": "alone", "render_mode": "rgb_array", "views": ["", "Main Camera"]}
+    )
+    try:
+        reset()
+        first, second = env.unwrapped.render_all().values()
+        assert np.array_equal(first, second)
+        step()
+        assert place(env.render()) > place(first)
+    finally:
+        env.close()
 
 
 # A game in this process

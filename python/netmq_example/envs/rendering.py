@@ -16,21 +16,19 @@ A view "" is the game's first one.
 ValueError names what was called wrongly, OSError says that there is no view or no ffmpeg. It needs numpy and Pillow.
 """
 
-import math
 import os
 import shutil
-import tempfile
 import weakref
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from gymnasium import logger
 
 from netmq_example import check
 from netmq_example.envs.common import gives_pictures
 from netmq_example.envs.connection import FREE_PORT, Simulators
+from netmq_example.envs.take import Take
 from netmq_example.video.game import ENDPOINT, Lost, side
 
 MODES = ["rgb_array", "rgb_array_list", "video"]
@@ -102,28 +100,6 @@ class Rendered:
             self.renderer.close()
 
 
-class Take:
-    """The pictures of a view, in a file without a name: those of a long film would fill the memory."""
-
-    def __init__(self) -> None:
-        self.file = tempfile.TemporaryFile()  # noqa: SIM115, close does it.
-        self.shapes: list[tuple[int, ...]] = []
-
-    def add(self, pixels: Any) -> None:
-        self.file.seek(0, os.SEEK_END)
-        self.file.write(pixels.tobytes())
-        self.shapes.append(pixels.shape)
-
-    def pictures(self) -> Iterator[Any]:
-        self.file.seek(0)
-        for shape in self.shapes:
-            yield np.frombuffer(self.file.read(math.prod(shape)), np.uint8).reshape(shape).copy()
-
-    def clear(self) -> None:
-        self.file.truncate(0)
-        self.shapes = []
-
-
 class Renderer:
     """The views of one environment. `views` are the names that its user gave."""
 
@@ -182,9 +158,14 @@ class Renderer:
         if self.mode == "rgb_array":
             return self.look(names)
         if self.mode == "rgb_array_list":
-            return {name: taken(self.takes[name]) for name in names}
+            return {name: self.takes[name].taken() for name in names}
         files = {name: film_path(paths.get(name)) for name in names}
-        return {name: film_of(name, self.takes[name], files[name], fps) for name in names}
+        for name in names:
+            if not self.takes[name].shapes:
+                raise ValueError(
+                    f"no picture of view {name!r} is there: call begin_render before the steps to be filmed"
+                )
+        return {name: self.takes[name].film(files[name], fps) for name in names}
 
     def look(self, names: Sequence[str]) -> dict[str, Any]:
         """A new picture of each. A film goes on when the game is gone, with the picture before, and a line says so."""
@@ -262,34 +243,7 @@ def films_at(endpoint: str) -> Any:
     return Films(endpoint)
 
 
-def taken(take: Take) -> list[Any]:
-    """Each picture is given once, as Gymnasium has it."""
-    pictures = list(take.pictures())
-    take.clear()
-    return pictures
-
-
 def film_path(path: Any) -> Path | None:
     from netmq_example.video.film_writer import film_path
 
     return None if path is None else film_path("video_paths", path)
-
-
-def film_of(name: str, take: Take, path: Path | None, fps: float) -> Any:
-    """An MP4 in bytes; or the whole path of the file that it has become."""
-    from netmq_example.video.film_writer import open_film
-
-    if not take.shapes:
-        raise ValueError(f"no picture of view {name!r} is there: call begin_render before the steps that are filmed")
-    with tempfile.TemporaryDirectory() as folder:
-        # A film that fails leaves what was there under its name.
-        made = Path(folder) / f"film{path.suffix if path else '.mp4'}"
-        film = open_film(made, fps)
-        try:
-            for number, pixels in enumerate(take.pictures()):
-                film.add(pixels, number / fps)
-        finally:
-            film.close(len(take.shapes) / fps)
-        if path is None:
-            return made.read_bytes()
-        return os.path.abspath(shutil.move(made, path))

@@ -252,7 +252,8 @@ class Films:
         """The game is gone: what came is a film."""
         for film in [film for film in list(self.films.values()) if not film.over]:
             film.attempt(self.report, film.close)
-            self.report(f"trouble: the game is gone; {film}")
+            if film.path:
+                self.report(f"trouble: the game is gone; {film}")
         for id in list(self.waiting):
             self.answer(id, Lost("the game is gone"))
 

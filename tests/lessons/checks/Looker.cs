@@ -2,7 +2,8 @@ using System;
 using NetMQExample;
 using UnityEngine;
 
-// A cube that goes to the right, a step at a time, and two cameras that see it. It says when it is done.
+// A cube that goes to the right, a step at a time, and two cameras that see it. By the name "alone" it gives none of them
+// to the recorder.
 public sealed class Looker : Agent
 {
     [Discrete] private int steps;
@@ -14,7 +15,8 @@ public sealed class Looker : Agent
         {
             var camera = new GameObject(name).AddComponent<Camera>();
             camera.transform.position = new Vector3(0, 0, away);
-            GetComponent<ViewRecorder>().Cameras.Add(camera);
+            if (Name != "alone") GetComponent<ViewRecorder>().Cameras.Add(camera);
+            else if (name == "Main Camera") camera.gameObject.tag = "MainCamera";
         }
     }
 

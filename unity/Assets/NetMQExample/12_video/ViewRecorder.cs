@@ -16,7 +16,7 @@ namespace NetMQExample
     {
         [SerializeField, Tooltip("Where Python films")] private string endpoint = "tcp://127.0.0.1:5562";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for Python")] private float timeout = 3600;
-        [SerializeField, Tooltip("What can be filmed; without any the main one")] private List<Camera> cameras = new List<Camera>();
+        [SerializeField, Tooltip("Can be filmed; else the main one")] private List<Camera> cameras = new List<Camera>();
         [SerializeField, Min(1), Tooltip("The widest picture that Python may ask for")] private int width = 320;
         [SerializeField, Min(1), Tooltip("The highest picture that Python may ask for")] private int height = 240;
 

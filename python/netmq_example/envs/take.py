@@ -1,0 +1,61 @@
+"""The pictures that an environment has taken of one view, one a step, and the film that they become.
+
+    take = Take()
+    take.add(picture)                               uint8 [height, width, 3]
+    take.film(Path("front.mp4"), fps=10)            its whole path; in place of a path None, an MP4 in bytes
+
+It needs numpy, and Pillow where a film is made.
+"""
+
+import math
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+class Take:
+    """The pictures of a view, in a file without a name: those of a long film would fill the memory."""
+
+    def __init__(self) -> None:
+        self.file = tempfile.TemporaryFile()  # noqa: SIM115, close does it.
+        self.shapes: list[tuple[int, ...]] = []
+
+    def add(self, pixels: Any) -> None:
+        self.file.seek(0, os.SEEK_END)
+        self.file.write(pixels.tobytes())
+        self.shapes.append(pixels.shape)
+
+    def pictures(self) -> Iterator[Any]:
+        self.file.seek(0)
+        for shape in self.shapes:
+            yield np.frombuffer(self.file.read(math.prod(shape)), np.uint8).reshape(shape).copy()
+
+    def taken(self) -> list[Any]:
+        """Each picture is given once, as Gymnasium has it."""
+        pictures = list(self.pictures())
+        self.clear()
+        return pictures
+
+    def film(self, path: Path | None, fps: float) -> Any:
+        """A file, of which the whole path is returned; without a path an MP4 in bytes. OSError: there is no ffmpeg."""
+        from netmq_example.video.film_writer import open_film
+
+        with tempfile.TemporaryDirectory() as folder:
+            # A film that fails leaves what was there under its name.
+            made = Path(folder) / f"film{path.suffix if path else '.mp4'}"
+            film = open_film(made, fps)
+            try:
+                for number, pixels in enumerate(self.pictures()):
+                    film.add(pixels, number / fps)
+            finally:
+                film.close(len(self.shapes) / fps)
+            return os.path.abspath(shutil.move(made, path)) if path else made.read_bytes()
+
+    def clear(self) -> None:
+        self.file.truncate(0)
+        self.shapes = []
