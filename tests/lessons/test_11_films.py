@@ -335,7 +335,8 @@ def test_a_film_goes_on_when_its_game_is_gone_and_in_the_one_that_comes_then(mak
     env.step(1)
     assert steps_of(env.render()) == [0, 1, 1]
     assert capsys.readouterr().out.count("; the picture before is shown once more") == 1
-    game.show(env.renderer.films.game.endpoint)
+    # A game that is launched anew has its views a little later than its simulator.
+    threading.Timer(0.3, game.show, [env.renderer.films.game.endpoint]).start()
     env.reset()
     env.step(1)
     assert steps_of(env.render()) == [0, 1]
