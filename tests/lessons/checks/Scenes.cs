@@ -152,6 +152,7 @@ namespace NetMQExample.Tests
         private static readonly System.Collections.Generic.Dictionary<string, Bot> Newest = new();
 
         [Discrete] private int age;
+        private bool dying;
 
         public static void Spawn(string name)
         {
@@ -163,10 +164,11 @@ namespace NetMQExample.Tests
         public override void OnReset()
         {
             age = 0;
+            dying = false;
             if (Name != "led") gameObject.SetActive(true);
             if (Name != "leader") return;
             Newest["led"].gameObject.SetActive(true);
-            if (Newest["destroyed"] == null) Spawn("destroyed");
+            if (Newest["destroyed"].dying) Spawn("destroyed");
         }
 
         public override void OnAction(object action)
@@ -181,8 +183,10 @@ namespace NetMQExample.Tests
             SendInfo("died");
             if (Name != "off" && Name != "replaced") Terminate();
             if (Name == "ends_off" || Name == "off" || Name == "led") gameObject.SetActive(false);
-            if (Name == "destroyed" || Name == "respawned" || Name == "replaced") Destroy(gameObject);
-            if (Name == "respawned" || Name == "replaced") Spawn(Name);
+            dying = Name == "destroyed" || Name == "respawned" || Name == "replaced";
+            if (dying) Destroy(gameObject);
+            // It lives on until the end of the frame, which may be the next episode.
+            if ((Name == "respawned" || Name == "replaced") && Newest[Name] == this) Spawn(Name);
         }
     }
 

@@ -45,7 +45,9 @@ namespace NetMQExample
 
         private static bool TryJoin(IAgent agent)
         {
-            var other = All.Find(one => one.State.Name == agent.State.Name);
+            // Made also for the only agent: what is wrong with its members is said now.
+            var name = agent.State.Name;
+            var other = All.Find(one => one.State.Name == name);
             if (other != null && !other.State.Over) return false;
             All.Remove(other);
             All.Add(agent);
