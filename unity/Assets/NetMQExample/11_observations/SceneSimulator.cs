@@ -25,12 +25,8 @@ namespace NetMQExample
         private readonly List<object> infos = new List<object>();
         private readonly List<Source> seen = new List<Source>();
         private readonly Dictionary<string, object> info = new Dictionary<string, object>();
-        // Of those of the last reset: who is there now, or null; and who was there last, of each name.
-        private readonly List<IAgent> present = new List<IAgent>();
-        private readonly Dictionary<string, IAgent> known = new Dictionary<string, IAgent>();
         private readonly Stopwatch loading = new Stopwatch();
-        // Those of the last reset: each has a row.
-        private List<string> asked = new List<string>();
+        private readonly AskedAgents asked;
         private Dictionary<string, object> options = new Dictionary<string, object>();
         // An agent judges in its Update: then each step needs a frame.
         private bool framed, frameLeft;
@@ -47,6 +43,7 @@ namespace NetMQExample
             Name = Require.Given("name", name);
             this.dt = dt;
             this.agents = Require.Given("agents", agents);
+            asked = new AskedAgents(agents);
             this.sensors = sensors ?? new Source[0];
             this.tick = tick;
         }
@@ -129,8 +126,7 @@ namespace NetMQExample
             frameLeft = false;
             var loads = Loads();
             if (loads) loading.Restart();
-            return first || loads || (loading.IsRunning && loading.Elapsed < MostLoading
-                && asked.Any(name => There(name) == null));
+            return first || loads || (loading.IsRunning && loading.Elapsed < MostLoading && !asked.AllThere);
         }
 
         /// <inheritdoc/>
@@ -140,10 +136,10 @@ namespace NetMQExample
             for (var i = 0; i < asked.Count; i++)
             {
                 if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
-                else if (present[i] != null) See(present[i].State, answer);
+                else if (asked.Present[i] != null) See(asked.Present[i].State, answer);
                 // No OnReset, and no scene that was loaded, has brought it.
-                else if (request.OrderOf(i) == Order.Reset) Find(asked[i]);
-                else EndAbsent(asked[i], answer);
+                else if (request.OrderOf(i) == Order.Reset) Find(asked.Names[i]);
+                else EndAbsent(i, answer);
             }
             infos.Clear();
         }
@@ -154,30 +150,17 @@ namespace NetMQExample
                 && said.GetValueOrDefault("options") is Dictionary<string, object> given))
                 throw new MessageException("missing-field", "a reset has a list of agents, and options");
             options = given;
-            // Who is not there may come by an OnReset.
-            asked = names.Select(name => name as string ?? throw new MessageException("wrong-type", "a name is a text"))
-                .ToList();
-            var twice = asked.Find(name => agents.Count(agent => agent.State.Name == name) > 1);
-            if (twice != null) Find(twice);
+            asked.Ask(names);
         }
 
-        // Another agent of a name, such as that of a scene that was loaded, goes on with the episode of the one before.
         private void Recognize()
         {
-            present.Clear();
-            foreach (var name in asked)
-            {
-                var agent = There(name);
-                present.Add(agent);
-                if (agent == null) continue;
-                var state = agent.State;
-                if (known.TryGetValue(name, out var before) && before != agent) state.GoOnFrom(before.State);
-                known[name] = agent;
-                if (framed || state.Late == null) continue;
-                framed = true;
-                Warn($"trouble: agent '{name}' called {state.Late} between two steps, such as in its Update: from now "
-                    + "on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
-            }
+            asked.Recognize();
+            var late = framed ? null : asked.Present.Find(agent => agent?.State.Late != null)?.State;
+            if (late == null) return;
+            framed = true;
+            Warn($"trouble: agent '{late.Name}' called {late.Late} between two steps, such as in its Update: from now "
+                + "on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
         }
 
         private void Reset(StepRequest request)
@@ -191,27 +174,21 @@ namespace NetMQExample
             {
                 infos.Clear();
                 // Also those whom Python does not ask: they move.
-                foreach (var agent in agents.Where(agent => !asked.Contains(agent.State.Name)))
+                foreach (var agent in agents.Where(agent => !asked.Names.Contains(agent.State.Name)))
                     agent.State.Begin(chances[request.Seed(0)], options);
             }
             // An OnReset may bring back others, which then have their turn.
-            for (var resetting = Known(waiting); resetting.Count > 0; resetting = Known(waiting))
+            for (var each = asked.Known(waiting, Exists); each.Count > 0; each = asked.Known(waiting, Exists))
             {
-                foreach (var (i, agent) in resetting)
+                foreach (var (i, agent) in each)
                 {
                     agent.State.Begin(chances[request.Seed(i)], options);
-                    known[asked[i]] = agent;
                     waiting.Remove(i);
                 }
-                foreach (var (_, agent) in resetting) agent.OnReset();
-                Episodes += resetting.Count;
+                foreach (var (_, agent) in each) agent.OnReset();
+                Episodes += each.Count;
             }
         }
-
-        // Also who has left: its own OnReset may switch it on again.
-        private List<(int Row, IAgent Agent)> Known(List<int> rows) => rows
-            .Select(i => (Row: i, Agent: There(asked[i]) ?? known.GetValueOrDefault(asked[i])))
-            .Where(one => one.Agent != null && Exists(one.Agent)).ToList();
 
         private void Step(StepRequest request)
         {
@@ -219,7 +196,7 @@ namespace NetMQExample
             for (var i = 0; i < asked.Count; i++)
             {
                 // Whoever has left since does not act; the answer is without it.
-                var agent = request.OrderOf(i) == Order.Step ? present[i] : null;
+                var agent = request.OrderOf(i) == Order.Step ? asked.Present[i] : null;
                 if (agent != null) acting.Add((agent, MessageTree.Read(request.Row(i))));
             }
             foreach (var (agent, action) in acting) agent.OnAction(action);
@@ -234,26 +211,12 @@ namespace NetMQExample
             Steps++;
         }
 
-        private IAgent There(string name)
-        {
-            foreach (var agent in agents) if (agent.State.Name == name) return agent;
-            return null;
-        }
+        internal IAgent Find(string name) => asked.Find(name);
 
-        internal IAgent Find(string name)
-        {
-            var found = agents.Where(agent => agent.State.Name == name).ToList();
-            if (found.Count == 1) return found[0];
-            var known = string.Join(", ", agents.Select(agent => agent.State.Name));
-            throw new MessageException(found.Count == 0 ? "unknown-agent" : "two-agents", found.Count == 0
-                ? $"no agent is named '{name}'; there are: {known}"
-                : $"{found.Count} agents are named '{name}': each needs a name of its own");
-        }
-
-        private void EndAbsent(string name, StepAnswer answer)
+        private void EndAbsent(int row, StepAnswer answer)
         {
             info.Clear();
-            var verdict = known.TryGetValue(name, out var left) ? left.State.Take(info) : (0, false, false);
+            var verdict = asked.Last(row)?.State.Take(info) ?? (0, false, false);
             if (infos.Count > 0) info["env"] = new List<object>(infos);
             answer.EndAbsent(verdict, info);
         }

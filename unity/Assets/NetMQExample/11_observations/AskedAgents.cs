@@ -1,0 +1,86 @@
+// Lesson 11, the agents that Python asks for: who has which name now, and who had it last.
+using System;
+using System.Collections.Generic;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Those of the last reset. Each has a row in each request, and in each answer.</summary>
+    internal sealed class AskedAgents
+    {
+        private readonly Dictionary<string, IAgent> last = new Dictionary<string, IAgent>();
+        private readonly IReadOnlyList<IAgent> agents;
+
+        /// <summary>Of the agents that are in the list when they are looked for.</summary>
+        public AskedAgents(IReadOnlyList<IAgent> agents) => this.agents = agents;
+
+        /// <summary>How many there are.</summary>
+        public int Count => Names.Count;
+
+        /// <summary>Of each row.</summary>
+        public List<string> Names { get; private set; } = new List<string>();
+
+        /// <summary>Who was there when they were looked for, or null.</summary>
+        public List<IAgent> Present { get; } = new List<IAgent>();
+
+        /// <summary>Whether all are there now.</summary>
+        public bool AllThere => Names.TrueForAll(name => There(name) != null);
+
+        /// <summary>From now on it is these. Who is not there may come by an OnReset.</summary>
+        /// <exception cref="MessageException">Two agents have one name.</exception>
+        public void Ask(List<object> names)
+        {
+            Names = names.ConvertAll(name => name as string
+                ?? throw new MessageException("wrong-type", "the name of an agent is a text"));
+            var twice = Names.Find(name => agents.Count(agent => agent.State.Name == name) > 1);
+            if (twice != null) Find(twice);
+        }
+
+        /// <summary>Looks for them. Another agent of a name, such as that of a scene that was loaded, goes on with the
+        /// episode of the one before.</summary>
+        public void Recognize()
+        {
+            Present.Clear();
+            foreach (var name in Names)
+            {
+                var agent = There(name);
+                Present.Add(agent);
+                if (agent == null) continue;
+                if (last.TryGetValue(name, out var before) && before != agent) agent.State.GoOnFrom(before.State);
+                last[name] = agent;
+            }
+        }
+
+        /// <summary>Who was there last, also if it has left.</summary>
+        public IAgent Last(int row) => last.GetValueOrDefault(Names[row]);
+
+        /// <summary>Who can be reset now. Also who has left: its own OnReset may switch it on again.</summary>
+        /// <param name="rows">Those to look for.</param>
+        /// <param name="exists">Whether an agent that has left could come back.</param>
+        public List<(int Row, IAgent Agent)> Known(List<int> rows, Func<IAgent, bool> exists)
+        {
+            var known = rows.Select(row => (Row: row, Agent: There(Names[row]) ?? Last(row)))
+                .Where(one => one.Agent != null && exists(one.Agent)).ToList();
+            foreach (var (row, agent) in known) last[Names[row]] = agent;
+            return known;
+        }
+
+        /// <summary>The agent of a name.</summary>
+        /// <exception cref="MessageException">There is none, or there are two.</exception>
+        public IAgent Find(string name)
+        {
+            var found = agents.Where(agent => agent.State.Name == name).ToList();
+            if (found.Count == 1) return found[0];
+            var known = string.Join(", ", agents.Select(agent => agent.State.Name));
+            throw new MessageException(found.Count == 0 ? "unknown-agent" : "two-agents", found.Count == 0
+                ? $"no agent is named '{name}'; there are: {known}"
+                : $"{found.Count} agents are named '{name}': each needs a name of its own");
+        }
+
+        private IAgent There(string name)
+        {
+            foreach (var agent in agents) if (agent.State.Name == name) return agent;
+            return null;
+        }
+    }
+}
