@@ -98,6 +98,9 @@ namespace UnityPlayer
         public static void Press(float horizontal, float vertical, params KeyCode[] keys)
         {
             (Input.Horizontal, Input.Vertical) = (horizontal, vertical);
+            Input.Down.Clear();
+            Input.Down.UnionWith(keys);
+            Input.Down.ExceptWith(Input.Pressed);
             Input.Pressed.Clear();
             Input.Pressed.UnionWith(keys);
         }
@@ -171,6 +174,7 @@ namespace UnityPlayer
             ForEach(script => script.BeginFrame());
             ForEach(script => script.Tick("LateUpdate"));
             ForEach(script => script.Tick("OnGUI"));
+            Input.Down.Clear();
             LoadedScene.RemoveDestroyed();
         }
 

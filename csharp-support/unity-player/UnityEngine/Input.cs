@@ -13,6 +13,9 @@ namespace UnityEngine
     {
         internal static HashSet<KeyCode> Pressed { get; } = new HashSet<KeyCode>();
 
+        // Those that were not pressed in the frame before.
+        internal static HashSet<KeyCode> Down { get; } = new HashSet<KeyCode>();
+
         internal static float Horizontal { get; set; }
 
         internal static float Vertical { get; set; }
@@ -28,6 +31,12 @@ namespace UnityEngine
         {
             MainThread.Only(nameof(GetKey));
             return Pressed.Contains(key);
+        }
+
+        public static bool GetKeyDown(KeyCode key)
+        {
+            MainThread.Only(nameof(GetKeyDown));
+            return Down.Contains(key);
         }
     }
 }

@@ -1,7 +1,8 @@
 // Channels as somebody has written them for ML-Agents, today and early in 2020: only `using` was changed. Wherever a class
-// says so, this stood there before: using Unity.MLAgents; using Unity.MLAgents.SideChannels;
+// says NetMQExample, Unity.MLAgents stood there before.
 using System;
 using System.Collections.Generic;
+using NetMQExample;
 using NetMQExample.SideChannels;
 using UnityEngine;
 

@@ -1,4 +1,5 @@
 using System;
+using NetMQExample;
 using NetMQExample.SideChannels;
 using UnityEngine;
 

@@ -7,8 +7,9 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
+using NetMQExample.SideChannels;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample
 {
     /// <summary>The parameters that came, each a number or a sampler.</summary>
     public sealed class EnvironmentParameters : SideChannel

@@ -4,8 +4,9 @@
 //
 // Bytes: string key, float32 value, int32 how to aggregate. The Python side is stats_side_channel.py.
 using System;
+using NetMQExample.SideChannels;
 
-namespace NetMQExample.SideChannels
+namespace NetMQExample
 {
     /// <summary>What to make of the values that came for one key.</summary>
     public enum StatAggregationMethod

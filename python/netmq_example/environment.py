@@ -1,0 +1,159 @@
+"""ML-Agents' low-level API over one agent of lesson 09: mlagents_envs.environment, with its names.
+
+    env = UnityEnvironment(side_channels=[log])          prints: waiting for a simulator on tcp://…: press Play
+    env.reset()
+    name = list(env.behavior_specs)[0]
+    decision_steps, terminal_steps = env.get_steps(name)
+    env.set_actions(name, ActionTuple(discrete=[[1]]))   for the next step; without it: zeros
+    env.step()
+
+As there, the step that ends an episode begins the next one, whose agent has another id. The simulator's action is a
+Box, Discrete or MultiDiscrete, its observation one array, or a Dict of arrays. It needs gymnasium.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from netmq_example.base_env import (
+    ActionSpec,
+    ActionTuple,
+    BatchedStepResult,
+    BehaviorSpec,
+    DecisionSteps,
+    TerminalSteps,
+)
+from netmq_example.envs.gym_env import ZmqEnv
+from netmq_example.envs.side_channels import carry
+from netmq_example.messages import Message, take
+from netmq_example.side_channel.side_channel import Channel
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+
+
+class OneAgent(ZmqEnv):
+    """Whatever its simulator is called."""
+
+    def accept(self, hello: Message) -> None:
+        self.name = take(hello.values, "name", str)
+        super().accept(hello)
+
+
+class UnityEnvironment:
+    """`file_name` is a build to launch, on a free port; without it Play is waited for, `timeout_wait` seconds.
+
+    MessageError says what a simulator refuses, TimeoutError that none came.
+    """
+
+    # Lesson 09's. Another base_port is one that the component in Unity has to have, too.
+    DEFAULT_EDITOR_PORT = 5559
+
+    def __init__(
+        self,
+        file_name: str | None = None,
+        worker_id: int = 0,
+        base_port: int = DEFAULT_EDITOR_PORT,
+        seed: int = 0,
+        no_graphics: bool = False,
+        timeout_wait: float = 60,
+        additional_args: Sequence[str] = (),
+        side_channels: Sequence[Channel] = (),
+    ) -> None:
+        where: dict[str, Any] = {"endpoint": f"tcp://127.0.0.1:{base_port + worker_id}"}
+        if file_name is not None:
+            where = {"launch": [file_name, *["-batchmode", "-nographics"] * no_graphics, *additional_args]}
+        self.env = OneAgent("Agent", wait=timeout_wait, **where)
+        if side_channels:
+            carry(self.env, SideChannelManager([*side_channels]))
+        self.seed: int | None = seed
+        self.name = f"{self.env.name}?team=0"
+        self.actions = action_spec(self.env.action_space)
+        self.behavior_specs = {self.name: BehaviorSpec(parts(self.env.observation_space), self.actions)}
+        self.action = self.actions.empty_action(1)
+        self.agent_id = -1
+        self.now: DecisionSteps | None = None
+        self.over: TerminalSteps | None = None
+
+    def reset(self) -> None:
+        seen, _ = self.env.reset(seed=self.seed)
+        self.seed, self.over = None, None
+        self.agent_id += 1
+        self.now = DecisionSteps(*self.one(seen, 0.0))
+
+    def step(self) -> None:
+        if self.now is None:
+            # As there: the first step is a reset.
+            self.reset()
+            return
+        seen, reward, terminated, truncated, _ = self.env.step(written(self.env.action_space, self.action))
+        self.action, self.over = self.actions.empty_action(1), None
+        self.now = DecisionSteps(*self.one(seen, reward))
+        if terminated or truncated:
+            over = TerminalSteps(*self.one(seen, reward), np.array([truncated]))
+            self.reset()
+            self.over = over
+
+    def one(self, seen: Any, reward: float) -> tuple[list[Any], Any, Any]:
+        return (
+            [np.asarray(part)[None] for part in parts(seen)],
+            np.array([reward], np.float32),
+            np.array([self.agent_id]),
+        )
+
+    def get_steps(self, behavior_name: str) -> tuple[DecisionSteps, TerminalSteps]:
+        if behavior_name not in self.behavior_specs or self.now is None:
+            raise ValueError(f"reset, then ask for {self.name}, and not for {behavior_name!a:.40}")
+        nobody = TerminalSteps(
+            [seen[:0] for seen in self.now.obs], np.array([], np.float32), np.array([], int), np.array([], bool)
+        )
+        return self.now, self.over or nobody
+
+    def set_actions(self, behavior_name: str, action: Any) -> None:
+        if not isinstance(action, ActionTuple):
+            # An array, as early in 2020.
+            action = ActionTuple(action) if self.actions.continuous_size else ActionTuple(discrete=action)
+        wanted = self.actions.empty_action(1)
+        if (action.continuous.shape, action.discrete.shape) != (wanted.continuous.shape, wanted.discrete.shape):
+            got = f"{action.continuous.shape} and {action.discrete.shape}"
+            raise ValueError(
+                f"an action is {wanted.continuous.shape} floats, {wanted.discrete.shape} integers, not {got}"
+            )
+        self.action = action
+
+    def get_behavior_names(self) -> list[str]:
+        return [self.name]
+
+    # Early in 2020.
+    get_agent_groups = get_behavior_names
+
+    def get_step_result(self, agent_group_name: str) -> BatchedStepResult:
+        now, over = self.get_steps(agent_group_name)
+        obs = [np.concatenate(both) for both in zip(over.obs, now.obs, strict=True)]
+        done = np.arange(len(over) + 1) < len(over)
+        max_step = np.append(over.interrupted, False)
+        ids = np.append(over.agent_id, now.agent_id)
+        return BatchedStepResult(obs, np.append(over.reward, now.reward), done, max_step, ids)
+
+    def close(self) -> None:
+        self.env.close()
+
+
+def parts(whole: Any) -> list[Any]:
+    """What `obs` has an array for, of a space or of what is seen."""
+    return list(whole.values()) if isinstance(whole, Mapping) else [whole]
+
+
+def action_spec(space: Any) -> ActionSpec:
+    if isinstance(space, spaces.Box):
+        return ActionSpec(int(np.prod(space.shape)), ())
+    if isinstance(space, spaces.Discrete | spaces.MultiDiscrete):
+        return ActionSpec(0, tuple(np.ravel(space.n if isinstance(space, spaces.Discrete) else space.nvec).tolist()))
+    raise ValueError(f"ML-Agents has no action {space!s:.80}: take lesson 09's environment, gymnasium.make")
+
+
+def written(space: Any, action: ActionTuple) -> Any:
+    """As the space has it, in which whole numbers may begin elsewhere than at 0."""
+    if isinstance(space, spaces.Box):
+        return action.continuous.reshape(space.shape).astype(space.dtype)
+    return (action.discrete.ravel() + np.ravel(space.start)).reshape(space.shape).astype(space.dtype)[()]

@@ -1,0 +1,407 @@
+"""The page "You come from ML-Agents": the log channel of its documentation, of early 2020 and of today, in both
+languages. Each line that names ML-Agents is replaced as the page says, and nothing else; and the environment that
+their Python asks is played.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+import uuid
+
+import pytest
+
+from tests.conftest import PYTHON
+from tests.programs import LIMIT, ROOT, steady_port
+
+pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+import numpy as np
+from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Text
+
+from netmq_example.base_env import ActionTuple
+from netmq_example.environment import UnityEnvironment
+from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
+from netmq_example.simulation.simulation import Simulation
+from netmq_example.simulation.simulator import EnvironmentClient, Simulator
+
+GUIDE = ROOT / "docs" / "guide"
+PAGE = (GUIDE / "from_ml_agents.md").read_text(encoding="utf-8")
+# Line by line, where a lookup in the page finds both halves.
+CSHARP = {
+    "using Unity.MLAgents;": "using NetMQExample;",
+    "using Unity.MLAgents.SideChannels;": "using NetMQExample.SideChannels;",
+    "using MLAgents;": "using NetMQExample;",
+    "using MLAgents.SideChannels;": "using NetMQExample.RawSideChannels;",
+}
+RAW = (
+    "from mlagents_envs.side_channel.side_channel import SideChannel",
+    "from netmq_example.side_channel.raw_side_channel import SideChannel",
+)
+
+OLD_CHANNEL = """using MLAgents;
+using MLAgents.SideChannels;
+using System;
+using System.Text;
+using UnityEngine;
+
+public class StringLogSideChannel : SideChannel
+{
+    public StringLogSideChannel()
+    {
+        ChannelId = new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7");
+    }
+
+    public override void OnMessageReceived(byte[] msg)
+    {
+        var text = Encoding.ASCII.GetString(msg);
+        Debug.Log("Python says " + text);
+    }
+
+    public void SendDebugStatementToPython(string logString, string stackTrace, LogType type)
+    {
+        if (type != LogType.Error) return;
+        var line = type + ": " + logString;
+        var bytes = Encoding.ASCII.GetBytes(line);
+        base.QueueMessageToSend(bytes);
+    }
+}
+"""
+OLD_REGISTER = """using MLAgents;
+using UnityEngine;
+
+public class RegisterStringLogSideChannel : MonoBehaviour
+{
+    StringLogSideChannel channel;
+
+    public void Awake()
+    {
+        channel = new StringLogSideChannel();
+        Application.logMessageReceived += channel.SendDebugStatementToPython;
+        Academy.Instance.RegisterSideChannel(channel);
+    }
+
+    public void OnDestroy()
+    {
+        Application.logMessageReceived -= channel.SendDebugStatementToPython;
+        if (Academy.IsInitialized)
+        {
+            Academy.Instance.UnregisterSideChannel(channel);
+        }
+    }
+
+    public void Update()
+    {
+        if (Input.GetKeyDown(KeyCode.Space)) Debug.LogError("somebody pressed Space");
+    }
+}
+"""
+NEW_CHANNEL = """using Unity.MLAgents;
+using Unity.MLAgents.SideChannels;
+using System;
+using UnityEngine;
+
+public class StringLogSideChannel : SideChannel
+{
+    public StringLogSideChannel()
+    {
+        ChannelId = new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7");
+    }
+
+    protected override void OnMessageReceived(IncomingMessage msg)
+    {
+        var text = msg.ReadString();
+        Debug.Log("Python says " + text);
+    }
+
+    public void SendDebugStatementToPython(string logString, string stackTrace, LogType type)
+    {
+        if (type != LogType.Error) return;
+        using (var message = new OutgoingMessage())
+        {
+            message.WriteString(type + ": " + logString);
+            QueueMessageToSend(message);
+        }
+    }
+}
+"""
+NEW_REGISTER = (
+    OLD_REGISTER.replace("using MLAgents;", "using Unity.MLAgents;\nusing Unity.MLAgents.SideChannels;")
+    .replace("Academy.Instance.Reg", "SideChannelManager.Reg")
+    .replace("Academy.Instance.Unreg", "SideChannelManager.Unreg")
+)
+OLD_PYTHON = """import uuid
+
+from mlagents_envs.environment import UnityEnvironment
+from mlagents_envs.side_channel.side_channel import SideChannel
+
+
+class StringLogChannel(SideChannel):
+    def __init__(self) -> None:
+        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
+
+    def on_message_received(self, data: bytes) -> None:
+        print(data.decode("ascii"), flush=True)
+
+    def send_string(self, data: str) -> None:
+        super().queue_message_to_send(data.encode("ascii"))
+
+
+string_log = StringLogChannel()
+env = UnityEnvironment(base_port=UnityEnvironment.DEFAULT_EDITOR_PORT, side_channels=[string_log])
+env.reset()
+string_log.send_string("the world was made")
+group_name = env.get_agent_groups()[0]
+for i in range(1000):
+    step_data = env.get_step_result(group_name)
+    n_agents = step_data.n_agents()
+    string_log.send_string(f"step {i}, agents: {n_agents}")
+    env.step()
+env.close()
+"""
+NEW_PYTHON = """import uuid
+
+from mlagents_envs.environment import UnityEnvironment
+from mlagents_envs.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
+
+
+class StringLogChannel(SideChannel):
+    def __init__(self) -> None:
+        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
+
+    def on_message_received(self, msg: IncomingMessage) -> None:
+        print(msg.read_string(), flush=True)
+
+    def send_string(self, data: str) -> None:
+        msg = OutgoingMessage()
+        msg.write_string(data)
+        super().queue_message_to_send(msg)
+
+
+string_log = StringLogChannel()
+env = UnityEnvironment(side_channels=[string_log])
+env.reset()
+string_log.send_string("the world was made")
+group_name = list(env.behavior_specs.keys())[0]
+for i in range(1000):
+    decision_steps, terminal_steps = env.get_steps(group_name)
+    n_agents = len(decision_steps) + len(terminal_steps)
+    string_log.send_string(f"step {i}, agents: {n_agents}")
+    env.step()
+env.close()
+"""
+# The scene: an environment with lesson 13's three methods. Its episodes have ten steps, and in the fourth of them all
+# somebody presses Space.
+WORLD = """using System.Collections.Generic;
+using NetMQExample;
+using NetMQExample.SideChannels;
+using UnityEngine;
+
+public sealed class World : PythonEnvironment
+{
+    private int steps, all;
+
+    public override string Name => "World";
+    public override double Dt => 0.02;
+    public override GymSpace Observation { get; } = GymSpace.Box(new[] { 0.0 }, new[] { 10.0 });
+    public override GymSpace Action { get; } = GymSpace.Discrete(3);
+    public override void ResetWorld(
+        Chance chance, IReadOnlyDictionary<string, object> options, double[] state) => steps = 0;
+    public override void Observe(SpaceWriter seen) => seen.Add(steps);
+    public override (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) =>
+        (1, steps == 10, false);
+
+    protected override void Act(SpaceReader action)
+    {
+        steps++;
+        if (++all == 4) UnityPlayer.Player.Press(0, 0, KeyCode.Space);
+    }
+
+    protected override SimulatorBase MakeSimulator() => new SideChannelSimulator(base.MakeSimulator());
+
+    protected override void Begin()
+    {
+        SideChannelManager.Report = new Trouble(Debug.LogWarning).Report;
+        Academy.Instance.Begin(EngineSettings.Apply);
+        base.Begin();
+    }
+
+    protected override void OnDisable()
+    {
+        base.OnDisable();
+        Academy.Instance.Dispose();
+    }
+}
+"""
+OLD, NEW = (OLD_CHANNEL, OLD_REGISTER, OLD_PYTHON), (NEW_CHANNEL, NEW_REGISTER, NEW_PYTHON)
+
+
+def moved(text: str) -> str:
+    """With the page's replacements of whole lines."""
+    return "\n".join(CSHARP.get(line, line) for line in text.split("\n"))
+
+
+@pytest.mark.parametrize("channel, register, script", [OLD, NEW], ids=["2020", "today"])
+def test_the_example_of_the_documentation_runs(channel, register, script, tmp_path, start, console, netmq):
+    port = steady_port()
+    old = channel is OLD_CHANNEL
+    for name, text in ("StringLogSideChannel", channel), ("Register", register), ("World", WORLD):
+        assert "MLAgents" not in moved(text)
+        (tmp_path / f"{name}.cs").write_text(moved(text), encoding="utf-8")
+    # The scene's port is this test's own.
+    script = script.replace("UnityEnvironment.DEFAULT_EDITOR_PORT", f"{port}")
+    script = script.replace("UnityEnvironment(side", f"UnityEnvironment(base_port={port}, side")
+    script = (script.replace(*RAW) if old else script).replace("mlagents_envs", "netmq_example")
+    (tmp_path / "log.py").write_text(script, encoding="utf-8")
+    python = start(PYTHON, tmp_path / "log.py", PYTHONPATH=str(ROOT / "python"))
+    files = [tmp_path / f"{name}.cs" for name in ("World", "StringLogSideChannel", "Register")]
+    player = start(PYTHON, ROOT / "kit.py", "play", *files, "--endpoint", f"tcp://127.0.0.1:{port}")
+    assert python.wait(2 * LIMIT) == 0, python.output + player.output
+    # An error was logged.
+    assert player.wait() == 1, player.output
+    assert python.lines.count("Error: somebody pressed Space") == 1
+    heard = [line for line in player.lines if line.startswith("Python says")]
+    assert heard[0] == "Python says the world was made"
+    # The one whose episode has ended, and the one that begins: every ten steps, as there.
+    assert heard[1:] == [f"Python says step {i}, agents: {1 + (i > 0 and i % 10 == 0)}" for i in range(1000)]
+    assert "trouble" not in player.output
+
+
+def test_the_page_says_each_replacement():
+    for line, new in CSHARP.items():
+        row = next(row for row in PAGE.split("\n") if row.startswith("|") and f"`{line}`" in row)
+        assert f"`{new}`" in row, row
+    assert f"`{RAW[1]}`" in PAGE
+
+
+# The environment
+
+
+class Corridor(Simulation):
+    """Five numbers of steps; what was done is seen."""
+
+    name, dt, size = "Corridor", 0.02, 0
+    observation = Dict(done=Box(-9, 9, (2,)), step=Box(0, 9, ()))
+
+    def __init__(self, action=None, last=(5, True)):
+        self.action, (self.end, self.terminates) = action or Box(-1, 1, (2,)), last
+
+    def reset(self, chance, options, state):
+        self.first = next(chance)
+        self.steps, self.done = 0, np.zeros(2)
+
+    def apply(self, action):
+        self.steps += 1
+        self.done = np.resize(action, 2)
+
+    def observe(self):
+        return {"done": self.done.astype(np.float32), "step": np.array(self.steps, np.float32)}
+
+    def judge(self):
+        over = self.steps == self.end
+        return {"reward": 0.5, "terminated": over and self.terminates, "truncated": over and not self.terminates}
+
+
+@pytest.fixture
+def corridor():
+    """corridor(*words): ML-Agents' environment of a simulator in a thread of this process."""
+    made, threads = [], []
+
+    def make(*words):
+        port = steady_port()
+        client = EnvironmentClient(f"tcp://127.0.0.1:{port}", LIMIT)
+        threads.append(threading.Thread(target=client.run, args=(Simulator(Corridor(*words)),), daemon=True))
+        threads[-1].start()
+        made.append(UnityEnvironment(base_port=port - 3, worker_id=3))
+        return made[-1]
+
+    yield make
+    for env in made:
+        env.close()
+    for thread in threads:
+        thread.join(LIMIT)
+
+
+def test_what_is_seen_and_done_has_its_names(corridor):
+    env = corridor()
+    env.step()
+    (name,) = env.get_behavior_names()
+    assert (name, list(env.behavior_specs)) == ("Corridor?team=0", [name])
+    spec = env.behavior_specs[name]
+    assert [each.shape for each in spec.observation_specs] == [(2,), ()]
+    assert spec.action_spec == (2, ())
+    now, over = env.get_steps(name)
+    assert (len(now), len(over), list(now), now.reward.tolist()) == (1, 0, [0], [0.0])
+    assert [seen.shape for seen in now.obs] == [(1, 2), (1,)]
+    assert [seen.shape for seen in over.obs] == [(0, 2), (0,)]
+    env.set_actions(name, ActionTuple(continuous=np.array([[0.25, -1]])))
+    env.step()
+    now, _ = env.get_steps(name)
+    assert now[0].obs[0].tolist() == [0.25, -1] and now[0].reward == 0.5
+    env.step()
+    assert env.get_steps(name)[0].obs[0].tolist() == [[0, 0]], "an action is for one step"
+    env.set_actions(name, spec.action_spec.random_action(1))
+    env.step()
+    assert 0 < np.abs(env.get_steps(name)[0].obs[0]).max() <= 1
+
+
+@pytest.mark.parametrize("terminates", [True, False])
+def test_the_step_that_ends_an_episode_begins_the_next_one(terminates, corridor):
+    env = corridor(Discrete(3, start=5), (2, terminates))
+    env.reset()
+    (name,) = env.behavior_specs
+    env.set_actions(name, np.array([[2]]))
+    env.step()
+    assert env.get_steps(name)[0].obs[0].tolist() == [[7, 7]], "0 is the first that there is"
+    env.step()
+    now, over = env.get_steps(name)
+    assert (list(now), list(over)) == ([1], [0])
+    assert over[0].obs[1] == 2 and over[0].reward == 0.5 and bool(over[0].interrupted) == (not terminates)
+    assert now[1].obs[1] == 0 and now[1].reward == 0
+    both = env.get_step_result(name)
+    assert (both.n_agents(), both.done.tolist(), both.agent_id.tolist()) == (2, [True, False], [0, 1])
+    assert (both.obs[1].tolist(), both.reward.tolist()) == ([2, 0], [0.5, 0])
+    assert both.max_step.tolist() == [not terminates, False]
+    env.step()
+    assert len(env.get_steps(name)[1]) == 0
+    env.reset()
+    assert list(env.get_steps(name)[0]) == [2]
+
+
+def test_whole_numbers_that_are_several(corridor):
+    env = corridor(MultiDiscrete([2, 5]))
+    env.reset()
+    (name,) = env.behavior_specs
+    assert env.behavior_specs[name].action_spec == (0, (2, 5))
+    env.set_actions(name, ActionTuple(discrete=[[1, 4]]))
+    env.step()
+    assert env.get_steps(name)[0].obs[0].tolist() == [[1, 4]]
+
+
+def test_what_is_wrong_is_said_in_one_line(corridor):
+    with pytest.raises(ValueError, match=r"^ML-Agents has no action Text\(.*: take lesson 09's environment"):
+        corridor(Text(3))
+    env = corridor()
+    (name,) = env.behavior_specs
+    with pytest.raises(ValueError, match=r"^reset, then ask for Corridor\?team=0, and not for 'Corridor\?team=0'$"):
+        env.get_steps(name)
+    env.reset()
+    with pytest.raises(ValueError, match=r"^reset, then ask for Corridor\?team=0, and not for 'Maze'$"):
+        env.get_steps("Maze")
+    with pytest.raises(
+        ValueError, match=re.escape("an action is (1, 2) floats, (1, 0) integers, not (1, 3) and (1, 0)")
+    ):
+        env.set_actions(name, np.zeros((1, 3)))
+
+
+def test_a_build_is_launched(tmp_path):
+    """With the words that a build takes: here Python is the build."""
+    channel = RawBytesChannel(uuid.uuid4())
+    falling_ball = ROOT / "python" / "13_side_channels" / "falling_ball.py"
+    env = UnityEnvironment(str(PYTHON), additional_args=[str(falling_ball)], seed=3, side_channels=[channel])
+    try:
+        env.reset()
+        assert env.get_behavior_names() == ["Ball?team=0"]
+    finally:
+        env.close()
+    with pytest.raises(FileNotFoundError, match="no game at"):
+        UnityEnvironment(str(tmp_path / "game"), no_graphics=True)
