@@ -2,7 +2,7 @@
 //
 //     dotnet run --project csharp-console -- 8
 //     dotnet run --project csharp-console -- 8 --lockstep       the world waits for each action
-//     dotnet run --project csharp-console -- 8 --drive          arrow keys take over, Enter gives back
+//     dotnet run --project csharp-console -- 8 --drive          arrow keys or W A S D take over, Enter gives back
 // JPEG is for the Python client and for Unity: .NET itself has no encoder.
 using System;
 using System.Diagnostics;

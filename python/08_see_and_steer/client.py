@@ -2,7 +2,7 @@
 
     python python/08_see_and_steer/client.py                 500 actions: ten seconds on the road
     python python/08_see_and_steer/client.py --lockstep      the world waits for each action
-    python python/08_see_and_steer/client.py --drive         arrow keys take over, Enter gives back
+    python python/08_see_and_steer/client.py --drive         arrow keys or W A S D take over, Enter gives back
     python python/08_see_and_steer/client.py --jpeg          JPEG files; needs Pillow
 
 Bytes: as in server.py.

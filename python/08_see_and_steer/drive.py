@@ -14,7 +14,7 @@ from collections.abc import Callable
 from netmq_example.camera.client import Action
 from netmq_example.camera.pictures import encode
 from netmq_example.messages import Array, Message
-from netmq_example.program import at_least_one, client_options, whole
+from netmq_example.program import at_least_one, client_options, printable, whole
 from netmq_example.worlds.road import CAMERAS, STEP_SECONDS, Car, DrawnCamera, Road
 
 # Steps without an action, after which the car brakes: half a second.
@@ -30,7 +30,7 @@ def drive_options(endpoint: str) -> argparse.Namespace:
     parser.add_argument("--cameras", choices=CAMERAS, default="center", metavar="NAMES", help=" or ".join(CAMERAS))
     parser.add_argument("--start", type=whole, default=0, help="the point of the road to begin at")
     parser.add_argument("--lockstep", action="store_true", help="the world waits for each action")
-    parser.add_argument("--drive", action="store_true", help="arrow keys take over, Enter gives back")
+    parser.add_argument("--drive", action="store_true", help="arrow keys or W A S D take over, Enter gives back")
     parser.add_argument("--jpeg", action="store_true", help="send JPEG files instead of raw bytes")
     options = parser.parse_args()
     if options.drive and not sys.stdin.isatty():
@@ -52,6 +52,8 @@ class Drive:
         self.frame = 0
         self.actions = 0
         self.manual = False
+        # What Python said last.
+        self.text = ""
         self._braking = False
         self._waited = 0
         self._action = Action(0, 0.0, 1.0, 0.0)
@@ -116,6 +118,10 @@ class Drive:
             timing = f"frame {newest.frame}: age {self.frame - newest.frame}, {newest.milliseconds:.1f} ms"
             self.log(f"{timing}; steer {newest.steer:.2f}, speed {self.car.speed:.1f} m/s, {off:.1f} m off the middle")
         self.actions += 1
+        text = newest.values.get("text")
+        if isinstance(text, str) and text != self.text:
+            self.log(f"Python says {printable(text)}")
+            self.text = text
 
     def step(self) -> None:
         """Drive for STEP_SECONDS."""

@@ -29,6 +29,13 @@ def main_camera(seen: dict[str, Any]) -> Any:
     return seen.get("center", next(iter(seen.values())))
 
 
+def as_action(told: Any) -> dict[str, Any]:
+    """What a driver returns, three numbers or a dict with them and values of its own, as a message can have it."""
+    values = told if isinstance(told, dict) else dict(zip(("throttle", "brake", "steer"), told, strict=True))
+    # A number may be numpy's or PyTorch's.
+    return {name: value if isinstance(value, str | bool) else float(value) for name, value in values.items()}
+
+
 def is_road(pixels: Any) -> Any:
     """Which pixels are not grass: as shares of a pixel's light, so that it may be dark or bright."""
     red, green, blue = (pixels[..., i].astype(np.float32) for i in range(3))

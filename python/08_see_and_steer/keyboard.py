@@ -1,4 +1,4 @@
-"""Lesson 08, the arrow keys of a terminal as a steering wheel: the C# version is Keyboard.cs.
+"""Lesson 08, the arrow keys of a terminal, or W A S D, as a steering wheel: the C# version is Keyboard.cs.
 
 A terminal tells when a key is pressed, and not when it is let go: what was set stays set.
 """
@@ -9,6 +9,7 @@ from typing import Protocol
 
 KEYS = {b"\x1b[A": "up", b"\x1b[B": "down", b"\x1b[C": "right", b"\x1b[D": "left", b" ": "space", b"\n": "enter"}
 KEYS |= {b"\xe0H": "up", b"\xe0P": "down", b"\xe0M": "right", b"\xe0K": "left", b"\r": "enter"}
+KEYS |= {b"w": "up", b"s": "down", b"d": "right", b"a": "left", b"W": "up", b"S": "down", b"D": "right", b"A": "left"}
 
 
 class Driven(Protocol):
@@ -18,7 +19,7 @@ class Driven(Protocol):
 
 
 class Keyboard:
-    """An arrow key or the space bar takes over, Enter gives back. `with` gives the terminal back as it was."""
+    """A key takes over, Enter gives back. `with` gives the terminal back as it was."""
 
     def __init__(self, wanted: bool) -> None:
         self.wanted = wanted
@@ -38,7 +39,8 @@ class Keyboard:
             if key in ("left", "right"):
                 self.steer = min(1.0, max(-1.0, self.steer + (0.1 if key == "right" else -0.1)))
             elif key in ("up", "down"):
-                self.throttle = min(1.0, max(0.0, self.throttle + (0.2 if key == "up" else -0.2)))
+                # Rounded, so that it comes back to 0 on its way from forwards to backwards.
+                self.throttle = min(1.0, max(-1.0, round(self.throttle + (0.2 if key == "up" else -0.2), 1)))
                 self.brake = 0.0
             elif key == "space":
                 self.throttle, self.brake = 0.0, 1.0

@@ -6,10 +6,10 @@
     python python/08_see_and_steer/server.py --model steering.npz          drives by what train.py has learned
 
 Bytes: messages of lesson 05. A request of kind `frame` has as values its number `frame`, `run` (another text for each
-drive), `manual` (true while a person drives), `sim_time` and `wall_time` (seconds), `throttle`, `brake` (0 to 1) and
-`steer` (-1, left, to 1, right) as they were in force when the picture was taken, `speed` (m/s), `cameras`, `encoding`
-and `bottom_up`; netmq_example/camera/pictures.py says what its arrays are. The reply is of kind `action`: `frame`,
-`throttle`, `brake`, `steer`.
+drive), `manual` (true while a person drives), `sim_time` and `wall_time` (seconds), `throttle` (-1, backwards, to 1),
+`brake` (0 to 1) and `steer` (-1, left, to 1, right) as they were in force when the picture was taken, `speed` (m/s,
+backwards below 0), `cameras`, `encoding`, `bottom_up` and those of your own; netmq_example/camera/pictures.py says what
+its arrays are. The reply is of kind `action`: `frame`, `throttle`, `brake`, `steer` and those of your own.
 Trouble on command: `--delay 0.2` is a slow driver.
 """
 
@@ -25,7 +25,7 @@ import zmq
 from netmq_example.program import importing, listening, receive_frames, run, seconds, server_options
 
 with importing("numpy: pip install numpy, or let kit.py run 8 do it"):
-    from driver import follow_road, main_camera
+    from driver import as_action, follow_road, main_camera
     from train import load
 
     from netmq_example.camera.pictures import pictures
@@ -33,17 +33,15 @@ with importing("numpy: pip install numpy, or let kit.py run 8 do it"):
     from netmq_example.messages import LIMIT, Message, reply_to
 
 
-def drive(picture: Any, speed: float) -> tuple[float, float, float]:
-    """Your own model goes here: throttle, brake and steer for a picture, uint8 [height, width, 3], and a speed, m/s."""
-    return follow_road(picture, speed)
+def drive(pictures: dict[str, Any], telemetry: dict[str, Any]) -> Any:
+    """Your own model goes here. Each picture is uint8 [height, width, 3]; it returns throttle, brake and steer."""
+    return follow_road(main_camera(pictures), telemetry["speed"])
 
 
 def answer(driver: Any, frame: Message) -> Message:
-    """What the middle camera sees, or the left one of two, decides. The action names its picture."""
-    seen = pictures(frame)
-    throttle, brake, steer = driver(main_camera(seen), float(frame.values["speed"]))
-    action = {"throttle": float(throttle), "brake": float(brake), "steer": float(steer)}
-    return Message("action", frame.id, {"frame": frame.id, **action})
+    """The action names its picture."""
+    action = as_action(driver(pictures(frame), dict(frame.values)))
+    return Message("action", frame.id, {**action, "frame": frame.id})
 
 
 def main() -> None:

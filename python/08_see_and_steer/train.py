@@ -58,7 +58,7 @@ def steering(weights: Any, seen: Any) -> float:
     return float(np.append(seen.ravel(), 1) @ weights)
 
 
-def load(path: str) -> Callable[[Any, float], tuple[float, float, float]]:
+def load(path: str) -> Callable[[dict[str, Any], dict[str, Any]], tuple[float, float, float]]:
     """What train.py has learned, as a driver."""
     try:
         weights = np.load(path)["weights"]
@@ -67,7 +67,7 @@ def load(path: str) -> Callable[[Any, float], tuple[float, float, float]]:
     # numpy raises whatever it meets in a file that is not its own.
     except Exception as error:
         sys.exit(f"no model in {path}: {error!s:.80}; train.py writes one")
-    return lambda picture, speed: keep_speed(speed, steering(weights, features(picture)))
+    return lambda pictures, told: keep_speed(told["speed"], steering(weights, features(main_camera(pictures))))
 
 
 def examples(folder: Path) -> tuple[Any, Any]:

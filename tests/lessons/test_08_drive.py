@@ -155,7 +155,7 @@ def test_an_action_names_its_picture(kind, driver, runs):
     assert f"trouble: wrong-frame: an action for picture {never}, but {asked} was asked about" in first.lines
     assert "trouble: no-action: the reply is no action, or without a number 'steer'" in first.lines
     last = odd.frames[-1].values
-    assert (last["steer"], last["throttle"]) == (1, 0), "clamped, and sent back as what was in force"
+    assert (last["steer"], last["throttle"]) == (1, -1), "clamped, and sent back as what was in force"
     assert second.code == 1, second
     assert sum("trouble: no-action" in line for line in second.lines) == 3
     assert any("gave up: no-action" in line for line in second.lines)

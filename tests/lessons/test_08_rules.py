@@ -64,7 +64,7 @@ WRONG = {
     **{f"at takes .* not {value!r}": lambda c, v=value: Car.on(ROAD, v) for value in (-1, len(ROAD.points), None, NAN)},
     "x takes .* not nan": lambda c: ROAD.nearest(NAN, 0),
     "speed takes .* not None": lambda c: Car(0, 0, 1, 0, None),
-    "throttle takes .* not -1": lambda c: Car.on(ROAD).step(-1, 0, 0),
+    "throttle takes .* not -2": lambda c: Car.on(ROAD).step(-2, 0, 0),
     "brake takes .* not 2": lambda c: Car.on(ROAD).step(0, 2, 0),
     "steer takes .* not None": lambda c: Car.on(ROAD).step(0, 0, None),
     "number takes .* not -1": lambda c: DrawnCamera(ROAD).draw(Car.on(ROAD), -1),

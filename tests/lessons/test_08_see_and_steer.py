@@ -77,7 +77,7 @@ def driven(start, tmp_path):
     def serve(drive, *options):
         shutil.copytree(ROOT / "python" / "netmq_example", tmp_path / "netmq_example")
         path = shutil.copytree(LESSON, tmp_path / "mine") / "server.py"
-        mine = f"def drive(picture, speed):\n    {drive}\n\n\nif __name__"
+        mine = f"def drive(pictures, telemetry):\n    {drive}\n\n\nif __name__"
         path.write_text(path.read_text(encoding="utf-8").replace("if __name__", mine), encoding="utf-8")
         server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0", *options, folder=tmp_path)
         return server, server.wait_for(r"^listening on (\S+)")[1]
@@ -121,7 +121,7 @@ def check_recording(folder, lost=0):
 
 
 def test_the_numbered_picture_is_the_recorded_one_and_a_replay_gives_the_same_actions(driven, runs, tmp_path):
-    server, endpoint = driven("return follow_road(picture, speed)", "--record", "runs")
+    server, endpoint = driven("return follow_road(main_camera(pictures), telemetry['speed'])", "--record", "runs")
     where, folder = ["--endpoint", endpoint, "--lockstep", *PATIENT], tmp_path / "runs"
     drives = [["--jpeg"], [], ["--jpeg", "--cameras", "left,right"]]
     for run in runs("python", KEY, [[*where, "--count", "30", *words] for words in drives]):
@@ -338,10 +338,10 @@ def test_what_was_learned_from_a_lap_stays_on_the_road_and_a_server_drives_by_it
     assert too_few.lines[-1] == "99 pictures are too few to learn from: record a lap or more"
     assert nowhere.code == 1 and nowhere.lines[-1].endswith("; give another file with --out")
     act = train.load(out)
-    laps(camera, road, act, 1000, 0.5)
+    laps(camera, road, lambda picture, speed: act({"center": picture}, {"speed": speed}), 1000, 0.5)
     _, endpoint = serve(KEY, "--model", str(out))
     action = ask(endpoint, frame(5, plain))
-    assert action.values["steer"] == act(plain, 8.0)[2] != driver.follow_road(plain, 8.0)[2]
+    assert action.values["steer"] == act({"center": plain}, {"speed": 8.0})[2] != driver.follow_road(plain, 8.0)[2]
 
 
 CHANGES = {
@@ -542,7 +542,7 @@ def test_half_a_message_of_a_peer_that_leaves_is_none(serve, ask, tmp_path, plai
 
 
 def test_a_driver_that_says_nan_is_told_so(driven, ask, plain):
-    _, endpoint = driven("return speed / 8, 0.0, float('nan') if speed > 8 else 7")
+    _, endpoint = driven("speed = telemetry['speed']; return speed / 8, 0.0, float('nan') if speed > 8 else 7")
     assert ask(endpoint, frame(1, plain)).values == {"frame": 1, "throttle": 1, "brake": 0, "steer": 7}
     reply = ask(endpoint, frame(2, plain, speed=9.0))
     assert (reply.kind, reply.id, reply.values["code"]) == ("error", 2, "error-in-driver")
@@ -552,7 +552,7 @@ def test_a_driver_that_says_nan_is_told_so(driven, ask, plain):
 
 def test_pictures_of_1080p(driven, ask, tmp_path, plain):
     """6 MB each, raw."""
-    _, endpoint = driven("return follow_road(picture, speed)", "--record", "runs")
+    _, endpoint = driven("return follow_road(main_camera(pictures), telemetry['speed'])", "--record", "runs")
     large = np.ascontiguousarray(np.asarray(Image.fromarray(plain.copy()).resize((1920, 1080))))
     action = ask(endpoint, frame(1, large))
     assert (action.values["frame"], action.values["steer"]) == (1, pytest.approx(driver.follow_road(large, 8.0)[2]))

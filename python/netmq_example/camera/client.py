@@ -9,13 +9,14 @@ can only receive after it has sent, and a new one finds a server that is back ag
 without an action it raises GaveUp.
 
 Bytes: messages of messages.py. pictures.py says what a `frame` has; the reply is of kind `action`, with the values
-`frame`, `throttle`, `brake` and `steer`. The C# side is DriverClient.cs.
+`frame`, `throttle`, `brake`, `steer` and those of your own. The C# side is DriverClient.cs.
 """
 
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import zmq
 
@@ -27,18 +28,22 @@ from netmq_example.program import SLICE_MS, limit, printable
 
 @dataclass
 class Action:
-    """What to do, about which picture, and how long it took to come. What is out of range is put back into it."""
+    """What to do, about which picture, and how long it took to come. What is out of range is put back into it.
+
+    `values` has what Python returned beside the three: numbers, texts, true or false.
+    """
 
     frame: int
     throttle: float
     brake: float
     steer: float
     milliseconds: float = 0.0
+    values: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.frame = check.count("frame", self.frame, least=0, most=EXACT - 1)
         self.milliseconds = check.number("milliseconds", self.milliseconds, least=0)
-        self.throttle = min(1.0, max(0.0, check.number("throttle", self.throttle)))
+        self.throttle = min(1.0, max(-1.0, check.number("throttle", self.throttle)))
         self.brake = min(1.0, max(0.0, check.number("brake", self.brake)))
         self.steer = min(1.0, max(-1.0, check.number("steer", self.steer)))
 
@@ -51,7 +56,7 @@ def read_action(reply: Message, frame: int) -> Action:
             raise MessageError("no-action", f"the reply is no action, or without a number '{name}'")
     if values["frame"] != frame:
         raise MessageError("wrong-frame", f"an action for picture {values['frame']}, but {frame} was asked about")
-    return Action(frame, values["throttle"], values["brake"], values["steer"])
+    return Action(frame, values["throttle"], values["brake"], values["steer"], values=values)
 
 
 class DriverClient:

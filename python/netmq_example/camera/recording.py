@@ -10,14 +10,18 @@
     runs/run_0001/metadata.csv              all that is known about each picture, also for Hugging Face's imagefolder
 
 A picture is written before the rows about it: when the program is killed, at most the last one is lost. The columns
-`answered_throttle` and so on are what was answered to this very picture. Nothing is ever deleted or written over, and
-two cars at once get a folder each. It needs numpy and Pillow.
+`answered_throttle` and so on are what was answered to this very picture. Values of your own that the first picture and
+its action have get columns, too. Nothing is ever deleted or written over, and two cars at once get a folder each. It
+needs numpy and Pillow.
 """
 
 import contextlib
+import csv
 import errno
+import io
 import math
 import os
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -31,6 +35,8 @@ from netmq_example.messages import Message, MessageError
 # The values of a frame, as they were in force when the picture was taken, and those of the action that answered it.
 KNOWN = ("frame", *NUMBERS, "manual", "encoding")
 ANSWERED = ("throttle", "brake", "steer")
+# Of a picture as well, and in no column of its own.
+BESIDE = ("run", "cameras", "bottom_up")
 METADATA = (*KNOWN, "width", "height", *(f"answered_{name}" for name in ANSWERED))
 UDACITY = ("center", "left", "right", "steering", "throttle", "brake", "speed")
 # Of one metre a second.
@@ -61,7 +67,7 @@ class Recorder:
             return
         try:
             seen = pictures(frame)
-            drive = self.drive(frame, self.folder, *next(iter(seen.values())).shape[:2])
+            drive = self.drive(frame, action, self.folder, *next(iter(seen.values())).shape[:2])
             if drive:
                 drive.add(frame, action, seen)
                 if drive.count % 100 == 0:
@@ -70,14 +76,14 @@ class Recorder:
             self.folder = None
             self.log(f"trouble: recording has stopped, the car drives on: {error}")
 
-    def drive(self, frame: Message, folder: Path, height: int, width: int) -> "Recording | None":
+    def drive(self, frame: Message, action: Message, folder: Path, height: int, width: int) -> "Recording | None":
         """The folder of a drive; when its cameras or their size change, it gets another one."""
         cameras = frame.values["cameras"]
         kind = frame.values["run"], cameras, height, width
         if kind not in self.drives:
             if len(self.drives) == MOST_DRIVES and not self.make_room():
                 return None
-            self.drives[kind] = Recording(folder, cameras)
+            self.drives[kind] = Recording(folder, frame, action, self.log)
             self.full = False
             self.log(f"recording to {self.drives[kind].folder.resolve()}: {cameras}, {width} x {height}")
         return self.drives[kind]
@@ -95,15 +101,20 @@ class Recorder:
 
 
 class Recording:
-    """One drive: pictures of the same cameras, in one size."""
+    """One drive: pictures of the same cameras, in one size. `frame` and `action` are the first ones of it."""
 
-    def __init__(self, folder: Path, cameras: str) -> None:
+    def __init__(self, folder: Path, frame: Message, action: Message, log: Callable[[str], object]) -> None:
         self.folder = new_folder(folder)
+        self.report = log
         self.count = 0
+        self.left_out: list[str] = []
         self.used = time.monotonic()
         (self.folder / "IMG").mkdir()
-        files = tuple(f"{name}_file_name" for name in cameras.split(",")) if "," in cameras else ("file_name",)
-        self.metadata = Table(self.folder / "metadata.csv", files + METADATA)
+        cameras = frame.values["cameras"]
+        files = [f"{name}_file_name" for name in cameras.split(",")] if "," in cameras else ["file_name"]
+        # Of the user's own: those whose columns are not read as others.
+        self.own = [name for name in told(frame, action) if name not in METADATA and not name.endswith("file_name")]
+        self.metadata = Table(self.folder / "metadata.csv", [*files, *METADATA, *self.own])
         self.log = Table(self.folder / "driving_log.csv", UDACITY)
 
     def add(self, frame: Message, action: Message, seen: dict[str, Any]) -> None:
@@ -120,9 +131,10 @@ class Recording:
             height, width, _ = next(iter(seen.values())).shape
             known = [frame.values[name] for name in KNOWN]
             answered = [action.values[name] for name in ANSWERED]
-            self.metadata.add([*paths.values(), *known, width, height, *answered])
-            values = frame.values
-            driven = values["steer"], values["throttle"], values["brake"], values["speed"] * MILES_PER_HOUR
+            values = told(frame, action)
+            own = [values.get(name, "") for name in self.own]
+            self.metadata.add([*paths.values(), *known, width, height, *answered, *own])
+            driven = *(values[name] for name in ("steer", "throttle", "brake")), values["speed"] * MILES_PER_HOUR
             self.log.add([*(paths.get(name, "") for name in UDACITY[:3]), *driven])
         except BaseException:
             files = [(self.folder / path).unlink for path in paths.values()]
@@ -133,12 +145,23 @@ class Recording:
         self.metadata.keep()
         self.log.keep()
         self.count += 1
+        for name in [*frame.values, *(name for name in values if name not in METADATA)]:
+            if name not in (*KNOWN, *BESIDE, *self.own, *self.left_out):
+                self.left_out.append(name)
+                why = f"it came after the first picture of {self.folder}, or is a column's name"
+                self.report(f"trouble: {name!a:.40} is not recorded: {why}")
+
+
+def told(frame: Message, action: Message) -> dict[str, Any]:
+    """Beside a picture and in answer to it, each by its column's name."""
+    answered = {f"answered_{name}": value for name, value in action.values.items() if name != "frame"}
+    return {name: value for name, value in frame.values.items() if name not in BESIDE} | answered
 
 
 class Table:
     """A csv file. What was added since the last `keep` can be undone: a full disk leaves no half rows."""
 
-    def __init__(self, path: Path, columns: tuple[str, ...]) -> None:
+    def __init__(self, path: Path, columns: Iterable[str]) -> None:
         # Exclusive: what is there already is never written over. Without a buffer a row is in the file at once.
         self.file = path.open("xb", buffering=0)
         self.end = 0
@@ -146,7 +169,10 @@ class Table:
         self.keep()
 
     def add(self, row: Iterable[Any]) -> None:
-        line = (",".join(map(str, row)) + "\n").encode()
+        text = io.StringIO()
+        # A text of the user's own may have commas and quotes, which csv writes as it has to, and more lines than one.
+        csv.writer(text, lineterminator="\n").writerow(re.sub(r"[\r\n]", " ", str(cell)) for cell in row)
+        line = text.getvalue().encode()
         if self.file.write(line) != len(line):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
@@ -174,7 +200,7 @@ class Row(NamedTuple):
 
     number: int
     values: dict[str, Any]
-    answered: dict[str, float]
+    answered: dict[str, Any]
     files: dict[str, bytes]
     pictures: dict[str, Any]
 
@@ -185,11 +211,11 @@ def recorded(folder: Path | str, log: Callable[[str], object] = print_at_once) -
     found = False
     # A byte that is no text makes one cell bad, and not the whole file.
     with (folder / "metadata.csv").open(encoding="utf-8-sig", errors="replace") as table:
-        columns = table.readline().rstrip("\n").split(",")
+        columns = cells(table.readline())
         for number, line in enumerate(table, 2):
             try:
-                row = read_row(folder, number, dict(zip(columns, line.rstrip("\n").split(","), strict=True)))
-            except (OSError, ValueError, KeyError, MessageError) as error:
+                row = read_row(folder, number, dict(zip(columns, cells(line), strict=True)))
+            except (OSError, ValueError, KeyError, csv.Error, MessageError) as error:
                 log(f"trouble: line {number} of metadata.csv is left out: {error!s:.100}")
             else:
                 yield row
@@ -201,10 +227,28 @@ def recorded(folder: Path | str, log: Callable[[str], object] = print_at_once) -
 def read_row(folder: Path, number: int, cells: dict[str, str]) -> Row:
     values: dict[str, Any] = {name: finite(cells[name]) for name in NUMBERS}
     values |= {"frame": int(cells["frame"]), "manual": cells["manual"] == "True"}
-    answered = {name: finite(cells[f"answered_{name}"]) for name in ANSWERED}
+    answered: dict[str, Any] = {name: finite(cells[f"answered_{name}"]) for name in ANSWERED}
+    for column, cell in cells.items():
+        if column not in METADATA and cell and not column.endswith("file_name"):
+            where = answered if column.startswith("answered_") else values
+            where[column.removeprefix("answered_")] = own(cell)
     kept = files(folder, cells)
     # A file that was cut off is found here.
     return Row(number, values, answered, kept, {name: decode(file) for name, file in kept.items()})
+
+
+def cells(line: str) -> list[str]:
+    return next(csv.reader([line.rstrip("\n")]), [])
+
+
+def own(cell: str) -> Any:
+    """A value of the user's own: true or false, a number, or else a text."""
+    if cell in ("True", "False"):
+        return cell == "True"
+    try:
+        return finite(cell)
+    except ValueError:
+        return cell
 
 
 def finite(cell: str) -> float:

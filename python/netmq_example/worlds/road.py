@@ -87,6 +87,7 @@ class Car:
     y: float
     ahead_x: float
     ahead_y: float
+    # Backwards below 0.
     speed: float = 0.0
 
     @classmethod
@@ -101,12 +102,15 @@ class Car:
             check.number(name, getattr(self, name))
 
     def step(self, throttle: float, brake: float, steer: float) -> None:
-        """Drive for STEP_SECONDS. throttle and brake are 0 to 1, steer -1, left, to 1, right."""
-        throttle = check.number("throttle", throttle, 0, 1)
+        """Drive for STEP_SECONDS. throttle is -1, backwards, to 1, brake 0 to 1, steer -1, left, to 1, right."""
+        throttle = check.number("throttle", throttle, -1, 1)
         brake = check.number("brake", brake, 0, 1)
         steer = check.number("steer", steer, -1, 1)
-        change = (throttle * ACCELERATION - brake * BRAKING - self.speed * DRAG) * STEP_SECONDS
-        self.speed = max(0.0, self.speed + change)
+        # The brake acts against the way in which it would roll without it, and ends at a standstill.
+        backwards = self.speed + (throttle * ACCELERATION - self.speed * DRAG) * STEP_SECONDS < 0
+        held = -brake if backwards else brake
+        speed = self.speed + (throttle * ACCELERATION - held * BRAKING - self.speed * DRAG) * STEP_SECONDS
+        self.speed = min(0.0, speed) if backwards else max(0.0, speed)
         # Half the angle to turn by; these are the cosine and sine of an angle whose half has this tangent.
         half = self.speed * STEP_SECONDS * steer * CURVATURE / 2
         cosine = (1 - half * half) / (1 + half * half)

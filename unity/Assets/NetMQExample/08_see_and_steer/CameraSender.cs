@@ -22,6 +22,7 @@ namespace NetMQExample
         [SerializeField, Tooltip("center; left,right; or left,center,right")] private string cameras = "center";
         [SerializeField, Tooltip("The world waits for each action")] private bool lockstep;
         [SerializeField, Tooltip("Send JPEG instead of raw bytes")] private bool jpeg;
+        [SerializeField, Tooltip("What Python says, to be read here")] private string text = "";
 
         private DrivenBehaviour car;
         private ShotTaker shots;
@@ -53,7 +54,7 @@ namespace NetMQExample
             {
                 var action = driver.Ask(taker.Next(stop), stop);
                 if (action != null) answered++;
-                InUpdate(() => car.Follow(action));
+                InUpdate(() => { car.Follow(action); text = car.Drive.Text; });
             }
             Log($"done: {count} actions, {taker.Skipped} pictures skipped");
         }

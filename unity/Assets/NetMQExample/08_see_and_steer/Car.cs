@@ -2,6 +2,7 @@
 //
 // No WheelCollider: that cannot run outside Unity, and does not give the same numbers twice.
 using System;
+using System.Collections.Generic;
 
 namespace NetMQExample
 {
@@ -39,14 +40,22 @@ namespace NetMQExample
         /// <inheritdoc/>
         public string Where => FormattableString.Invariant($"{road.Nearest(X, Y).Distance:F1} m off the middle");
 
-        /// <summary>In metres a second, never backwards.</summary>
+        /// <summary>In metres a second, backwards below 0.</summary>
         public double Speed { get; private set; }
+
+        /// <inheritdoc/>
+        public void Telemetry(IDictionary<string, object> values)
+        {
+        }
 
         /// <inheritdoc/>
         public void Step(double throttle, double brake, double steer)
         {
-            var change = (throttle * Acceleration - brake * Braking - Speed * Drag) * Drive.StepSeconds;
-            Speed = Math.Max(0, Speed + change);
+            // The brake acts against the way in which it would roll without it, and ends at a standstill.
+            var backwards = Speed + (throttle * Acceleration - Speed * Drag) * Drive.StepSeconds < 0;
+            var held = backwards ? -brake : brake;
+            var speed = Speed + (throttle * Acceleration - held * Braking - Speed * Drag) * Drive.StepSeconds;
+            Speed = backwards ? Math.Min(0, speed) : Math.Max(0, speed);
             // Half the angle to turn by; these are the cosine and sine of an angle whose half has this tangent.
             var half = Speed * Drive.StepSeconds * steer * Curvature / 2;
             double cosine = (1 - half * half) / (1 + half * half), sine = 2 * half / (1 + half * half);

@@ -6,20 +6,25 @@
 //
 // The car is yours: an ICar. The Python side is drive.py.
 using System;
+using System.Collections.Generic;
 
 namespace NetMQExample
 {
     /// <summary>What can be driven: Car.cs, or a car of your own.</summary>
     public interface ICar
     {
-        /// <summary>In metres a second.</summary>
+        /// <summary>In metres a second, backwards below 0.</summary>
         double Speed { get; }
 
         /// <summary>Where it is, to print, such as <c>0.4 m off the middle</c>.</summary>
         string Where { get; }
 
+        /// <summary>Adds numbers, texts, true or false by name to what Python is told beside a picture, at its moment.
+        /// </summary>
+        void Telemetry(IDictionary<string, object> values);
+
         /// <summary>Goes on for <see cref="Drive.StepSeconds"/>.</summary>
-        /// <param name="throttle">0 to 1.</param>
+        /// <param name="throttle">-1, backwards, to 1.</param>
         /// <param name="brake">0 to 1.</param>
         /// <param name="steer">-1, left, to 1, right.</param>
         void Step(double throttle, double brake, double steer);
@@ -68,6 +73,9 @@ namespace NetMQExample
         /// <summary>How many steps ago the picture was taken that the newest action answers.</summary>
         public long Age { get; private set; }
 
+        /// <summary>The <c>text</c> that Python sent last beside an action; empty at first.</summary>
+        public string Text { get; private set; } = "";
+
         /// <summary>True while a person drives. Python is still asked, but not followed: that is how a person's driving
         /// is recorded.</summary>
         public bool Manual { get; private set; }
@@ -100,6 +108,8 @@ namespace NetMQExample
             shot.Action = InForce;
             shot.Speed = car.Speed;
             shot.Manual = Manual;
+            shot.Telemetry.Clear();
+            car.Telemetry(shot.Telemetry);
         }
 
         /// <summary>Follows an action from the next step on.</summary>
@@ -116,6 +126,9 @@ namespace NetMQExample
             if (!Manual) action = newest.Value;
             if (Every > 0 && Actions % Every == 0) log(Describe(newest.Value));
             Actions++;
+            var text = newest.Value.Text() ?? Text;
+            if (text != Text) log($"Python says {LogText.Printable(text)}");
+            Text = text;
         }
 
         /// <summary>Drives for <see cref="StepSeconds"/>.</summary>

@@ -3,10 +3,11 @@
 // Derive from it, put it beside CameraSender, and drag a camera of yours into Eye, or leave it empty:
 //     public sealed class MyCar : DrivenBehaviour
 //     {
-//         public override double Speed => body.velocity.magnitude;   of a Rigidbody; in Unity 6 linearVelocity
+//         public override double Speed => Vector3.Dot(body.velocity, transform.forward);      Unity 6: linearVelocity
 //         public override void Step(double throttle, double brake, double steer) => … forces, wheels, …
 //     }
 using System;
+using System.Collections.Generic;
 using UnityEngine;
 
 namespace NetMQExample
@@ -42,6 +43,17 @@ namespace NetMQExample
         /// <inheritdoc/>
         public abstract void Step(double throttle, double brake, double steer);
 
+        /// <summary>Adds values of your own to what Python is told beside each picture, at the moment that it shows:
+        /// <c>values["battery"] = battery;</c>. They are numbers, texts, true or false.</summary>
+        public virtual void Telemetry(IDictionary<string, object> values)
+        {
+        }
+
+        /// <summary>Gets each picture's action, with values of your own: <c>action.Value("zoom", 1)</c>.</summary>
+        protected virtual void OnAction(DriveAction action)
+        {
+        }
+
         /// <summary>Makes a camera for ShotTaker.cs.</summary>
         /// <param name="right">Metres to the right of the middle.</param>
         public Camera CameraFor(double right) =>
@@ -52,6 +64,7 @@ namespace NetMQExample
         public void Follow(DriveAction? action)
         {
             Drive.Apply(action);
+            if (action != null) OnAction(action.Value);
             if (Drive.Lockstep) Drive.Step();
             if (action != null) acted.Raise(action.Value);
         }

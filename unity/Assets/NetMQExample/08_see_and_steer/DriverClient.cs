@@ -2,8 +2,10 @@
 //
 // The Python side is python/08_see_and_steer/server.py.
 // Bytes: messages of lesson 05. A request of kind `frame` has the picture's number as its id and as the value `frame`,
-// and Shot.cs says what else; its reply is of kind `action`, with the values `frame`, `throttle`, `brake` and `steer`.
+// and Shot.cs says what else; its reply is of kind `action`, with the values `frame`, `throttle`, `brake`, `steer` and
+// those of your own.
 using System;
+using System.Collections.Generic;
 using System.Diagnostics;
 using System.Globalization;
 using System.Threading;
@@ -13,11 +15,15 @@ namespace NetMQExample
     /// <summary>What to do, and about which picture.</summary>
     public readonly struct DriveAction
     {
+        private readonly Dictionary<string, object> values;
+
         /// <summary>What is out of range is put back into it.</summary>
-        public DriveAction(long frame, double throttle, double brake, double steer, double milliseconds = 0)
+        public DriveAction(long frame, double throttle, double brake, double steer, double milliseconds = 0,
+            Dictionary<string, object> values = null)
         {
+            this.values = values;
             Frame = frame;
-            Throttle = Math.Clamp(throttle, 0, 1);
+            Throttle = Math.Clamp(throttle, -1, 1);
             Brake = Math.Clamp(brake, 0, 1);
             Steer = Math.Clamp(steer, -1, 1);
             Milliseconds = milliseconds;
@@ -26,7 +32,7 @@ namespace NetMQExample
         /// <summary>The number of the picture that it answers.</summary>
         public long Frame { get; }
 
-        /// <summary>0 to 1.</summary>
+        /// <summary>-1, backwards, to 1.</summary>
         public double Throttle { get; }
 
         /// <summary>0 to 1.</summary>
@@ -37,6 +43,17 @@ namespace NetMQExample
 
         /// <summary>How long it took from sending the picture to this answer.</summary>
         public double Milliseconds { get; }
+
+        /// <summary>A number of your own, which Python returned beside the three.</summary>
+        /// <param name="name">Its name there, such as <c>zoom</c>.</param>
+        /// <param name="otherwise">The result where Python returned no such number.</param>
+        public double Value(string name, double otherwise = 0) => Find(name) is object value
+            && (value is double || value is long) ? Convert.ToDouble(value, CultureInfo.InvariantCulture) : otherwise;
+
+        /// <summary>A text of your own, or null where Python returned none.</summary>
+        public string Text(string name = "text") => Find(name) as string;
+
+        private object Find(string name) => values != null && values.TryGetValue(name, out var value) ? value : null;
     }
 
     /// <summary>Asks for actions, and waits for them: not on Unity's main thread. Make it, use it and dispose it in one
@@ -84,7 +101,7 @@ namespace NetMQExample
                     throw new MessageException("wrong-frame", FormattableString.Invariant(
                         $"an action for picture {answered}, but {frame.Id} was asked about"));
                 var action = new DriveAction(frame.Id, Take(reply, "throttle"), Take(reply, "brake"),
-                    Take(reply, "steer"), clock.Elapsed.TotalMilliseconds);
+                    Take(reply, "steer"), clock.Elapsed.TotalMilliseconds, reply.Values);
                 lost = 0;
                 return action;
             }

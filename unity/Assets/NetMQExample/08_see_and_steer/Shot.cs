@@ -4,6 +4,7 @@
 // collections. The numbers become a message on the network thread, so that a frame of Unity allocates nothing.
 // The Python side is pictures.py.
 using System;
+using System.Collections.Generic;
 using System.Linq;
 
 namespace NetMQExample
@@ -62,7 +63,7 @@ namespace NetMQExample
         /// <summary>The clock's time then in seconds, since 1970.</summary>
         public double WallTime { get; internal set; }
 
-        /// <summary>What was in force when the picture was taken: 0 to 1, 0 to 1, and -1, left, to 1, right.</summary>
+        /// <summary>What was in force when the picture was taken: -1 to 1, 0 to 1, and -1, left, to 1, right.</summary>
         public DriveAction Action { get; internal set; }
 
         /// <summary>In metres a second.</summary>
@@ -74,7 +75,11 @@ namespace NetMQExample
         /// <summary>The drive that it belongs to: another text for each Play.</summary>
         public string Run { get; internal set; } = "";
 
+        /// <summary>What the car adds: numbers, texts, true or false by name.</summary>
+        public Dictionary<string, object> Telemetry { get; } = new Dictionary<string, object>();
+
         /// <summary>The message to send.</summary>
+        /// <exception cref="MessageException">The car adds a value with a name of this lesson.</exception>
         /// <param name="jpeg">Makes a JPEG file of a picture's pixels; null to send them as they are.</param>
         public Message ToMessage(Func<byte[], byte[]> jpeg = null)
         {
@@ -93,6 +98,9 @@ namespace NetMQExample
             values["encoding"] = jpeg == null ? "raw" : "jpeg";
             // A JPEG file has its top row first, in Unity as everywhere.
             values["bottom_up"] = jpeg == null;
+            foreach (var own in Telemetry)
+                if (!values.TryAdd(own.Key, own.Value))
+                    throw new MessageException("bad-name", $"each picture has '{own.Key}': give yours another name");
             foreach (var pixels in Pixels)
             {
                 if (jpeg == null) message.Arrays.Add(new MessageArray("uint8", pixels, Height, Width, Channels));
