@@ -167,6 +167,40 @@ def test_an_action_names_its_picture(kind, driver, runs):
             assert len(set(seen)) == len(seen) == cameras.count(",") + 1, "each from its own place"
 
 
+# Forwards, through a standstill to backwards, braked, held, backwards again and forwards through it.
+GEARS = [(1, 0)] * 30 + [(-0.5, 0)] * 90 + [(-1, 1)] * 30 + [(0, 0.2)] * 5 + [(-1, 0.25)] * 40 + [(0.8, 0)] * 60
+
+
+def test_a_car_has_a_reverse_gear_and_the_brake_ends_at_a_standstill(driver, runs):
+    """To the last bit the same in each language."""
+    car = world.Car.on(world.Road())
+    speeds = [0.0]
+    for throttle, brake in GEARS:
+        car.step(throttle, brake, 0.5)
+        speeds.append(car.speed)
+    assert max(speeds[30], 2) == speeds[30] and speeds[120] < -1, "it has turned round without a brake"
+    assert speeds[122] < 0 and set(speeds[150:156]) == {0}, "full throttle is no match for the brake, and nothing rolls"
+    assert speeds[195] < -0.5 and speeds[-1] > 1
+    for kind in TERMINAL:
+        there = driver(lambda frame: dict(zip(("throttle", "brake"), GEARS[frame.id], strict=True), steer=0.5))
+        words = ["--endpoint", there.endpoint, "--count", str(len(GEARS)), "--lockstep", *PATIENT]
+        (run,) = runs(kind, KEY, [words])
+        assert run.code == 0, run
+        assert [frame.values["speed"] for frame in there.frames] == speeds[:-1], kind
+
+
+@each_client
+def test_what_python_says_is_printed_once(kind, driver, runs):
+    said = ["go", "go", "", "a\x1b[2Jb", 7, "go"]
+    there = driver(lambda frame: {"text": said[frame.id]} if frame.id < len(said) else {})
+    words = ["--endpoint", there.endpoint, "--count", "9", "--lockstep", *PATIENT]
+    ((code, lines),) = runs(kind, KEY, [words])
+    assert code == 0, lines
+    heard = [line for line in lines if line.startswith("Python says")]
+    assert [heard[0], *heard[2:]] == ["Python says go", heard[2], "Python says go"] and len(heard) == 4
+    assert heard[1] == "Python says " and "\x1b" not in heard[2]
+
+
 @each_client
 def test_a_slow_driver_gets_the_newest_picture_and_its_actions_have_an_age(kind, driver, start, client_command):
     there = driver(after(0.2))
@@ -240,6 +274,12 @@ def test_a_person_takes_over_and_gives_back(kind, driver, start, client_command)
         there.until(driven_by_a_person(steer=-0.2, throttle=0, brake=1))
         os.write(master, up)
         there.until(driven_by_a_person(steer=-0.2, throttle=0.2, brake=0))
+        # The letters are their brothers, small and capital; and below 0 it drives backwards.
+        os.write(master, b"ssA")
+        there.until(driven_by_a_person(steer=-0.3, throttle=-0.2, brake=0))
+        there.until(lambda values: values["speed"] < 0)
+        os.write(master, b"wd" + 9 * b"S")
+        there.until(driven_by_a_person(steer=-0.2, throttle=-1, brake=0))
         os.write(master, b"\r")
         client.wait_for("^Python drives$")
         there.until(lambda values: not values["manual"] and values["steer"] == 0.25)

@@ -1,88 +1,204 @@
-"""Lesson 08's page says in which lines a value of one's own goes with a picture, and comes with an action."""
+"""Lesson 08: what a user adds to it. Values of one's own go with a picture and come with an action, each said in one
+place; `drive` gets all pictures and all telemetry; and a recording has columns for them. The blocks are the page's.
+"""
 
 from __future__ import annotations
 
 import csv
 import shutil
+import sys
 
 import pytest
 
-from tests.conftest import PYTHON
-from tests.programs import ROOT, two_ports
+from kitlib.docs import guide
+from netmq_example.messages import Array, Message, read
+from tests.conftest import CLIENTS, PYTHON
+from tests.lessons.conftest import ask
+from tests.programs import PATIENT, ROOT
 
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
+KEY = "08_see_and_steer"
+LESSON = ROOT / "python" / KEY
+sys.path.insert(0, str(LESSON))
 
-SCRIPTS = ROOT / "unity/Assets/NetMQExample/08_see_and_steer"
-MINE = """using NetMQExample;
-using UnityEngine;
+from driver import as_action, follow_road  # noqa: E402
+
+from netmq_example.camera.recording import Recorder, recorded  # noqa: E402
+from netmq_example.worlds.road import Car, DrawnCamera, Road  # noqa: E402
+
+# Else several pictures are on their way before the first action comes.
+LOCKSTEP = ["--lockstep", "true"]
+SCRIPTS = ROOT / "unity" / "Assets" / "NetMQExample" / KEY
+BLOCKS = [block for block in guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md") if block.body]
+(CAR,) = (block.body for block in BLOCKS if "class MyCar" in block.body)
+(MEMBERS,) = (block.body for block in BLOCKS if "void Telemetry" in block.body)
+(VALUES,) = (block.body for block in BLOCKS if '"zoom"' in block.body and block.language == "python")
+(STEREO,) = (block.body for block in BLOCKS if 'pictures["left"]' in block.body)
+
+
+@pytest.fixture
+def driven(start, tmp_path):
+    """driven(text, "--record", "runs"): the lesson's server with this in it: (program, endpoint)."""
+
+    def serve(mine, *options):
+        shutil.copytree(ROOT / "python" / "netmq_example", tmp_path / "netmq_example")
+        path = shutil.copytree(LESSON, tmp_path / "mine") / "server.py"
+        text = path.read_text(encoding="utf-8").replace("if __name__", f"{mine}\n\nif __name__")
+        path.write_text(text, encoding="utf-8")
+        server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0", *options, folder=tmp_path)
+        return server, server.wait_for(r"^listening on (\S+)")[1]
+
+    return serve
+
+
+def rows(folder):
+    with (folder / "metadata.csv").open(newline="", encoding="utf-8") as table:
+        return list(csv.DictReader(table))
+
+
+def frame(number, *seen, **values):
+    known = {"frame": number, "run": "r", "manual": False, "encoding": "raw", "bottom_up": False}
+    known |= dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), 0.5)
+    known["cameras"] = "center" if len(seen) < 2 else "left,right"
+    seen = seen or (np.zeros((8, 8, 3), np.uint8),)
+    return Message("frame", number, known | values, [Array("uint8", one.shape, one.tobytes()) for one in seen])
+
+
+def action(number, **values):
+    return Message("action", number, {"frame": number, "throttle": 0.5, "brake": 0.0, "steer": 0.25} | values)
+
+
+def test_a_value_each_way_is_played_recorded_and_replayed(driven, tmp_path, start, console, netmq):
+    using, rest = CAR.split("using System;\n")[1].rsplit("}\n", 1)[0], "\n" + MEMBERS + "}\n"
+    mine = tmp_path / "MyCar.cs"
+    mine.write_text("using System;\nusing System.Collections.Generic;\n" + using + rest, encoding="utf-8")
+    server, endpoint = driven(VALUES, "--record", "runs")
+    files = [mine, *(SCRIPTS / name for name in ("CameraSender.cs", "RoadScene.cs"))]
+    player = start(
+        PYTHON, ROOT / "kit.py", "play", *files, "--endpoint", endpoint, "--count", "5", "--timeout", "60", *LOCKSTEP
+    )
+    assert player.wait(300) == 0, player.output
+    assert player.lines.count("zoom 2") == 5 and player.lines.count("Python says go") == 1
+    server.wait_for(r"^speed 0\.0 m/s, battery 100\.0$")
+    server.wait_for(r"^speed \d\.\d m/s, battery 99\.6$")
+    replay = start(PYTHON, tmp_path / "mine" / "replay.py", tmp_path / "runs" / "run_0001", "--endpoint", endpoint)
+    assert replay.wait() == 0, replay.output
+    read(ask_nothing(endpoint))
+    for run in ("run_0001", "run_0002"):
+        known = rows(tmp_path / "runs" / run)
+        assert [float(row["battery"]) for row in known] == pytest.approx([100, 99.9, 99.8, 99.7, 99.6])
+        assert {(row["answered_zoom"], row["answered_text"]) for row in known} == {("2.0", "go")}
+
+
+def ask_nothing(endpoint):
+    """It answers before it records; by its next answer that is done."""
+    import zmq
+
+    with zmq.Context() as context:
+        return ask(context, endpoint, *Message("nothing").frames())
+
+
+def test_both_pictures_are_driven_by(driven, context):
+    road = Road()
+    car, camera = Car.on(road, 300), DrawnCamera(road)
+    left, right = (np.ascontiguousarray(camera.draw(car, 0, at)[::-1]) for at in (-0.4, 0.4))
+    _, endpoint = driven(STEREO)
+    answer = read(ask(context, endpoint, *frame(0, left, right, speed=8.0).frames())).values
+    steer = [follow_road(picture, 8.0)[2] for picture in (left, right)]
+    assert steer[0] != steer[1] and answer["steer"] == pytest.approx(sum(steer) / 2)
+
+
+# As one has it who comes from a driving trainer: a function of the images and four numbers, which returns three.
+TRAINER = """
+def agent(images, speed, throttle, steer, brake):
+    print("telemetry:", *(image.shape for image in images), end=" ")
+    print(f"speed {speed:.2f} throttle {throttle:.2f} steer {steer:.2f} brake {brake:.2f}", flush=True)
+    return [0.5, 0.0, 0.0]
+
+
+def drive(pictures, telemetry):
+    numbers = (telemetry[name] for name in ("speed", "throttle", "steer", "brake"))
+    return agent(list(pictures.values()), *numbers)
+"""
+
+
+@pytest.mark.parametrize("kind", CLIENTS)
+def test_what_the_user_of_a_driving_trainer_types(kind, driven, runs, tmp_path):
+    server, endpoint = driven(TRAINER, "--record", "runs")
+    words = ["--endpoint", endpoint, "--count", "12", "--cameras", "left,right", "--lockstep", *PATIENT]
+    ((code, lines),) = runs(kind, KEY, [words])
+    assert code == 0, lines
+    sizes = r"\(240, 320, 3\) \(240, 320, 3\)"
+    server.wait_for(f"^telemetry: {sizes} speed 0.00 throttle 0.00 steer 0.00 brake 1.00$")
+    server.wait_for(f"^telemetry: {sizes} speed 0.43 throttle 0.50 steer 0.00 brake 0.00$")
+    read(ask_nothing(endpoint))
+    known = rows(tmp_path / "runs" / "run_0001")
+    assert [(row["left_file_name"][:8], row["right_file_name"][:9]) for row in known] == [
+        ("IMG/left", "IMG/right")
+    ] * 12
+    assert {row["answered_throttle"] for row in known} == {"0.5"}
+
+
+def test_what_a_driver_returns():
+    assert as_action([1, 0, np.float32(0.5)]) == {"throttle": 1, "brake": 0, "steer": 0.5}
+    told = {"throttle": 1, "brake": 0, "steer": np.array(0.5), "text": "go", "lamp": True}
+    assert as_action(told) == told and type(as_action(told)["steer"]) is float
+    for wrong in ((1, 0), None, {"throttle": None}):
+        with pytest.raises((ValueError, TypeError)):
+            as_action(wrong)
+
+
+TEXTS = ['a, "b"', "two\r\nlines", "", "ü", "nan", "7"]
+
+
+def test_any_text_is_read_back(tmp_path):
+    """But for the end of a line, which becomes a blank, a number, which becomes one, and nothing, which is none."""
+    keeper = Recorder(tmp_path)
+    for number, text in enumerate(TEXTS):
+        keeper.add(frame(number, said=text, lamp=True, gear=-1), action(number, text=text, zoom=1e-7))
+    found = list(recorded(tmp_path / "run_0001"))
+    expected = ['a, "b"', "two  lines", None, "ü", "nan", 7]
+    assert [row.values.get("said") for row in found] == [row.answered.get("text") for row in found] == expected
+    assert {(row.values["lamp"], row.values["gear"], row.answered["zoom"]) for row in found} == {(True, -1, 1e-7)}
+
+
+def test_what_has_no_column_is_said_once(tmp_path):
+    """What comes later, and what would be read as something else."""
+    lines = []
+    keeper = Recorder(tmp_path, lines.append)
+    keeper.add(frame(0, battery=1, height=3, my_file_name="x"), action(0))
+    for number in (1, 2):
+        keeper.add(frame(number, wind=2), action(number, zoom=1))
+    said = [line.split(":")[1] for line in lines if line.startswith("trouble: ")]
+    assert said == [f" '{name}' is not recorded" for name in ("height", "my_file_name", "wind", "answered_zoom")]
+    assert [row["battery"] for row in rows(tmp_path / "run_0001")] == ["1", "", ""]
+    assert [row.values.get("battery") for row in recorded(tmp_path / "run_0001")] == [1, None, None]
+
+
+TAKEN = """using System.Collections.Generic;
+using NetMQExample;
 
 public sealed class MyCar : DrivenBehaviour
 {
-    public override double Battery => 1.5;
     public override double Speed => 0;
+    public override void Telemetry(IDictionary<string, object> values) => values["NAME"] = VALUE;
     public override void Step(double throttle, double brake, double steer) { }
 }
 """
-# What the page's table says, in what is copied.
-CHANGES = {
-    "08_see_and_steer/server.py": [
-        ('"steer": float(steer)}', '"steer": float(steer), "zoom": 2 * frame.values["battery"]}')
-    ],
-    "netmq_example/camera/pictures.py": [('NUMBERS = ("sim_time",', 'NUMBERS = ("battery", "sim_time",')],
-    "netmq_example/camera/recording.py": [('ANSWERED = ("throttle",', 'ANSWERED = ("zoom", "throttle",')],
-    "Shot.cs": [
-        ("public double Speed { get", "public double Battery { get; set; } public double Speed { get"),
-        ("var values = message.Values;", 'var values = message.Values; values["battery"] = Battery;'),
-    ],
-    "Drive.cs": [("shot.WallTime =", "shot.Battery = ((DrivenBehaviour)car).Battery; shot.WallTime =")],
-    "DriverClient.cs": [
-        ("public long Frame { get; }", "public long Frame { get; } public double Zoom { get; }"),
-        ("double milliseconds = 0)", "double milliseconds = 0, double zoom = 0)"),
-        ("Frame = frame;", "Frame = frame; Zoom = zoom;"),
-        ("clock.Elapsed.TotalMilliseconds);", 'clock.Elapsed.TotalMilliseconds, Take(reply, "zoom"));'),
-    ],
-    "DrivenBehaviour.cs": [
-        ("public abstract double Speed", "public virtual double Battery => 0; public abstract double Speed"),
-        ("Drive.Apply(action);", 'Drive.Apply(action); Debug.Log($"zoom {action?.Zoom}");'),
-    ],
-    # Unchanged, and made anew with those that are.
-    "ShotTaker.cs": [],
-    "CameraSender.cs": [],
-    "RoadScene.cs": [],
+WRONG = {
+    ("steer", "1.0"): "gave up: bad-name: each picture has 'steer': give yours another name",
+    ("place", "transform.position"): "trouble: wrong-type: value 'place' must be text, a number, true or false",
 }
 
 
-def test_a_number_more_each_way_is_played_and_recorded(tmp_path, start, console, netmq):
-    for folder in ("netmq_example", "08_see_and_steer"):
-        shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
-    mine = tmp_path / "08_see_and_steer"
-    scripts = [name for name in CHANGES if name.endswith(".cs")]
-    for name in scripts:
-        shutil.copy(SCRIPTS / name, mine)
-    for name, changes in CHANGES.items():
-        path = (mine if name in scripts else tmp_path) / name
-        text = path.read_text(encoding="utf-8")
-        for old, new in changes:
-            assert text.count(old) == 1, (name, old)
-            text = text.replace(old, new)
-        path.write_text(text, encoding="utf-8")
-    (mine / "MyCar.cs").write_text(MINE, encoding="utf-8")
-    server = start(PYTHON, mine / "server.py", "--endpoint", two_ports(), "--record", tmp_path / "runs")
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
-
-    def play(*names):
-        files = [mine / name for name in ("MyCar.cs", *names)]
-        options = ["--endpoint", endpoint, "--count", "3"]
-        program = start(PYTHON, ROOT / "kit.py", "play", *files, *options)
-        return program.wait(300), program.lines
-
-    code, lines = play(*scripts)
-    assert code == 0 and lines.count("zoom 3") == 3, lines
-    with (tmp_path / "runs/run_0001/metadata.csv").open() as table:
-        rows = list(csv.DictReader(table))
-    assert {(row["battery"], row["answered_zoom"]) for row in rows} == {("1.5", "3.0")}
-    replay = start(PYTHON, mine / "replay.py", tmp_path / "runs/run_0001", "--endpoint", endpoint)
-    assert replay.wait() == 0, replay.output
-    # One that needs a changed one, and is the kit's.
-    code, lines = play(*(name for name in scripts if name != "ShotTaker.cs"))
-    assert code == 1 and any("the player uses your copy of a kit's file only if" in line for line in lines), lines
+@pytest.mark.parametrize(("wrong", "says"), WRONG.items(), ids=["a name", "a value"])
+def test_a_value_that_cannot_go_is_named(wrong, says, serve, tmp_path, start, console, netmq):
+    _, endpoint = serve(KEY)
+    mine = tmp_path / "MyCar.cs"
+    mine.write_text(TAKEN.replace("NAME", wrong[0]).replace("VALUE", wrong[1]), encoding="utf-8")
+    files = [mine, SCRIPTS / "CameraSender.cs"]
+    player = start(PYTHON, ROOT / "kit.py", "play", *files, "--endpoint", endpoint, "--tries", "2")
+    assert player.wait(300) == 1, player.output
+    (line,) = (line for line in player.lines if line.startswith(says))
+    assert f"'{wrong[0]}'" in line, player.output

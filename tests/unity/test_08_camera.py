@@ -161,6 +161,23 @@ def test_a_person_takes_over_and_gives_back(drive: Drive) -> None:
     assert driver.frames[-1].values["steer"] == 0.25
 
 
+def test_down_brakes_while_the_car_rolls_and_then_drives_backwards(drive: Drive) -> None:
+    driver, client = drive(lambda frame: {"throttle": 1}, "count=120 down=30 lockstep=true")
+    assert client.wait() == 0, client.output
+    by_hand = [frame.values for frame in driver.frames if frame.values["manual"]]
+    told = [(values["throttle"], values["brake"]) for values in by_hand]
+    turn = told.index((-1, 0))
+    assert turn > 3 and set(told[:turn]) == {(0, 1)} and set(told[turn:]) == {(-1, 0)}
+    speeds = [values["speed"] for values in by_hand]
+    assert speeds[0] > 1 > 0.1 >= speeds[turn - 1] >= 0 > -0.5 > speeds[-1]
+
+
+def test_what_python_says_is_shown_in_the_inspector_and_logged_once(drive: Drive) -> None:
+    _, client = drive(lambda frame: {"text": "go"} if frame.id % 2 else {}, "count=20 lockstep=true")
+    assert client.wait() == 0, client.output
+    assert client.lines.count("Python says go") == client.lines.count("the inspector shows go") == 1
+
+
 def test_a_sender_that_was_switched_off_begins_again(drive: Drive) -> None:
     """A camera of one's own is the eye, also then, and goes on showing the game itself."""
     driver, client = drive(lambda frame: {}, "count=30 cameras=left,right disable=15 eye")

@@ -3,6 +3,7 @@
 //     topfirst, noreadback, nographics       another graphics card, or none
 //     fail=20                                three readbacks end with an error after so many steps
 //     press=20                               somebody takes over after so many steps, and gives back 40 later
+//     down=20                                somebody holds the down key from so many steps on
 //     disable=20                             the sender is switched off after so many steps, and on 10 later
 //     eye                                    another camera is the driver's eye: it looks at the sky, which is red
 //     numbered                               the sky's colour is the number of the step
@@ -36,7 +37,7 @@ namespace NetMQExample.PlayTest
             var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
             int At(string name) => told.Remove(name, out var text) ? int.Parse(text, CultureInfo.InvariantCulture) : -1;
             (Player.TopRowFirst, Player.NoReadback, Player.NoGraphics) = (told.Remove("topfirst"), told.Remove("noreadback"), told.Remove("nographics"));
-            int fail = At("fail"), press = At("press"), disable = At("disable"), frames = At("frames");
+            int fail = At("fail"), press = At("press"), down = At("down"), disable = At("disable"), frames = At("frames");
             var (numbered, positions, looked) = (told.Remove("numbered"), told.Remove("positions"), told.Remove("eye"));
             Camera eye = null;
             var lessons = typeof(NetMQLifetime).Assembly;
@@ -80,6 +81,7 @@ namespace NetMQExample.PlayTest
                 if (step < press && now >= press) Player.Press(-0.5f, 1);
                 if (press >= 0 && step < press + 20 && now >= press + 20) Player.Press(0, 0);
                 if (press >= 0 && step < press + 40 && now >= press + 40) Player.Press(0, 0, KeyCode.Return);
+                if (step < down && now >= down) Player.Press(0, -1);
                 if (step < disable && now >= disable) sender.enabled = false;
                 if (disable >= 0 && step < disable + 10 && now >= disable + 10)
                 {
@@ -91,6 +93,8 @@ namespace NetMQExample.PlayTest
                 var rest = TimeSpan.FromSeconds(frame / 60.0) - clock.Elapsed;
                 if (rest > TimeSpan.Zero) Thread.Sleep(rest);
             }
+            var text = (string)typeof(CameraSender).GetField("text", Hidden).GetValue(sender);
+            if (text != "") Console.WriteLine($"the inspector shows {text}");
             if (frames > 0) Console.WriteLine($"cost: {cost}");
             if (looked) Console.WriteLine($"the eye goes on as it was: {eye != null && eye.enabled && eye.targetTexture == null}");
             player.Stop();
