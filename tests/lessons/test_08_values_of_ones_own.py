@@ -5,6 +5,7 @@ place; `drive` gets all pictures and all telemetry; and a recording has columns 
 from __future__ import annotations
 
 import csv
+import importlib
 import shutil
 import sys
 
@@ -21,8 +22,7 @@ pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pil
 KEY = "08_see_and_steer"
 LESSON = ROOT / "python" / KEY
 sys.path.insert(0, str(LESSON))
-
-from driver import as_action, follow_road  # noqa: E402
+driver = importlib.import_module("driver")
 
 from netmq_example.camera.recording import Recorder, recorded  # noqa: E402
 from netmq_example.worlds.road import Car, DrawnCamera, Road  # noqa: E402
@@ -70,11 +70,11 @@ def action(number, **values):
 
 
 def test_a_value_each_way_is_played_recorded_and_replayed(driven, tmp_path, start, console, netmq):
-    using, rest = CAR.split("using System;\n")[1].rsplit("}\n", 1)[0], "\n" + MEMBERS + "}\n"
-    mine = tmp_path / "MyCar.cs"
-    mine.write_text("using System;\nusing System.Collections.Generic;\n" + using + rest, encoding="utf-8")
+    scripts = {"MyCar.cs": CAR.replace(": DrivenBehaviour", ": ElectricCar"), "ElectricCar.cs": MEMBERS}
+    for name, text in scripts.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
     server, endpoint = driven(VALUES, "--record", "runs")
-    files = [mine, *(SCRIPTS / name for name in ("CameraSender.cs", "RoadScene.cs"))]
+    files = [*(tmp_path / name for name in scripts), SCRIPTS / "CameraSender.cs", SCRIPTS / "RoadScene.cs"]
     player = start(
         PYTHON, ROOT / "kit.py", "play", *files, "--endpoint", endpoint, "--count", "5", "--timeout", "60", *LOCKSTEP
     )
@@ -105,7 +105,7 @@ def test_both_pictures_are_driven_by(driven, context):
     left, right = (np.ascontiguousarray(camera.draw(car, 0, at)[::-1]) for at in (-0.4, 0.4))
     _, endpoint = driven(STEREO)
     answer = read(ask(context, endpoint, *frame(0, left, right, speed=8.0).frames())).values
-    steer = [follow_road(picture, 8.0)[2] for picture in (left, right)]
+    steer = [driver.follow_road(picture, 8.0)[2] for picture in (left, right)]
     assert steer[0] != steer[1] and answer["steer"] == pytest.approx(sum(steer) / 2)
 
 
@@ -141,12 +141,12 @@ def test_what_the_user_of_a_driving_trainer_types(kind, driven, runs, tmp_path):
 
 
 def test_what_a_driver_returns():
-    assert as_action([1, 0, np.float32(0.5)]) == {"throttle": 1, "brake": 0, "steer": 0.5}
+    assert driver.as_action([1, 0, np.float32(0.5)]) == {"throttle": 1, "brake": 0, "steer": 0.5}
     told = {"throttle": 1, "brake": 0, "steer": np.array(0.5), "text": "go", "lamp": True}
-    assert as_action(told) == told and type(as_action(told)["steer"]) is float
+    assert driver.as_action(told) == told and type(driver.as_action(told)["steer"]) is float
     for wrong in ((1, 0), None, {"throttle": None}):
         with pytest.raises((ValueError, TypeError)):
-            as_action(wrong)
+            driver.as_action(wrong)
 
 
 TEXTS = ['a, "b"', "two\r\nlines", "", "ü", "nan", "7"]
