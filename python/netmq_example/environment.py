@@ -53,16 +53,17 @@ class UnityEnvironment:
         self,
         file_name: str | None = None,
         worker_id: int = 0,
-        base_port: int = DEFAULT_EDITOR_PORT,
+        base_port: int | None = None,
         seed: int = 0,
         no_graphics: bool = False,
         timeout_wait: float = 60,
-        additional_args: Sequence[str] = (),
-        side_channels: Sequence[Channel] = (),
+        additional_args: Sequence[str] | None = None,
+        side_channels: Sequence[Channel] | None = None,
     ) -> None:
-        where: dict[str, Any] = {"endpoint": f"tcp://127.0.0.1:{base_port + worker_id}"}
+        port = (self.DEFAULT_EDITOR_PORT if base_port is None else base_port) + worker_id
+        where: dict[str, Any] = {"endpoint": f"tcp://127.0.0.1:{port}"}
         if file_name is not None:
-            where = {"launch": [file_name, *["-batchmode", "-nographics"] * no_graphics, *additional_args]}
+            where = {"launch": [file_name, *["-batchmode", "-nographics"] * no_graphics, *(additional_args or ())]}
         self.env = OneAgent("Agent", wait=timeout_wait, **where)
         if side_channels:
             carry(self.env, SideChannelManager([*side_channels]))

@@ -70,16 +70,22 @@ def action(number, **values):
 
 
 def test_a_value_each_way_is_played_recorded_and_replayed(driven, tmp_path, start, console, netmq):
-    scripts = {"MyCar.cs": CAR.replace(": DrivenBehaviour", ": ElectricCar"), "ElectricCar.cs": MEMBERS}
+    zoom = """Debug.Log($"zoom {action.Value("zoom", 1)}");"""
+    more = """
+        Debug.Log($"{action.Value("lamp")} {action.Value("none", 3)} {action.Value("text", 4)}{action.Text("lamp")}");"""
+    members = MEMBERS.replace(zoom, zoom + more)
+    scripts = {"MyCar.cs": CAR.replace(": DrivenBehaviour", ": ElectricCar"), "ElectricCar.cs": members}
     for name, text in scripts.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    server, endpoint = driven(VALUES, "--record", "runs")
+    server, endpoint = driven(VALUES.replace('"go"', '"go", "lamp": True'), "--record", "runs")
     files = [*(tmp_path / name for name in scripts), SCRIPTS / "CameraSender.cs", SCRIPTS / "RoadScene.cs"]
     player = start(
         PYTHON, ROOT / "kit.py", "play", *files, "--endpoint", endpoint, "--count", "5", "--timeout", "60", *LOCKSTEP
     )
     assert player.wait(300) == 0, player.output
-    assert player.lines.count("zoom 2") == 5 and player.lines.count("Python says go") == 1
+    assert (
+        player.lines.count("zoom 2") == player.lines.count("1 3 4") == 5 and player.lines.count("Python says go") == 1
+    )
     server.wait_for(r"^speed 0\.0 m/s, battery 100\.0$")
     server.wait_for(r"^speed \d\.\d m/s, battery 99\.6$")
     replay = start(PYTHON, tmp_path / "mine" / "replay.py", tmp_path / "runs" / "run_0001", "--endpoint", endpoint)

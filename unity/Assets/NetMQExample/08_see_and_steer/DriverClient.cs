@@ -44,11 +44,11 @@ namespace NetMQExample
         /// <summary>How long it took from sending the picture to this answer.</summary>
         public double Milliseconds { get; }
 
-        /// <summary>A number of your own, which Python returned beside the three.</summary>
+        /// <summary>A number of your own, which Python returned beside the three; true is 1, false 0.</summary>
         /// <param name="name">Its name there, such as <c>zoom</c>.</param>
         /// <param name="otherwise">The result where Python returned no such number.</param>
         public double Value(string name, double otherwise = 0) => Find(name) is object value
-            && (value is double || value is long) ? Convert.ToDouble(value, CultureInfo.InvariantCulture) : otherwise;
+            && !(value is string) ? Convert.ToDouble(value, CultureInfo.InvariantCulture) : otherwise;
 
         /// <summary>A text of your own, or null where Python returned none.</summary>
         public string Text(string name = "text") => Find(name) as string;
