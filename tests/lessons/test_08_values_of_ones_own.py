@@ -72,7 +72,7 @@ def action(number, **values):
 def test_a_value_each_way_is_played_recorded_and_replayed(driven, tmp_path, start, console, netmq):
     zoom = """Debug.Log($"zoom {action.Value("zoom", 1)}");"""
     more = """
-        Debug.Log($"{action.Value("lamp")} {action.Value("none", 3)} {action.Value("text", 4)}{action.Text("lamp")}");"""
+        Debug.Log($"{action.Value("lamp")} {action.Value("no", 3)} {action.Value("text", 4)}{action.Text("lamp")}");"""
     members = MEMBERS.replace(zoom, zoom + more)
     scripts = {"MyCar.cs": CAR.replace(": DrivenBehaviour", ": ElectricCar"), "ElectricCar.cs": members}
     for name, text in scripts.items():
