@@ -23,6 +23,7 @@ wrong with what a peer sent. In C# it is MessageTree.cs. It needs gymnasium and 
 """
 
 import functools
+import importlib
 import json
 import math
 import re
@@ -253,11 +254,10 @@ def read_bytes(numbers: Any, at: int) -> tuple[bytes, int]:
 
 
 def read_image(numbers: Any, at: int) -> tuple[Any, int]:
-    # Only whoever gets a picture needs Pillow.
-    from netmq_example.camera.pictures import decode_any
-
+    # By name: only whoever gets a picture needs Pillow.
+    pictures = importlib.import_module("netmq_example.camera.pictures")
     data, at = read_bytes(numbers, at)
-    return decode_any(data), at
+    return pictures.decode_any(data), at
 
 
 def array_form(form: str) -> tuple[str, tuple[int, ...], int]:

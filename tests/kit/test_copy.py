@@ -209,7 +209,7 @@ def test_a_module_or_a_folder_of_the_package_is_copied(tmp_path, capsys):
     assert not (tmp_path / "netmq_example" / "envs").exists()
     assert not (tmp_path / "netmq_example" / "py.typed").exists()
     copied("netmq_example.envs", tmp_path)
-    assert capsys.readouterr().out.endswith("kit    | needs: pyzmq, numpy, pillow, gymnasium, pettingzoo\n")
+    assert capsys.readouterr().out.endswith("kit    | needs: pyzmq, numpy, gymnasium, pettingzoo\n")
     assert {path.name for path in (tmp_path / "netmq_example" / "envs").iterdir()} == {
         path.name for path in (ROOT / "python" / "netmq_example" / "envs").glob("*.py")
     }

@@ -327,7 +327,7 @@ def test_by_hand_it_plays_without_python(start, client_command):
 WRONG = {
     "NaN": (lambda request: state(request, reward=np.nan), "^bad-reward: the reward is nan"),
     "endless": (lambda request: state(request, reward=-np.inf), "^bad-reward: the reward is -inf"),
-    "mark": (lambda request: state(request, mark=5), "^bad-record: .*: mark 5 is none"),
+    "mark": (lambda request: state(request, mark=8), "^bad-record: .*: mark 8 is none"),
     "cut": (lambda request: [[state(request)[0][0][:-1]]], "^bad-record: .*: it has 56 bytes in place of 57"),
     "info": (lambda request: state(request, info=b"?"), "^bad-tree: "),
     "no info": (lambda request: state(request, info=trees.write([1])), r"^bad-info: an info is a dict, not \[1\]"),

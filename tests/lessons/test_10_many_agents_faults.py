@@ -213,7 +213,7 @@ AREAS = {
     "too short": ({"rows": zeros(16, 12)}, r"not-in-space: 12 bytes are not in Box"),
     "too long": ({"rows": zeros(16, 20)}, r"not-in-space: 20 bytes are not in Box"),
     "nothing": ({"rows": zeros(16, 0)}, r"not-in-space: 0 bytes are not in Box"),
-    "marks": ({"marks": [0, 5]}, "bad-record: .*mark 5 is none"),
+    "marks": ({"marks": [0, 8]}, "bad-record: .*mark 8 is none"),
     "another area": (
         {"numbers": rewards([1] * 3), "marks": [0] * 3, "rows": zeros(16, 16, 16)},
         "wrong-areas: an answer for 3, but 2 were asked",

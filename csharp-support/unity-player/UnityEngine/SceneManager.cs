@@ -40,15 +40,19 @@ namespace UnityEngine.SceneManagement
             return new Scene(index == 0);
         }
 
-        public static void LoadScene(string sceneName, LoadSceneMode mode = LoadSceneMode.Single)
+        public static void LoadScene(string sceneName) => LoadScene(sceneName, LoadSceneMode.Single);
+
+        public static void LoadScene(string sceneName, LoadSceneMode mode)
         {
             if (sceneName != Name)
                 throw new NotSupportedException($"the player has one scene, {Name}: SceneManager.GetActiveScene().name");
             LoadScene(0, mode);
         }
 
+        public static void LoadScene(int sceneBuildIndex) => LoadScene(sceneBuildIndex, LoadSceneMode.Single);
+
         /// <summary>Takes effect at the beginning of the next frame.</summary>
-        public static void LoadScene(int sceneBuildIndex, LoadSceneMode mode = LoadSceneMode.Single)
+        public static void LoadScene(int sceneBuildIndex, LoadSceneMode mode)
         {
             MainThread.Only(nameof(LoadScene));
             if (mode != LoadSceneMode.Single || sceneBuildIndex != 0) throw new NotSupportedException("the player has one scene, with the index 0");

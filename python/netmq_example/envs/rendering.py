@@ -16,6 +16,7 @@ A view "" is the game's first one.
 ValueError names what was called wrongly, OSError says that there is no view or no ffmpeg. It needs numpy and Pillow.
 """
 
+import importlib
 import os
 import shutil
 import weakref
@@ -237,13 +238,13 @@ def check_words(mode: Any, views: Any, render_fps: Any) -> None:
 def films_at(endpoint: str) -> Any:
     """Lesson 12's, whose Pillow nobody needs who has no render_mode."""
     try:
-        from netmq_example.video.films import Films
+        return importlib.import_module("netmq_example.video.films").Films(endpoint)
     except ModuleNotFoundError as error:
         raise ModuleNotFoundError(f"render_mode needs Pillow: pip install pillow ({error})") from None
-    return Films(endpoint)
 
 
 def film_path(path: Any) -> Path | None:
-    from netmq_example.video.film_writer import film_path
-
-    return None if path is None else film_path("video_paths", path)
+    if path is None:
+        return None
+    writer = importlib.import_module("netmq_example.video.film_writer")
+    return writer.film_path("video_paths", path)  # type: ignore[no-any-return]

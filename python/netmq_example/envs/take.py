@@ -7,6 +7,7 @@
 It needs numpy, and Pillow where a film is made.
 """
 
+import importlib
 import math
 import os
 import shutil
@@ -43,12 +44,11 @@ class Take:
 
     def film(self, path: Path | None, fps: float) -> Any:
         """A file, of which the whole path is returned; without a path an MP4 in bytes. OSError: there is no ffmpeg."""
-        from netmq_example.video.film_writer import open_film
-
+        writer = importlib.import_module("netmq_example.video.film_writer")
         with tempfile.TemporaryDirectory() as folder:
             # A film that fails leaves what was there under its name.
             made = Path(folder) / f"film{path.suffix if path else '.mp4'}"
-            film = open_film(made, fps)
+            film = writer.open_film(made, fps)
             try:
                 for number, pixels in enumerate(self.pictures()):
                     film.add(pixels, number / fps)

@@ -6,7 +6,6 @@
 // script does in FixedUpdate, it does in OnTick from now on. While it is disabled, the agents play without Python.
 // A scene may be loaded anew, also by an agent's OnReset: the new scene's GymManager goes on with the connection.
 using UnityEngine;
-using UnityEngine.SceneManagement;
 
 namespace NetMQExample
 {
@@ -18,13 +17,11 @@ namespace NetMQExample
         [SerializeField, Tooltip("The env_name in Python")] private string envName = "Coins";
         [SerializeField, Tooltip("Seconds of a tick")] private double dt = 0.1;
 
-        // Its scene is left: that of the next one takes its connection, or it ends.
-        private static GymManager leaving;
-
-        private bool quits;
-
         /// <summary>The one of this scene, if there is one.</summary>
         public static GymManager Current { get; private set; }
+
+        /// <summary>The env_name in Python.</summary>
+        internal string EnvName => envName;
 
         /// <summary>Whether Python steps the agents, or will: else they play by the clock.</summary>
         internal static bool Steps => Current != null && Current.isActiveAndEnabled;
@@ -42,8 +39,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            var before = leaving;
-            leaving = null;
+            var before = SceneChange.Take();
             Current = this;
             if (!(before is null) && before.envName == envName && before.endpoint == endpoint && GoOnWith(before))
             {
@@ -53,7 +49,7 @@ namespace NetMQExample
             before?.Leave();
             Simulator = new SceneSimulator(
                 envName, dt, Agent.All, SensorComponent.All, () => Physics.Simulate((float)dt))
-            { Loads = Loads, Warn = Debug.LogWarning, Exists = agent => (Agent)agent != null };
+            { Loads = SceneChange.Loads, Warn = Debug.LogWarning, Exists = agent => (Agent)agent != null };
             GymEnv.Simulator = Simulator;
             base.Begin();
         }
@@ -61,13 +57,8 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void OnDisable()
         {
-            if (quits || !(Simulator.Loading || Loads()))
-            {
-                Leave();
-                return;
-            }
-            leaving = this;
-            SceneManager.sceneLoaded += Loaded;
+            if (!Ending && (Simulator.Loading || SceneChange.Loads())) SceneChange.Leave(this);
+            else Leave();
         }
 
         /// <inheritdoc/>
@@ -77,26 +68,7 @@ namespace NetMQExample
             base.Update();
         }
 
-        /// <inheritdoc/>
-        protected override void OnApplicationQuit()
-        {
-            quits = true;
-            base.OnApplicationQuit();
-        }
-
-        private void Leave() => base.OnDisable();
-
-        private void Loaded(Scene scene, LoadSceneMode mode)
-        {
-            SceneManager.sceneLoaded -= Loaded;
-            if (!ReferenceEquals(leaving, this)) return;
-            leaving = null;
-            Debug.LogWarning(
-                $"trouble: {scene.name} has no GymManager with the Env Name {envName}: Python has lost it");
-            Leave();
-        }
-
-        // The one that is being loaded is the last one.
-        private static bool Loads() => !SceneManager.GetSceneAt(SceneManager.sceneCount - 1).isLoaded;
+        /// <summary>No other one goes on with its connection.</summary>
+        internal void Leave() => base.OnDisable();
     }
 }

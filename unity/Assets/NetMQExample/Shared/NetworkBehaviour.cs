@@ -36,6 +36,9 @@ namespace NetMQExample
         /// before drops it.</summary>
         protected bool Waiting => run != null && run.ForUpdate.Count > 0;
 
+        /// <summary>Whether it has no thread, or one that was told to end.</summary>
+        protected bool Ending => run == null || run.Stop.IsCancellationRequested;
+
         /// <summary>The lesson, on the network thread. What it throws is logged as the reason for giving up.</summary>
         /// <param name="stop">Cancelled when the component is disabled. Look at least every 50 ms.</param>
         protected abstract void Talk(CancellationToken stop);
