@@ -322,7 +322,7 @@ def test_a_scene_without_a_view_says_what_to_add(make, monkeypatch):
     env.reset()
     env.step(1)
     with pytest.raises(
-        TimeoutError, match=r"^no view came to tcp://127.*: add a ViewRecorder with this Endpoint to the"
+        TimeoutError, match=r"^no view came to tcp://127.*: add a ViewRecorder with this Endpoint, and a camera, to the"
     ):
         env.begin_render()
 

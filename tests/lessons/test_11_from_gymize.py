@@ -171,7 +171,7 @@ def race(scene):
     pytest.importorskip("PIL", reason="the agent sees a PNG file")
     made = []
 
-    def race(*how):
+    def race(*how, **shown):
         endpoint = steady_endpoint()
         player = scene(endpoint, *how, name="Racer")
         env = gymnasium.make(
@@ -186,6 +186,7 @@ def race(scene):
                 track=spaces.Graph(spaces.Box(0, 9, (2,)), spaces.Box(0, 9, (1,))),
                 eye=spaces.Box(0, 255, (1, 2, 3), np.uint8),
             ),
+            **shown,
             action_space=spaces.Dict(speed=spaces.Box(-1, 1, (1,)), arr=spaces.Tuple([spaces.Discrete(3)])),
         )
         made.append(env)
@@ -221,6 +222,26 @@ def test_the_class_of_gymizes_readme_runs_as_it_stands(race):
     late = "trouble: agent 'agent' called Terminate between two steps, such as in its Update: from now on each step"
     assert player.output.count(late) == player.output.count("trouble: ") == 1
     assert player.output.count("asking ") == 1, "one connection for all scenes"
+
+
+@pytest.mark.parametrize("first", ["begin", "reset"])
+def test_a_film_goes_on_over_the_scenes(race, first):
+    views = steady_endpoint()
+    env, _ = race(views, render_mode="rgb_array_list", view_endpoint=views)
+    if first == "begin":
+        env.unwrapped.begin_render()
+    pictures = 0
+    for episode in range(4):
+        env.reset(seed=episode)
+        if episode == 0 and first == "reset":
+            env.unwrapped.begin_render()
+        pictures += 1
+        for _ in range(3):
+            env.step(DRIVE)
+            pictures += 1
+    seen = env.render()
+    assert {picture.shape for picture in seen} == {(24, 32, 3)}
+    assert len(seen) == pictures
 
 
 def test_a_scene_without_a_manager_is_said_and_lost_at_once(race):

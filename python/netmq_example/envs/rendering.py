@@ -201,7 +201,8 @@ class Renderer:
             return views
         except TimeoutError:
             at = self.films.game.endpoint
-            raise TimeoutError(f"no view came to {at}: add a ViewRecorder with this Endpoint to the scene") from None
+            cure = "add a ViewRecorder with this Endpoint, and a camera, to the scene"
+            raise TimeoutError(f"no view came to {at}: {cure}") from None
 
     def names(self, there: Mapping[str, Any]) -> dict[str, str]:
         """What the game calls the views."""

@@ -256,6 +256,9 @@ class Films:
                 self.report(f"trouble: the game is gone; {film}")
         for id in list(self.waiting):
             self.answer(id, Lost("the game is gone"))
+        # What was asked of it is not for the next one.
+        while not self.requests.empty():
+            self.requests.get()
 
 
 def a_view(name: Any) -> str:

@@ -19,6 +19,7 @@ from typing import Any
 from netmq_example import check
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.video.film_writer import new_path, open_film
+from netmq_example.video.game import Lost
 
 
 def free_path(view: str) -> Path:
@@ -120,7 +121,9 @@ class ViewFilm:
         self.came.clear()
 
     def picture(self, timeout: float) -> Any:
-        """The newest; the first one is waited for."""
+        """The newest; the first one is waited for. Lost: the game is gone, and another one may be there."""
+        if self.came.wait(timeout) and self.over:
+            raise Lost("the game is gone")
         if not self.came.wait(timeout) or self.newest is None:
             raise TimeoutError(f"no picture of {self.view} within {timeout:g} s; is the game paused, or gone?")
         return self.newest.copy()

@@ -2,7 +2,7 @@
 // classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
 //     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone | env]
-//     dotnet checks.dll scene Racer ENDPOINT [lost]
+//     dotnet checks.dll scene Racer ENDPOINT [lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
 //     dotnet checks.dll scene Weather ENDPOINT
@@ -36,7 +36,16 @@ namespace NetMQExample.Tests
                     Inspector.Set(manager, "endpoint", endpoint);
                     Inspector.Set(manager, "envName", "Racer");
                     // The second scene has none.
-                    manager[0].enabled = name == "Racer" && (how.Length == 0 || made++ == 0);
+                    manager[0].enabled = name == "Racer" && (how.FirstOrDefault() != "lost" || made++ == 0);
+                    if (how.Length > 0 && how[0] != "lost")
+                    {
+                        var eye = new GameObject("eye").AddComponent<Camera>();
+                        eye.tag = "MainCamera";
+                        var recorder = new MonoBehaviour[] { thing.AddComponent<ViewRecorder>() };
+                        Inspector.Set(recorder, "endpoint", how[0]);
+                        Inspector.Set(recorder, "width", "32");
+                        Inspector.Set(recorder, "height", "24");
+                    }
                     thing.SetActive(true);
                     return;
                 }

@@ -29,7 +29,11 @@ namespace NetMQExample.PlayTest
 
         public override void Observe(SpaceWriter seen) => seen.Add(one, two, one > 0 ? 2 : 1);
 
-        public override (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info) => (one, false, false);
+        public override (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info)
+        {
+            Quiet.Judged++;
+            return (one, false, false);
+        }
     }
 
     public sealed class QuietAreas : PythonAreas<QuietWorld> { }
@@ -57,12 +61,18 @@ namespace NetMQExample.PlayTest
             else seen.Add(right);
         }
 
-        public override (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info) =>
-            (left, false, false);
+        public override (double Reward, bool Terminated, bool Truncated) Judge(string agent, IDictionary<string, object> info)
+        {
+            Quiet.Judged++;
+            return (left, false, false);
+        }
     }
 
     internal static class Quiet
     {
+        // How often Python has stepped.
+        public static int Judged;
+
         public static int Run(string what)
         {
             var player = new Player(typeof(NetMQLifetime).Assembly);
@@ -82,15 +92,14 @@ namespace NetMQExample.PlayTest
                 scene.SetActive(true);
             });
             var cost = new FrameCost(100);
-            var begun = false;
-            // A frame counts once Python steps.
             while (!cost.Done && player.Errors == 0)
             {
+                var before = Judged;
                 cost.Begin();
                 player.Frame();
-                begun = begun || QualitySettings.vSyncCount == 0;
-                if (begun) cost.End();
-                else Thread.Sleep(1);
+                // A frame counts in which Python has stepped.
+                if (Judged > before) cost.End();
+                else if (before == 0) Thread.Sleep(1);
             }
             Console.WriteLine($"cost: {cost}");
             player.Stop();

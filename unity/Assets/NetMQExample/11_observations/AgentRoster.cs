@@ -15,6 +15,9 @@ namespace NetMQExample
         /// <summary>All that take part now.</summary>
         public static List<IAgent> All { get; } = new List<IAgent>();
 
+        /// <summary>Whether somebody waits for a name.</summary>
+        public static bool Unsettled => Waiting.Count > 0;
+
         /// <summary>An agent comes.</summary>
         public static void Join(IAgent agent)
         {

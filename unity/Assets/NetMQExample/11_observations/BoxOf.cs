@@ -89,7 +89,8 @@ namespace NetMQExample
             var name = (dtype ?? "").TrimStart('<', '>', '=', '|');
             if (Aliases.TryGetValue(name, out var own)) name = own;
             if (name == "" || Types.ContainsKey(name)) return name;
-            throw new MessageException("bad-dtype", $"dtype {dtype} is none of {string.Join(", ", Types.Keys)}");
+            throw new MessageException("bad-dtype", $"dtype {dtype} is none of {string.Join(", ", Types.Keys)}, "
+                + "and none that becomes one of them, such as short or uint32");
         }
 
         private static string Natural(Type type) => type.IsEnum ? "int64"

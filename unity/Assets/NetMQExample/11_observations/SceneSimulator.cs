@@ -122,7 +122,8 @@ namespace NetMQExample
         /// <inheritdoc/>
         public override bool NeedsFrame()
         {
-            var first = frameLeft;
+            // The holder of a name may be destroyed at the end of this frame, and another one has come for it.
+            var first = frameLeft || AgentRoster.Unsettled;
             frameLeft = false;
             var loads = Loads();
             if (loads) loading.Restart();
