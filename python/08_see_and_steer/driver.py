@@ -7,6 +7,7 @@ holds in sun and shadow, through JPEG, and for pictures of any size. How it stee
 It needs numpy. Your own camera's height, tilt and angle belong into the constants.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -31,9 +32,21 @@ def main_camera(seen: dict[str, Any]) -> Any:
 
 def as_action(told: Any) -> dict[str, Any]:
     """What a driver returns, three numbers or a dict with them and values of its own, as a message can have it."""
-    values = told if isinstance(told, dict) else dict(zip(("throttle", "brake", "steer"), told, strict=True))
+    if not isinstance(told, dict):
+        try:
+            throttle, brake, steer = told
+        except (TypeError, ValueError):
+            raise ValueError(f"drive returns throttle, brake, steer, or a dict with them, not {told!r:.60}") from None
+        told = {"throttle": throttle, "brake": brake, "steer": steer}
+    lacking = [name for name in ("throttle", "brake", "steer") if isinstance(told.get(name), str | bool | None)]
+    if lacking:
+        raise ValueError(f"the dict that drive returns has no number {lacking[0]!r}")
     # A number may be numpy's or PyTorch's.
-    return {name: value if isinstance(value, str | bool) else float(value) for name, value in values.items()}
+    values = {name: value if isinstance(value, str | bool) else float(value) for name, value in told.items()}
+    for name, value in values.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ValueError(f"drive returns {name} {value}, which is not finite")
+    return values
 
 
 def is_road(pixels: Any) -> Any:

@@ -22,7 +22,9 @@ class ActionTuple:
         given: Any = next((part for part in (continuous, discrete) if part is not None), [[]])
         nothing = np.zeros((len(given), 0))
         self.continuous = np.asarray(nothing if continuous is None else continuous, np.float32)
-        self.discrete = np.asarray(nothing if discrete is None else discrete, np.int32)
+        self.discrete = np.asarray(nothing if discrete is None else discrete).astype(np.int32)
+        if discrete is not None and not np.array_equal(self.discrete, discrete):
+            raise ValueError(f"discrete actions are whole numbers, not {discrete!r:.60}")
 
 
 class ActionSpec(NamedTuple):

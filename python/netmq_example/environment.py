@@ -103,14 +103,16 @@ class UnityEnvironment:
         )
 
     def get_steps(self, behavior_name: str) -> tuple[DecisionSteps, TerminalSteps]:
-        if behavior_name not in self.behavior_specs or self.now is None:
-            raise ValueError(f"reset, then ask for {self.name}, and not for {behavior_name!a:.40}")
+        self.check_name(behavior_name)
+        if self.now is None:
+            raise ValueError("call reset before get_steps")
         nobody = TerminalSteps(
             [seen[:0] for seen in self.now.obs], np.array([], np.float32), np.array([], int), np.array([], bool)
         )
         return self.now, self.over or nobody
 
     def set_actions(self, behavior_name: str, action: Any) -> None:
+        self.check_name(behavior_name)
         if not isinstance(action, ActionTuple):
             # An array, as early in 2020.
             action = ActionTuple(action) if self.actions.continuous_size else ActionTuple(discrete=action)
@@ -121,6 +123,10 @@ class UnityEnvironment:
                 f"an action is {wanted.continuous.shape} floats, {wanted.discrete.shape} integers, not {got}"
             )
         self.action = action
+
+    def check_name(self, behavior_name: str) -> None:
+        if behavior_name not in self.behavior_specs:
+            raise ValueError(f"there is no behavior {behavior_name!a:.40}; there is: {self.name}")
 
     def get_behavior_names(self) -> list[str]:
         return [self.name]

@@ -200,8 +200,9 @@ def race(scene):
 DRIVE = {"speed": np.ones(1, np.float32), "arr": (1,)}
 
 
-def test_the_class_of_gymizes_readme_runs_as_it_stands(race):
-    env, player = race()
+@pytest.mark.parametrize("how", [[], ["first"]], ids=["agent first", "manager first"])
+def test_the_class_of_gymizes_readme_runs_as_it_stands(race, how):
+    env, player = race(*how)
     loads = []
     for episode in range(4):
         seen, info = env.reset(seed=episode)

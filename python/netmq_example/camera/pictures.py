@@ -20,7 +20,7 @@ from netmq_example.errors import GaveUp
 from netmq_example.messages import LIMIT, Array, Message, MessageError
 
 try:
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
     # Its parts for the usual formats. At the first picture they would take long enough to make actions old.
     Image.preinit()
@@ -120,11 +120,14 @@ def pixels_of(file: bytes, formats: list[str], grey: bool = False) -> Any:
     try:
         with Image.open(io.BytesIO(file), formats=formats) as image:
             # Its size is known before it is decoded: a small file can claim to be an enormous picture.
+            if image.mode.startswith("I"):
+                raise ValueError("it has 16 bits for each number, and 8 are read")
             if image.width * image.height * 3 <= LIMIT:
                 return np.asarray(image.convert("L" if grey and image.mode in ("1", "L", "LA") else "RGB"))
     # Pillow raises whatever its decoders meet.
     except Exception as error:
-        raise MessageError("bad-jpeg", f"this is no {names} picture: {error!s:.60}") from None
+        why = "it begins otherwise" if isinstance(error, UnidentifiedImageError) else f"{error!s:.60}"
+        raise MessageError("bad-jpeg", f"this is no {names} picture: {why}") from None
     raise MessageError("too-big", f"a {names} picture of {image.width} x {image.height} pixels is over the limit")
 
 

@@ -80,7 +80,7 @@ class FleetSocket:
         """Which episodes wait for a simulator, in place of one that was lost: whenever there are more or fewer."""
         if missing > self.missing:
             print(f"{missing} of {self.areas} episodes wait for a simulator: start one, if none comes", flush=True)
-        elif missing < self.missing:
+        elif self.missing and not missing:
             print("each episode has a simulator again", flush=True)
         self.missing = missing
 

@@ -2,7 +2,7 @@
 // classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
 //     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone | env]
-//     dotnet checks.dll scene Racer ENDPOINT [lost | VIEW_ENDPOINT]
+//     dotnet checks.dll scene Racer ENDPOINT [first | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
 //     dotnet checks.dll scene Weather ENDPOINT
@@ -31,13 +31,16 @@ namespace NetMQExample.Tests
                 thing.SetActive(false);
                 if (name == "Racer" || name == "Faller")
                 {
+                    // Nothing says whose Update comes first.
+                    var manager = new MonoBehaviour[1];
+                    if (how.FirstOrDefault() == "first") manager[0] = thing.AddComponent<GymManager>();
                     thing.AddComponent(name == "Racer" ? typeof(Racer) : typeof(Faller));
-                    var manager = new MonoBehaviour[] { thing.AddComponent<GymManager>() };
+                    manager[0] ??= thing.AddComponent<GymManager>();
                     Inspector.Set(manager, "endpoint", endpoint);
                     Inspector.Set(manager, "envName", "Racer");
                     // The second scene has none.
                     manager[0].enabled = name == "Racer" && (how.FirstOrDefault() != "lost" || made++ == 0);
-                    if (how.Length > 0 && how[0] != "lost")
+                    if (how.Length > 0 && how[0].StartsWith("tcp", StringComparison.Ordinal))
                     {
                         var eye = new GameObject("eye").AddComponent<Camera>();
                         eye.tag = "MainCamera";

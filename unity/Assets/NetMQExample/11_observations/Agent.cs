@@ -25,7 +25,6 @@ namespace NetMQExample
         [SerializeField, Min(1), Tooltip("How many ticks one of its steps takes")] private int stepPeriod = 1;
 
         private AgentState state;
-        private long seed;
 
         /// <summary>All that take part now. For the main thread.</summary>
         public static List<IAgent> All => AgentRoster.All;
@@ -36,9 +35,11 @@ namespace NetMQExample
             get => agentName;
             set
             {
+                var before = state;
                 agentName = value;
                 state = null;
                 if (AgentRoster.Leave(this)) Join();
+                if (before != null) state?.GoOnFrom(before, false);
             }
         }
 
@@ -112,7 +113,7 @@ namespace NetMQExample
             if (State.Over)
             {
                 Debug.Log(FormattableString.Invariant($"by hand: {Name} has ended, return {State.Reward:F1}"));
-                State.Begin(new Chance(++seed), State.Options);
+                State.Begin(new Chance(Time.frameCount), State.Options);
                 OnReset();
             }
             OnTick(Time.fixedDeltaTime);

@@ -153,15 +153,17 @@ namespace NetMQExample
             Late = null;
         }
 
-        // In the same episode there is another one of this name: its scene was loaded anew.
-        internal void GoOnFrom(AgentState before)
+        // In the same episode there is another one of this name: its scene was loaded anew. In one that has just begun
+        // rewards and ends of the one before are of the episode that is over.
+        internal void GoOnFrom(AgentState before, bool begun)
         {
             Chance = before.Chance;
             Options = before.Options;
+            infos.InsertRange(0, before.infos);
+            if (begun) return;
             reward += before.reward;
             terminated |= before.terminated;
             truncated |= before.truncated;
-            infos.InsertRange(0, before.infos);
             Late ??= before.Late;
         }
 

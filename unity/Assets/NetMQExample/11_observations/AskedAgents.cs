@@ -23,8 +23,13 @@ namespace NetMQExample
         /// <summary>Who was there when they were looked for, or null.</summary>
         public List<IAgent> Present { get; } = new List<IAgent>();
 
-        /// <summary>Whether all are there now.</summary>
-        public bool AllThere => Names.TrueForAll(name => There(name) != null);
+        /// <summary>Whether all are there now that a request is for.</summary>
+        public bool AreThere(StepRequest request)
+        {
+            for (var row = 0; row < Names.Count; row++)
+                if (request.OrderOf(row) != Order.Nothing && There(Names[row]) == null) return false;
+            return true;
+        }
 
         /// <summary>From now on it is these. Who is not there may come by an OnReset.</summary>
         /// <exception cref="MessageException">Two agents have one name.</exception>
@@ -38,16 +43,18 @@ namespace NetMQExample
 
         /// <summary>Looks for them. Another agent of a name, such as that of a scene that was loaded, goes on with the
         /// episode of the one before.</summary>
-        public void Recognize()
+        public void Recognize(StepRequest request)
         {
             Present.Clear();
-            foreach (var name in Names)
+            for (var row = 0; row < Names.Count; row++)
             {
-                var agent = There(name);
+                var agent = There(Names[row]);
                 Present.Add(agent);
                 if (agent == null) continue;
-                if (last.TryGetValue(name, out var before) && before != agent) agent.State.GoOnFrom(before.State);
-                last[name] = agent;
+                var before = Last(row);
+                if (before != null && before != agent)
+                    agent.State.GoOnFrom(before.State, request.OrderOf(row) == Order.Reset);
+                last[Names[row]] = agent;
             }
         }
 

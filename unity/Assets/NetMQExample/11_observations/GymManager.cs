@@ -20,9 +20,6 @@ namespace NetMQExample
         /// <summary>The one of this scene, if there is one.</summary>
         public static GymManager Current { get; private set; }
 
-        /// <summary>The env_name in Python.</summary>
-        internal string EnvName => envName;
-
         /// <summary>Whether Python steps the agents, or will: else they play by the clock.</summary>
         internal static bool Steps => Current != null && Current.isActiveAndEnabled;
 
@@ -39,25 +36,32 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Begin()
         {
-            var before = SceneChange.Take();
             Current = this;
-            if (!(before is null) && before.envName == envName && before.endpoint == endpoint && GoOnWith(before))
+            var before = SceneChange.Take(endpoint, envName);
+            if (!(before is null) && GoOnWith(before))
             {
                 Simulator = before.Simulator;
+                Simulator.ForgetListeners();
+                GymEnv.Simulator = Simulator;
                 return;
             }
-            before?.Leave();
             Simulator = new SceneSimulator(
                 envName, dt, Agent.All, SensorComponent.All, () => Physics.Simulate((float)dt))
             { Loads = SceneChange.Loads, Warn = Debug.LogWarning, Exists = agent => (Agent)agent != null };
             GymEnv.Simulator = Simulator;
-            base.Begin();
+            Enter();
         }
+
+        /// <summary>A connection begins. A scene that is loaded while Python steps goes on with the one before.</summary>
+        protected virtual void Enter() => base.Begin();
+
+        /// <summary>The connection ends.</summary>
+        protected virtual void Leave() => base.OnDisable();
 
         /// <inheritdoc/>
         protected override void OnDisable()
         {
-            if (!Ending && (Simulator.Loading || SceneChange.Loads())) SceneChange.Leave(this);
+            if (!Ending && (Simulator.Loading || SceneChange.Loads())) SceneChange.Leave(this, endpoint, envName, Leave);
             else Leave();
         }
 
@@ -67,8 +71,5 @@ namespace NetMQExample
             AgentRoster.Settle(Agent.Refuse);
             base.Update();
         }
-
-        /// <summary>No other one goes on with its connection.</summary>
-        internal void Leave() => base.OnDisable();
     }
 }

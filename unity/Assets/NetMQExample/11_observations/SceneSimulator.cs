@@ -15,8 +15,8 @@ namespace NetMQExample
     /// <summary>Answers reset, step and info; lesson 09's EnvironmentClient brings it to Python.</summary>
     public sealed class SceneSimulator : SimulatorBase
     {
-        // How long after a change of scenes its agents may come.
-        private static readonly TimeSpan MostLoading = TimeSpan.FromSeconds(10);
+        // How long a scene may load and its agents may come: Python waits for 10 s as a rule.
+        private static readonly TimeSpan MostLoading = TimeSpan.FromSeconds(8);
 
         private readonly double dt;
         private readonly IReadOnlyList<IAgent> agents;
@@ -25,11 +25,14 @@ namespace NetMQExample
         private readonly List<object> infos = new List<object>();
         private readonly List<Source> seen = new List<Source>();
         private readonly Dictionary<string, object> info = new Dictionary<string, object>();
-        private readonly Stopwatch loading = new Stopwatch();
+        private readonly Stopwatch since = new Stopwatch();
         private readonly AskedAgents asked;
         private Dictionary<string, object> options = new Dictionary<string, object>();
         // An agent judges in its Update: then each step needs a frame.
         private bool framed, frameLeft;
+        // A scene was being loaded before this request, and since then.
+        private bool loadedBefore;
+        private StepRequest current;
 
         /// <summary>Of the agents that are in the list when Python asks: they may come and go.</summary>
         /// <param name="name">The env_name in Python.</param>
@@ -58,13 +61,16 @@ namespace NetMQExample
         public Func<IAgent, bool> Exists { get; set; } = agent => true;
 
         /// <summary>Whether it waits for the agents of a scene that was loaded.</summary>
-        internal bool Loading => Waiting && loading.IsRunning;
+        internal bool Loading { get; private set; }
 
         /// <summary>Called with a line that a person should read.</summary>
         public Action<string> Warn { get; set; } = line => { };
 
         /// <summary>Hears what Python sends to the environment itself.</summary>
         public event Action<object> OnInfo;
+
+        /// <summary>The scene of those who heard is left.</summary>
+        internal void ForgetListeners() => OnInfo = null;
 
         /// <summary>Tells Python something of the environment itself, with the next answer.</summary>
         /// <exception cref="MessageException">It has no place in a message.</exception>
@@ -107,6 +113,11 @@ namespace NetMQExample
             if (request.Count != asked.Count)
                 throw new MessageException("wrong-agents",
                     $"{request.Count} rows, but {asked.Count} agents were asked for");
+            current = request;
+            since.Restart();
+            Loading = false;
+            // One that is only kept ready is none to wait for, unless an OnReset wants it.
+            loadedBefore = Loads() && !request.Has(Order.Reset);
             Recognize();
             AgentState.Inside = true;
             try
@@ -116,7 +127,6 @@ namespace NetMQExample
             }
             finally { AgentState.Inside = false; }
             frameLeft = framed && request.Has(Order.Step);
-            loading.Reset();
         }
 
         /// <inheritdoc/>
@@ -125,15 +135,17 @@ namespace NetMQExample
             // The holder of a name may be destroyed at the end of this frame, and another one has come for it.
             var first = frameLeft || AgentRoster.Unsettled;
             frameLeft = false;
-            var loads = Loads();
-            if (loads) loading.Restart();
-            return first || loads || (loading.IsRunning && loading.Elapsed < MostLoading && !asked.AllThere);
+            if (since.Elapsed > MostLoading) return false;
+            var loads = Loads() && !loadedBefore;
+            Loading |= loads;
+            return first || loads || (Loading && !asked.AreThere(current));
         }
 
         /// <inheritdoc/>
         public override void See(StepRequest request, StepAnswer answer)
         {
             Recognize();
+            Loading = false;
             for (var i = 0; i < asked.Count; i++)
             {
                 if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
@@ -156,8 +168,10 @@ namespace NetMQExample
 
         private void Recognize()
         {
-            asked.Recognize();
-            var late = framed ? null : asked.Present.Find(agent => agent?.State.Late != null)?.State;
+            asked.Recognize(current);
+            AgentState late = null;
+            for (var i = 0; i < asked.Count && !framed && late == null; i++)
+                if (current.OrderOf(i) == Order.Step && asked.Present[i]?.State.Late != null) late = asked.Present[i].State;
             if (late == null) return;
             framed = true;
             Warn($"trouble: agent '{late.Name}' called {late.Late} between two steps, such as in its Update: from now "
@@ -200,13 +214,14 @@ namespace NetMQExample
                 var agent = request.OrderOf(i) == Order.Step ? asked.Present[i] : null;
                 if (agent != null) acting.Add((agent, MessageTree.Read(request.Row(i))));
             }
-            foreach (var (agent, action) in acting) agent.OnAction(action);
+            // Each may switch others off.
+            foreach (var (agent, action) in acting) if (agents.Contains(agent)) agent.OnAction(action);
             var left = acting.Select(one => one.Agent.State.Period).DefaultIfEmpty().Max();
             // What comes after the end belongs to no step.
             for (; left > 0 && !acting.All(one => one.Agent.State.Over); left--)
             {
                 foreach (var agent in agents.ToArray())
-                    if (!agent.State.Over) agent.OnTick(dt);
+                    if (!agent.State.Over && agents.Contains(agent)) agent.OnTick(dt);
                 tick?.Invoke();
             }
             Steps++;
