@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import csv
 import importlib
+import math
 import shutil
 import sys
 
@@ -150,8 +151,15 @@ def test_what_a_driver_returns():
     assert driver.as_action([1, 0, np.float32(0.5)]) == {"throttle": 1, "brake": 0, "steer": 0.5}
     told = {"throttle": 1, "brake": 0, "steer": np.array(0.5), "text": "go", "lamp": True}
     assert driver.as_action(told) == told and type(driver.as_action(told)["steer"]) is float
-    for wrong in ((1, 0), None, {"throttle": None}):
-        with pytest.raises((ValueError, TypeError)):
+    three = {"throttle": 1, "brake": 0, "steer": 0}
+    for wrong, said in (
+        ((1, 0), "returns throttle, brake, steer"),
+        (None, "not None"),
+        ({"throttle": 1, "steer": 0}, "no number 'brake'"),
+        ({**three, "steer": "left"}, "no number 'steer'"),
+        ({**three, "zoom": math.nan}, "returns zoom nan, which is not finite"),
+    ):
+        with pytest.raises(ValueError, match=said):
             driver.as_action(wrong)
 
 

@@ -225,6 +225,15 @@ def test_the_class_of_gymizes_readme_runs_as_it_stands(race, how):
     assert player.output.count("asking ") == 1, "one connection for all scenes"
 
 
+def test_what_a_connection_needs_is_made_once_for_all_scenes(race):
+    env, player = race("channels")
+    for episode in range(3):
+        env.reset(seed=episode)
+    env.close()
+    player.wait_for("^leaves$")
+    assert player.lines.count("enters") == player.lines.count("leaves") == 1
+
+
 @pytest.mark.parametrize("first", ["begin", "reset"])
 def test_a_film_goes_on_over_the_scenes(race, first):
     views = steady_endpoint()

@@ -104,7 +104,9 @@ def test_a_picture_that_is_a_file_arrives_as_its_pixels():
         file = io.BytesIO()
         made.save(file, kind)
         assert equal(trees.read(tree('{"image":"bytes"}', trees.sized(file.getvalue()))), expected)
-    for file in (b"GIF89a", b"\x89PNG", b"\xff\xd8"):
+    deep = io.BytesIO()
+    image.fromarray(np.full((2, 2), 30_000, np.uint16)).save(deep, "PNG")
+    for file in (deep.getvalue(), b"GIF89a", b"\x89PNG", b"\xff\xd8"):
         with pytest.raises(MessageError, match="bad-jpeg: this is no JPEG or PNG picture"):
             trees.read(tree('{"image":"bytes"}', trees.sized(file)))
 

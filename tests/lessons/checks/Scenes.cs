@@ -2,7 +2,7 @@
 // classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
 //     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone | env]
-//     dotnet checks.dll scene Racer ENDPOINT [first | lost | VIEW_ENDPOINT]
+//     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
 //     dotnet checks.dll scene Weather ENDPOINT
@@ -35,7 +35,7 @@ namespace NetMQExample.Tests
                     var manager = new MonoBehaviour[1];
                     if (how.FirstOrDefault() == "first") manager[0] = thing.AddComponent<GymManager>();
                     thing.AddComponent(name == "Racer" ? typeof(Racer) : typeof(Faller));
-                    manager[0] ??= thing.AddComponent<GymManager>();
+                    manager[0] ??= how.FirstOrDefault() == "channels" ? thing.AddComponent<Channels>() : thing.AddComponent<GymManager>();
                     Inspector.Set(manager, "endpoint", endpoint);
                     Inspector.Set(manager, "envName", "Racer");
                     // The second scene has none.
@@ -155,6 +155,21 @@ namespace NetMQExample.Tests
             else GymEnv.Truncate("agent");
             try { GymEnv.AddReward("nobody", 1); }
             catch (MessageException e) { Debug.Log(e.Message); }
+        }
+    }
+
+    internal sealed class Channels : GymManager
+    {
+        protected override void Enter()
+        {
+            Debug.Log("enters");
+            base.Enter();
+        }
+
+        protected override void Leave()
+        {
+            base.Leave();
+            Debug.Log("leaves");
         }
     }
 

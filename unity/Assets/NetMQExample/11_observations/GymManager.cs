@@ -52,7 +52,8 @@ namespace NetMQExample
             Enter();
         }
 
-        /// <summary>A connection begins. A scene that is loaded while Python steps goes on with the one before.</summary>
+        /// <summary>A connection begins. A scene that is loaded while Python steps goes on with the one before.
+        /// </summary>
         protected virtual void Enter() => base.Begin();
 
         /// <summary>The connection ends.</summary>
@@ -61,7 +62,8 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void OnDisable()
         {
-            if (!Ending && (Simulator.Loading || SceneChange.Loads())) SceneChange.Leave(this, endpoint, envName, Leave);
+            var changes = !Ending && (Simulator.Loading || SceneChange.Loads());
+            if (changes) SceneChange.Leave(this, endpoint, envName, Leave);
             else Leave();
         }
 

@@ -169,13 +169,12 @@ namespace NetMQExample
         private void Recognize()
         {
             asked.Recognize(current);
-            AgentState late = null;
-            for (var i = 0; i < asked.Count && !framed && late == null; i++)
-                if (current.OrderOf(i) == Order.Step && asked.Present[i]?.State.Late != null) late = asked.Present[i].State;
-            if (late == null) return;
+            var late = framed ? -1 : asked.Present.FindIndex(agent => agent?.State.Late != null);
+            if (late < 0 || current.OrderOf(late) != Order.Step) return;
             framed = true;
-            Warn($"trouble: agent '{late.Name}' called {late.Late} between two steps, such as in its Update: from now "
-                + "on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
+            var what = asked.Present[late].State.Late;
+            Warn($"trouble: agent '{asked.Names[late]}' called {what} between two steps, such as in its Update: from "
+                + "now on each step waits for a frame; in OnAction or OnTick it belongs to its step, at full speed");
         }
 
         private void Reset(StepRequest request)
