@@ -24,7 +24,12 @@ if sys.version_info < (3, 11):
         " and then open a new terminal" % sys.version_info[:2]
     )
 
+import os
 import signal
+
+# Where PYTHONSAFEPATH is set, a program's own folder is not on the path.
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+os.environ.pop("PYTHONSAFEPATH", None)
 
 if __name__ == "__main__" and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
     # Until main() takes over nothing is there to be cleared up, and a Ctrl-C would only show a traceback.

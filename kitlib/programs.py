@@ -150,11 +150,12 @@ class Result:
         return self.code == 0
 
     def first(self, *words: str) -> str:
-        """The first printed line with one of the words, or the last line."""
-        lines = [line.strip() for line in self.output.splitlines() if line.strip()]
-        return next(
-            (line for line in lines if any(word in line for word in words)), lines[-1] if lines else "no output"
-        )
+        """The first printed line with one of the words, or the one that names what was raised, or the last."""
+        lines = [line.strip() for line in self.output.splitlines() if line.strip()] or ["no output"]
+        if any("Traceback (most recent call last)" in line for line in lines):
+            return lines[-1]
+        # .NET names it before the stack, and Python after.
+        return next((line for line in lines if any(word in line for word in (*words, "Exception"))), lines[-1])
 
 
 def quietly(

@@ -21,7 +21,7 @@ from typing import NoReturn
 
 from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, UsageError
 from kitlib.signals import interruptible
-from kitlib.terminal import coloured, nobody_reads
+from kitlib.terminal import coloured, nobody_reads, open_streams
 
 
 def main(about: str, names: Sequence[str], words: list[str]) -> int:
@@ -31,6 +31,7 @@ def main(about: str, names: Sequence[str], words: list[str]) -> int:
 
 def guarded(work: Callable[[], int]) -> int:
     """The exit code of this work, or of what ended it: one line for what a user can mend."""
+    open_streams()
     # A legacy console code page must not turn a printed line into a traceback; and in a pipe every system gets UTF-8.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

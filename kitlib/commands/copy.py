@@ -10,8 +10,8 @@ from pathlib import Path
 from kitlib import imports, lessons
 from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, UsageError, find
 from kitlib.setup import python_setup
-from kitlib.terminal import say
-from kitlib.unity.install import code, command, digest, place, without_unity
+from kitlib.terminal import command, say
+from kitlib.unity.install import code, digest, place, without_unity
 
 ABOUT = (
     "Copies a lesson's Python programs and just those modules of netmq_example that they import into a folder of yours,"

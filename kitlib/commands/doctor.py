@@ -15,8 +15,7 @@ from pathlib import Path
 from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, Lesson, find, lessons, writable
 from kitlib.programs import quietly
 from kitlib.setup import dotnet, python_setup
-from kitlib.terminal import coloured
-from kitlib.unity.install import command
+from kitlib.terminal import coloured, command
 
 ABOUT = "Shows what is on this machine and what is missing, each missing thing with its cure."
 EXAMPLES = ["doctor"]
@@ -43,7 +42,7 @@ def rows(python: Path | None) -> Iterator[Row]:
         yield False, "pyzmq", f"missing; `{KIT} run 1` installs it, or says what to run"
     else:
         code = "import zmq; print(zmq.__version__, 'with libzmq', zmq.zmq_version())"
-        yield True, "pyzmq", f"{quietly([python, '-c', code], 20).output.strip()} ({python})"
+        yield True, "pyzmq", f"{quietly([*python_setup.alone(python), '-c', code], 20).output.strip()} ({python})"
         yield from package_rows(python)
         for lesson in lessons():
             yield from optional_rows(python, lesson)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import shutil
 import sys
@@ -89,31 +88,32 @@ def wheels(folder: Path, system: str, version: str) -> None:
     needs += ["colorama"] if system == "windows" else []
     own = python_setup.venv_python()
     tags = [word for tag in SYSTEMS[system] for word in ("--platform", tag)]
-    command: list[str | Path] = [
-        own if own.exists() else Path(sys.executable),
-        "-m",
-        "pip",
-        "download",
-        "--quiet",
-        "--dest",
-        folder,
-    ]
+    command = [*python_setup.alone(own if own.exists() else sys.executable), "-m", "pip", "download"]
+    command += ["--quiet", "--dest", folder]
     command += ["--disable-pip-version-check", "--only-binary=:all:", "--python-version", version, *tags, *needs]
-    result = step(f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version}", command, 600)
+    result = step(
+        f"fetching {', '.join(map(python_setup.name, needs))} for {system}, Python {version}",
+        command,
+        600,
+        python_setup.ELSEWHERE,
+    )
     if not result.ok:
         raise KitError(f"pip could not fetch them for {system}, Python {version}: {result.first('ERROR', 'No module')}")
 
 
 def nuget(folder: Path) -> None:
     """What a restore of the C# client takes from NuGet, NetMQ and all that comes with it."""
-    store = Path(os.environ.get("NUGET_PACKAGES") or Path.home() / ".nuget" / "packages")
+    store = dotnet.nuget_folder()
     # A source that is not there is an error.
     store.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as fetched:
         properties = dotnet.NetMQ("").properties
         command: list[str | Path] = ["dotnet", "restore", dotnet.CONSOLE, *properties, "--packages", fetched]
         # What this machine has already need not come over the net again.
-        command += [f"-p:RestoreAdditionalProjectSources={store}", f"-p:ArtifactsPath={Path(fetched) / 'made'}"]
+        command += [
+            f"-p:RestoreAdditionalProjectSources={dotnet.escaped(store)}",
+            f"-p:ArtifactsPath={dotnet.escaped(Path(fetched, 'made'))}",
+        ]
         result = step("fetching NetMQ from NuGet", command, dotnet.TIMEOUT, dotnet.ENVIRONMENT)
         if not result.ok:
             raise KitError(f"{dotnet.refusal(result)}: {folder} has no C# client")

@@ -88,14 +88,16 @@ def client_command(kind: str | None, lesson: Lesson, python: Path | None = None)
     if kind == "python":
         return [str(python or python_setup.interpreter(lesson.key)), str(lesson.python / "client.py")]
     try:
-        netmq = dotnet.find_netmq()
+        built = dotnet.build(dotnet.find_netmq())
+    except dotnet.DoesNotCompile:
+        raise
     except KitError as error:
         if kind:
             raise KitError(f"{error}; `--client python` runs without it") from None
         say(f"{error}; running the Python client instead")
         return client_command("python", lesson, python)
     unity = ["--unity"] if kind == "unity" else []
-    return ["dotnet", str(dotnet.build(netmq)), lesson.key, *unity]
+    return ["dotnet", str(built), lesson.key, *unity]
 
 
 def run(

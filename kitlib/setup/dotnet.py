@@ -39,6 +39,9 @@ ENVIRONMENT = {
     "NUGET_ENHANCED_MAX_NETWORK_TRY_COUNT": "2",
     "NUGET_ENHANCED_NETWORK_RETRY_DELAY_MILLISECONDS": "200",
 }
+# In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
+if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
+    ENVIRONMENT["HOME"] = str(BUILD / "home")
 KNOWN = "Update, OnEnable, Time, Transform, Debug.Log; no keys, physics or UI. Name all files whose classes it uses"
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes:"
 # What NuGet says when it does not hold a package, or not this version of it, or cannot be reached at all.
@@ -58,6 +61,10 @@ if sys.platform in PLACES and PLACES[sys.platform].exists() and not shutil.which
 
 class NoNetMQ(KitError):
     """There is no C# client, at the moment: the Python client runs."""
+
+
+class DoesNotCompile(KitError):
+    """Somebody has changed a C# file: another client would hide it."""
 
 
 @functools.cache
@@ -81,9 +88,20 @@ class NetMQ:
     @property
     def properties(self) -> list[str]:
         # Without NuGet its list of vulnerable packages cannot be had either, and asking for it takes long.
-        brought = ["-p:NuGetAudit=false", f"-p:RestoreSources={self.folder}"] if self.folder else []
+        brought = ["-p:NuGetAudit=false", f"-p:RestoreSources={escaped(self.folder)}"] if self.folder else []
         # One process: the few projects are worth less work than MSBuild's start in a second one.
         return ["-m:1", *brought]
+
+
+def escaped(value: str | Path) -> str:
+    """A path as the value of a property: some signs, such as what separates values, mean something to MSBuild."""
+    return re.sub("[%$@'();,?*]", lambda sign: f"%{ord(sign[0]):02X}", str(value))
+
+
+def nuget_folder() -> Path:
+    """NuGet's store on this machine."""
+    chosen = os.environ.get("NUGET_PACKAGES")
+    return Path(chosen) if chosen else Path(ENVIRONMENT.get("HOME") or Path.home(), ".nuget", "packages")
 
 
 def restore(netmq: NetMQ) -> Result:
@@ -95,6 +113,8 @@ def find_netmq(ask_again: bool = False) -> NetMQ:
     """From the folder of packages, or from NuGet; NoNetMQ says why not."""
     if not sdk():
         raise NoNetMQ(DOWNLOAD)
+    if sign := re.search("%[0-9A-Fa-f]{2}", str(ROOT)):
+        raise NoNetMQ(f"MSBuild takes {sign[0]} in {ROOT} for another sign: rename the folder")
     memory = BUILD / "netmq.json"
     settings = sorted(f"{key}={value}" for key, value in os.environ.items() if key.upper().startswith("NUGET"))
     targets = (ROOT / "Directory.Build.targets").read_text(encoding="utf-8")
@@ -180,13 +200,14 @@ def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Pa
         # What a reader's scripts refer to was built with the console, a moment ago.
         no_references = ["-p:BuildProjectReferences=false"] if own else []
         words = [*netmq.properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
-        # MSBuild takes a variable for a property; on its command line a semicolon would end it. A name is escaped.
+        # MSBuild takes a variable for a property; on its command line a semicolon would end it.
         kit = taken_from_the_kit(own)
-        names = [str(path).replace("%", "%25").replace(";", "%3B") for path in own if path not in kit]
+        names = [escaped(path) for path in own if path not in kit]
         environment = {**ENVIRONMENT, "OwnScripts": ";".join(names), "KitScripts": ";".join(path.stem for path in kit)}
         result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment)
         if not result.ok:
-            raise KitError(own_failure(result) if own else failure(result))
+            broken = DoesNotCompile if "error CS" in result.output else KitError
+            raise broken(own_failure(result) if own else failure(result))
         keep(stamp, json.dumps({"sources": now}))
     return dll
 
@@ -213,6 +234,8 @@ def failure(result: Result) -> str:
         return "the C# build cannot replace a file that is in use: end the client that still runs"
     if "error NU1301" in result.output:
         return "the C# build needs NuGet, which cannot be reached: try again with internet"
+    if "error CS" not in result.output:
+        return f"the C# build failed ({result.first(' error ')}); delete the folder {BUILD} and try again"
     return f"the C# build failed; delete the folder {BUILD} if nobody has changed a file:\n{result.output.strip()}"
 
 

@@ -20,7 +20,7 @@ from typing import Any
 from kitlib import imports
 from kitlib.lessons import KIT, PACKAGES, ROOT, UNWRITABLE, KitError, Lesson, keep, recall, writable
 from kitlib.programs import Result, quietly, step
-from kitlib.terminal import say
+from kitlib.terminal import command, say
 
 VENV = ROOT / ".venv"
 BUILD = ROOT / ".build"
@@ -42,6 +42,9 @@ IMPORTS = {
 NOTHING = ("Could not find a version", "No matching distribution", "Max retries")
 # What nobody gets unasked: it is large, not there for every system, and a lesson does most of its work without it.
 LARGE = ("body", "ray", "sb3")
+# Settings of a user's for pip that would fill another folder, or none. To pip an empty one is not there.
+ELSEWHERE = {"PIP_USER": "0", "PIP_DRY_RUN": "0", "PIP_REQUIRE_HASHES": "0"}
+ELSEWHERE |= dict.fromkeys(("PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_PYTHON"), "")
 # The distribution's package, where it is not simply python3- and the name on PyPI.
 DEBIAN = {
     "pyzmq": "python3-zmq",
@@ -129,10 +132,22 @@ print("lacks:", *[each[0] for each in {needs!r} if lacks(*each)] if sys.version_
 """
 
 
+def alone(python: Path | str) -> list[str | Path]:
+    """The words that start it, to be asked for what a lesson will find: nothing of the current folder, and .venv's own."""
+    return [python, *(["-I", "-X", "utf8"] if Path(python) == venv_python() else ["-P"])]
+
+
+def chosen(python: Path) -> Path:
+    """The lessons will run with it. Before .venv's own packages would come those of a PYTHONPATH, such as ROS sets."""
+    for variable in ("PYTHONPATH", "PYTHONHOME") if python == venv_python() else ():
+        os.environ.pop(variable, None)
+    return python
+
+
 def lacking(python: Path | str, requirements: list[str]) -> list[str]:
     """The packages that this interpreter lacks, or has in a version that does not fit."""
     needs = [(name(need), module(name(need)), re.findall(r"(>=|<)([\d.]+)", need)) for need in requirements]
-    result = quietly([python, "-c", LACKING.replace("{needs!r}", repr(needs))], limit=60)
+    result = quietly([*alone(python), "-c", LACKING.replace("{needs!r}", repr(needs))], limit=60)
     # A package may print something of its own when it is imported.
     said = re.search(r"^lacks:(.*)", result.output, re.MULTILINE)
     return said[1].split() if said else [name(need) for need in requirements]
@@ -147,7 +162,7 @@ def not_found(python: Path, packages: list[str]) -> list[str]:
     """Those that this interpreter has nothing of. To import some, such as MediaPipe, would take seconds."""
     modules = {package: module(package) for package in packages}
     code = "import importlib.util, sys; print(*filter(importlib.util.find_spec, sys.argv[1:]))"
-    there = quietly([python, "-c", code, *modules.values()], limit=60).output.split()
+    there = quietly([*alone(python), "-c", code, *modules.values()], limit=60).output.split()
     return [package for package in packages if modules[package] not in there]
 
 
@@ -162,17 +177,17 @@ def interpreter(*extras: str, optional: tuple[str, ...] = ()) -> Path:
     key = hashlib.sha256(json.dumps([wanted, sys.version, pip_environment()]).encode()).hexdigest()
     known = remembered(key)
     if known and has(known, required):
-        return known
+        return chosen(known)
     python = from_pip(required, wanted) or from_this_python(required)
     if python is None:
         raise KitError(nowhere([name(need) for need in required]))
     keep(CHOICE, json.dumps({**recall(CHOICE), key: str(python)}))
-    return python
+    return chosen(python)
 
 
 def nowhere(names: list[str]) -> str:
     """What to run where no interpreter has these packages and pip cannot fetch them."""
-    cure = f"{Path(sys.executable).name} -m pip install {' '.join(names)}"
+    cure = command(sys.executable, "-m", "pip", "install", *names)
     if any(PACKAGES.glob("*.whl")):
         mine = f"--system {HERE} --python {sys.version_info[0]}.{sys.version_info[1]}"
         cure = f"{KIT} pack {mine} ({PACKAGES.name} is for another Python or system)"
@@ -180,14 +195,14 @@ def nowhere(names: list[str]) -> str:
             return f"{sys.executable} has no pip: with internet install it (Debian, Ubuntu: python3-venv)"
     elif shutil.which("apt-get") and sys.executable.startswith("/usr/bin/"):
         cure = f"sudo apt install {' '.join(DEBIAN.get(each, f'python3-{each}') for each in names)}"
-    return f"no Python with {', '.join(names)} here, and no package index answers; with internet run: {cure}"
+    return f"no Python with {', '.join(names)} here, and .venv could not be filled; with internet run: {cure}"
 
 
 def found(*extras: str) -> Path | None:
     """The interpreter that lessons run with, or would; sets up nothing."""
     known = [path for path in recall(CHOICE).values() if isinstance(path, str)]
     near = map(Path, [str(venv_python()), *reversed(known), sys.executable])
-    return next((python for python in near if python.exists() and has(python, needs(*extras))), None)
+    return next((chosen(python) for python in near if python.exists() and has(python, needs(*extras))), None)
 
 
 def pip_environment() -> list[str]:
@@ -213,7 +228,7 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
     if not writable(BUILD):
         say(UNWRITABLE)
         return None
-    if VENV.is_file() or (python.exists() and not quietly([python, "-c", ""], limit=60).ok):
+    if VENV.is_file() or (python.exists() and not quietly([*alone(python), "-c", ""], limit=60).ok):
         raise KitError(f"the Python in {VENV} cannot be started: delete {VENV} and run this again")
     made = not python.exists()
     if made and not make_venv():
@@ -226,6 +241,8 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
             say("pip found no package index, or not all of it there")
         elif not result.ok:
             say(f"pip could not: {result.first('ERROR', 'error', 'No module').removeprefix('ERROR: ')}")
+        elif elsewhere := not_found(python, [name(need) for need in requirements]):
+            say(f"pip put {', '.join(elsewhere)} elsewhere: `pip config list` shows a target, prefix or root: drop it")
         elif missing := lacking(python, requirements):
             # Pip takes for whole what has lost a file.
             say(f"{', '.join(missing)} in {VENV.name} cannot be imported: delete the folder {VENV} and run this again")
@@ -236,27 +253,32 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
 
 def install(python: Path, requirements: list[str]) -> Result:
     """Let pip install into .venv: from the folder that was brought along, or else from an index."""
-    pip: list[str | Path] = [python, "-m", "pip"]
+    pip = [*alone(python), "-m", "pip"]
     if not quietly([*pip, "--version"], limit=60).ok:
         # A venv without pip of its own (Debian without python3-venv): the pip of this interpreter installs into it.
-        pip = [Path(sys.executable), "-m", "pip", "--python", python]
+        pip = [sys.executable, "-P", "-m", "pip", "--python", python]
     # One try and ten seconds: pip's own default goes on for minutes when no index can be reached.
     limits = ["--retries", "0", "--timeout", "10", "--prefer-binary"]
     command = [*pip, "install", "--quiet", "--disable-pip-version-check", *limits, *requirements]
     what = f"installing {', '.join(map(name, requirements))} into .venv"
     if any(PACKAGES.glob("*.whl")):
-        result = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], limit=600)
+        result = step(f"{what} from packages", [*command, "--no-index", "--find-links", PACKAGES], 600, ELSEWHERE)
         if result.ok:
             return result
-    return step(what, command, limit=600)
+    return step(what, command, 600, ELSEWHERE)
 
 
 def make_venv() -> bool:
     """Make .venv, with pip or, where the distribution left that out, without."""
+    # Conda's, or that of Windows and WSL in one folder. A link may lead to where only the other one can look.
+    others = [VENV / place for place in ("bin/python", "Scripts/python.exe", "python.exe")]
+    if any(os.path.lexists(other) for other in others if other != venv_python()):
+        say(f"{VENV} is of another system or of conda, and stays: copy the kit to a folder of its own for this one")
+        return False
     for option in ([], ["--without-pip"]):
         # What a failed try leaves behind would look like an environment to the next.
         shutil.rmtree(VENV, ignore_errors=True)
-        if quietly([sys.executable, "-m", "venv", *option, VENV], limit=120).ok:
+        if quietly([sys.executable, "-I", "-m", "venv", *option, VENV], limit=120).ok:
             return True
     shutil.rmtree(VENV, ignore_errors=True)
     say("this Python cannot make a virtual environment (on Debian the package is python3-venv)")

@@ -21,7 +21,7 @@ from pathlib import Path
 
 from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, find
 from kitlib.setup import dotnet, python_setup
-from kitlib.terminal import say
+from kitlib.terminal import command, say
 from kitlib.unity.meta import END, FOLDER, IMPORTERS, assets, behaviours, guid, meta_of
 from kitlib.unity.modules import VERSION, needed
 from kitlib.unity.project import (
@@ -290,7 +290,7 @@ def in_folder(folder: Path, name: str) -> bytes:
 
 def library(package: str, version: str, inside: str) -> bytes:
     """One DLL: from NuGet's folder on this machine, put there by dotnet if there is one, or from NuGet itself."""
-    here = nuget_folder() / package.lower() / version / inside
+    here = dotnet.nuget_folder() / package.lower() / version / inside
     if not here.exists() and dotnet.sdk():
         say(f"asking NuGet for {package} …")
         result = dotnet.restore(dotnet.NetMQ(""))
@@ -301,10 +301,6 @@ def library(package: str, version: str, inside: str) -> bytes:
                 " for which docs/guide/unity_project.md has other routes"
             )
     return here.read_bytes() if here.exists() else download(package, version, inside)
-
-
-def nuget_folder() -> Path:
-    return Path(os.environ.get("NUGET_PACKAGES") or Path.home() / ".nuget" / "packages")
 
 
 def download(package: str, version: str, inside: str) -> bytes:
@@ -434,11 +430,3 @@ def next_steps(root: Path, lesson: str | None) -> list[str]:
         f"next, in a terminal: {command(python, ROOT / 'python' / key / 'server.py')}",
         f"then, in Unity: wait for the import, {there}; and press Play",
     ]
-
-
-def command(*words: str | Path) -> str:
-    """A line for the terminal. To PowerShell what begins with a quotation mark is a text, unless & comes first."""
-    quoted = [f'"{word}"' if " " in str(word) else str(word) for word in words]
-    if os.name == "nt" and quoted[0].startswith('"'):
-        return f"& {' '.join(quoted)}   (in a command prompt without the &)"
-    return " ".join(quoted)

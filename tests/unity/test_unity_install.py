@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from kitlib import terminal
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE, ROOT, KitError, lessons
 from kitlib.programs import Result
@@ -480,7 +481,7 @@ def test_a_file_that_is_open_for_a_moment_is_tried_again(
 )
 def test_the_last_line_fits_the_shell(system: str, python: str, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "name", system)
-    said = unity_install.command(python, "/kit/server.py")
+    said = terminal.command(python, "/kit/server.py")
     monkeypatch.undo()
     assert said == line
 

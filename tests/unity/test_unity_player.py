@@ -48,7 +48,7 @@ def test_the_stand_ins_have_unitys_signatures(harness: Path) -> None:
 
 def test_what_netmq_names_is_there_and_no_more(harness: Path) -> None:
     """IL2CPP's linker wants every name in NetMQ.dll, and in what that names, to be found."""
-    nuget = unity_install.nuget_folder()
+    nuget = dotnet.nuget_folder()
     dlls = [nuget / name.lower() / number / inside for name, number, inside in unity_install.LIBRARIES]
     if not all(dll.exists() for dll in dlls):
         pytest.skip("it needs NetMQ from NuGet")

@@ -13,7 +13,7 @@ import pytest
 
 from kitlib.lessons import PACKAGE, KitError
 from kitlib.setup import dotnet
-from kitlib.unity.install import nuget_folder
+from kitlib.setup.dotnet import nuget_folder
 from kitlib.unity.meta import behaviours
 from tests.programs import ROOT, Program
 from tests.unity.conftest import NEAREST
