@@ -41,7 +41,7 @@ ENVIRONMENT = {
 }
 # In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
 if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
-    ENVIRONMENT["HOME"] = str(BUILD / "home")
+    ENVIRONMENT["HOME"] = str(BUILD)
 KNOWN = "Update, OnEnable, Time, Transform, Debug.Log; no keys, physics or UI. Name all files whose classes it uses"
 CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes:"
 # What NuGet says when it does not hold a package, or not this version of it, or cannot be reached at all.

@@ -133,7 +133,7 @@ print("lacks:", *[each[0] for each in {needs!r} if lacks(*each)] if sys.version_
 
 
 def alone(python: Path | str) -> list[str | Path]:
-    """The words that start it, to be asked for what a lesson will find: nothing of the current folder, and .venv's own."""
+    """The words that ask it for what a lesson will find: nothing of the current folder, and of .venv what is in it."""
     return [python, *(["-I", "-X", "utf8"] if Path(python) == venv_python() else ["-P"])]
 
 

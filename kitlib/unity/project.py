@@ -66,13 +66,17 @@ def packages_of(root: Path) -> dict[str, str]:
 
 
 def all_packages(root: Path, manifest: dict[str, str]) -> set[str]:
-    """Also the packages that other packages bring along: Unity writes them down once it has opened the project."""
+    """Also what other packages bring along, which Unity writes down once it has opened the project, and what
+    NuGetForUnity is to fetch when it is opened: under the name that a package of Unity's has, org.nuget.netmq."""
     try:
         lock = json.loads((root / "Packages" / "packages-lock.json").read_text(encoding="utf-8-sig"))
         brought = set(lock["dependencies"])
     except (OSError, ValueError, KeyError, TypeError):
         brought = set()
-    brought |= {path.name.split("@")[0] for path in (root / "Library" / "PackageCache").glob("org.nuget.netmq@*")}
+    brought |= {path.name.split("@")[0] for path in (root / "Library" / "PackageCache").glob("org.nuget.*@*")}
+    listed = root / "Assets" / "packages.config"
+    text = listed.read_text(encoding="utf-8", errors="replace") if listed.exists() else ""
+    brought |= {f"org.nuget.{name.lower()}" for name in re.findall(r"<package\s[^>]*\bid=\"([^\"]+)", text)}
     return brought | set(manifest)
 
 

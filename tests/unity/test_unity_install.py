@@ -270,11 +270,15 @@ def test_an_old_example_of_the_same_folder_is_not_mixed_with_the_kit(
     unity_install.install(project, "2", False)
 
 
-@pytest.mark.parametrize("where", ["packages-lock.json", "PackageCache"])
+@pytest.mark.parametrize("where", ["packages-lock.json", "PackageCache", "packages.config"])
 def test_a_netmq_that_another_package_brings_is_seen(where: str, project: Path, nuget: Path) -> None:
     """manifest.json does not name it; Unity writes down what it has resolved."""
     if where == "PackageCache":
         (project / "Library" / "PackageCache" / "org.nuget.netmq@4.0.2-1234").mkdir(parents=True)
+    elif where == "packages.config":
+        # Fetched by NuGetForUnity when the project is opened.
+        listed = '<packages><package id="NetMQ" version="4.0.2" manuallyInstalled="true" /></packages>'
+        (project / "Assets" / where).write_text(listed)
     else:
         brought = {"dependencies": {"org.nuget.netmq": {"version": "4.0.2", "depth": 1, "source": "registry"}}}
         (project / "Packages" / where).write_text(json.dumps(brought))
@@ -299,7 +303,9 @@ FOR_BUILDS = ENTRY.format("Any: ", 1) + ENTRY.format("Editor: Editor", 0)
 FOR_EDITOR = "    Any:\n      enabled: 0\n      settings: {}\n    Editor:\n      enabled: 1\n"
 
 
-@pytest.mark.parametrize("where", ["manifest", "lock", "Library/PackageCache/com.unity.some@1.0.0", "Assets/Other"])
+@pytest.mark.parametrize(
+    "where", ["manifest", "lock", "cache", "config", "Library/PackageCache/com.unity.some@1.0.0", "Assets/Other"]
+)
 def test_a_dll_of_nets_own_that_another_package_brings_is_not_copied(where: str, project: Path, nuget: Path) -> None:
     name = SHARED_DLLS[len(where) % len(SHARED_DLLS)]
     package = f"org.nuget.{name.removesuffix('.dll').lower()}"
@@ -307,10 +313,14 @@ def test_a_dll_of_nets_own_that_another_package_brings_is_not_copied(where: str,
         (project / "Packages" / "manifest.json").write_text(json.dumps({"dependencies": {package: "1.0.0"}}))
     elif where == "lock":
         (project / "Packages" / "packages-lock.json").write_text(json.dumps({"dependencies": {package: {}}}))
+    elif where == "cache":
+        (project / "Library" / "PackageCache" / f"{package}@1.0.0").mkdir(parents=True)
+    elif where == "config":
+        (project / "Assets" / "packages.config").write_text(f'<package id="{name.removesuffix(".dll")}"/>')
     # Also if it is there already, from a run in which nobody else brought it.
     unity_install.install(project, "4", False)
-    assert plugins(project) == ALL_DLLS - ({name} if where in ("manifest", "lock") else set())
-    if where not in ("manifest", "lock"):
+    assert plugins(project) == ALL_DLLS - (set() if "/" in where else {name})
+    if "/" in where:
         (project / where).mkdir(parents=True)
         (project / where / name).write_bytes(b"MZ other")
         (project / where / f"{name}.meta").write_text("fileFormatVersion: 2\n")
@@ -474,9 +484,12 @@ def test_a_file_that_is_open_for_a_moment_is_tried_again(
     ("system", "python", "line"),
     [
         ("posix", "/kit/python", "/kit/python /kit/server.py"),
-        ("posix", "/my kit/python", '"/my kit/python" /kit/server.py'),
+        ("posix", "/my kit/python", "'/my kit/python' /kit/server.py"),
+        ("posix", "/R&D;1/python", "'/R&D;1/python' /kit/server.py"),
         ("nt", "/kit/python", "/kit/python /kit/server.py"),
         ("nt", "/my kit/python", '& "/my kit/python" /kit/server.py   (in a command prompt without the &)'),
+        ("nt", "/R&D,1/python", '& "/R&D,1/python" /kit/server.py   (in a command prompt without the &)'),
+        ("nt", "/O'B $1/python", "& '/O''B $1/python' '/kit/server.py'   (in PowerShell)"),
     ],
 )
 def test_the_last_line_fits_the_shell(system: str, python: str, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
