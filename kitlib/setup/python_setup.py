@@ -241,8 +241,8 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
             say("pip found no package index, or not all of it there")
         elif not result.ok:
             say(f"pip could not: {result.first('ERROR', 'error', 'No module').removeprefix('ERROR: ')}")
-        elif elsewhere := not_found(python, [name(need) for need in requirements]):
-            say(f"pip put {', '.join(elsewhere)} elsewhere: `pip config list` shows a target, prefix or root: drop it")
+        elif setting := sent_elsewhere(python):
+            say(f"pip's setting {setting} fills another folder than .venv: `pip config list` has it; drop it")
         elif missing := lacking(python, requirements):
             # Pip takes for whole what has lost a file.
             say(f"{', '.join(missing)} in {VENV.name} cannot be imported: delete the folder {VENV} and run this again")
@@ -266,6 +266,13 @@ def install(python: Path, requirements: list[str]) -> Result:
         if result.ok:
             return result
     return step(what, command, 600, ELSEWHERE)
+
+
+def sent_elsewhere(python: Path) -> str | None:
+    """What a file of pip's settings says that no variable can undo."""
+    settings = quietly([*alone(python), "-m", "pip", "config", "list"], 60, ELSEWHERE).output
+    found = re.search(r"^\S+\.((?:target|prefix|root)=(?!'').+)", settings, re.MULTILINE)
+    return found[1] if found else None
 
 
 def make_venv() -> bool:

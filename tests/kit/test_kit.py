@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import importlib
 import io
+import json
 import os
 import pkgutil
 import re
@@ -443,10 +444,15 @@ def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
         python_setup.interpreter("tests")
 
 
-def test_a_venv_without_pip_is_filled_by_the_pip_outside(monkeypatch, tmp_path):
+def test_a_venv_without_pip_is_filled_by_the_pip_outside_whatever_its_settings(monkeypatch, tmp_path):
     links = os.environ.get("PIP_FIND_LINKS", "")
     if not any(Path(links).glob("pyzmq-*.whl")):
         pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with pyzmq")
+    (tmp_path / "pip.conf").write_text("[install]\nuser = true\n", encoding="utf-8")
+    settings = {"USER": "1", "REQUIRE_HASHES": "1", "DRY_RUN": "1", "PYTHON": "nothing"}
+    settings |= dict.fromkeys(("TARGET", "PREFIX", "ROOT"), str(tmp_path / "elsewhere"))
+    for name, value in {**settings, "CONFIG_FILE": str(tmp_path / "pip.conf")}.items():
+        monkeypatch.setenv(f"PIP_{name}", value)
     monkeypatch.setattr(python_setup, "VENV", tmp_path / "venv")
     real = programs.quietly
 
@@ -461,6 +467,57 @@ def test_a_venv_without_pip_is_filled_by_the_pip_outside(monkeypatch, tmp_path):
     assert python is not None
     assert python_setup.has(python, ["pyzmq"])
     assert not python_setup.has(python, ["pip"])
+    assert not (tmp_path / "elsewhere").exists()
+
+
+def test_a_setting_of_pip_that_fills_another_folder_is_named(monkeypatch, tmp_path, capsys):
+    (tmp_path / "pip.conf").write_text("[global]\nno-user = true\nprefix = /elsewhere\n", encoding="utf-8")
+    monkeypatch.setenv("PIP_CONFIG_FILE", str(tmp_path / "pip.conf"))
+    monkeypatch.setattr(python_setup, "lacking", lambda *_: ["pyzmq"])
+    monkeypatch.setattr(python_setup, "alone", lambda _: [PYTHON])
+    monkeypatch.setattr(python_setup, "install", lambda *_: Result(0, ""))
+    assert python_setup.from_pip(["pyzmq"], ["pyzmq"]) is None
+    assert "pip's setting prefix='/elsewhere' fills another folder than .venv" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("python", ["bin/python", "Scripts/python.exe", "python.exe"])
+def test_a_venv_that_is_not_ours_stays(python, monkeypatch, tmp_path, capsys):
+    """Of WSL or Windows in the same folder, or conda's: this system has no interpreter in it."""
+    there = tmp_path / ".venv" / python
+    monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
+    if there == python_setup.venv_python():
+        return
+    there.parent.mkdir(parents=True)
+    there.symlink_to("nowhere")
+    assert python_setup.from_pip(["pyzmq"], ["pyzmq"]) is None
+    assert there.is_symlink()
+    assert "stays: copy the kit" in capsys.readouterr().out
+
+
+def test_a_foreign_package_does_not_hide_those_of_the_venv(prepared, tmp_path, start):
+    """On PYTHONPATH, as ROS sets it, and in the folder one is in."""
+    (tmp_path / "zmq.py").write_text("raise ImportError('of another Python')", encoding="utf-8")
+    words = ["--client", "python", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
+    foreign = {"PYTHONPATH": str(tmp_path), "PYTHONSAFEPATH": "", "PYTHONHOME": sys.base_prefix}
+    program = start(PYTHON, prepared / "kit.py", "run", "1", *words, folder=tmp_path, **foreign)
+    assert program.wait() == 0, program.output
+    assert "kit    |" not in program.output
+
+
+def test_the_path_that_python_is_told_to_leave_out_is_found(start):
+    program = start(PYTHON, KIT, "list", PYTHONSAFEPATH="1")
+    assert program.wait() == 0, program.output
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a shell that closes streams")
+@pytest.mark.parametrize(("streams", "said"), [(">&- 2>&- <&-", ""), (">&-", ""), (">/dev/full", "No space left")])
+def test_output_that_cannot_be_written_ends_nothing(streams, said):
+    if "/dev/full" in streams and not Path("/dev/full").exists():
+        pytest.skip("no /dev/full")
+    words = f"run 1 --client python --endpoint tcp://127.0.0.1:0 '{UNHURRIED}'"
+    done = finished(["sh", "-c", f"exec '{PYTHON}' '{KIT}' {words} {streams}"])
+    assert (done.returncode, done.stdout) == (0, "")
+    assert (said in done.stderr) and "Traceback" not in done.stderr
 
 
 def test_a_package_that_has_lost_a_file_is_named_with_the_cure(monkeypatch, tmp_path, capsys):
@@ -493,6 +550,49 @@ def test_a_refusal_of_nuget_is_named(output, why):
 def test_another_failure_of_the_restore_is_not_taken_for_a_refusal():
     with pytest.raises(KitError, match="MSB4025"):
         dotnet.refusal(Result(1, "x.csproj : error MSB4025: The project file could not be loaded."))
+
+
+@pytest.mark.parametrize(
+    "output",
+    [
+        "Unhandled exception: System.UnauthorizedAccessException: denied\n   at Microsoft.DotNet.Cli.Program.Main()",
+        "ERROR: Exception:\nTraceback (most recent call last):\n  File x\nOSError: denied",
+    ],
+)
+def test_the_reason_is_the_line_that_names_what_was_raised(output):
+    assert Result(1, output).first(" error ", "ERROR").endswith(": denied")
+
+
+def test_where_no_csharp_can_be_built_the_python_client_runs_unless_a_file_was_changed(monkeypatch, tmp_path, capsys):
+    without_nuget(monkeypatch, tmp_path, output="")
+    monkeypatch.setattr(dotnet, "step", lambda *_: Result(1, "x: error MSB3094: items\n0 Warning(s)"))
+    assert runner.client_command(None, lessons.find("1"), PYTHON)[0] == str(PYTHON)
+    said = capsys.readouterr().out
+    assert "the C# build failed (x: error MSB3094: items)" in said and "running the Python client instead" in said
+    monkeypatch.setattr(dotnet, "step", lambda *_: Result(1, "x: error CS1002: ; expected"))
+    with pytest.raises(KitError, match="CS1002"):
+        runner.client_command(None, lessons.find("1"), PYTHON)
+    monkeypatch.setattr(dotnet, "ROOT", tmp_path / "My%20Kit")
+    assert runner.client_command(None, lessons.find("1"), PYTHON)[0] == str(PYTHON)
+    assert "MSBuild takes %20 in" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has its own place for each account")
+def test_without_a_home_dotnet_has_one_in_the_kit():
+    code = "from kitlib.setup import dotnet; print(dotnet.ENVIRONMENT['HOME'], dotnet.nuget_folder())"
+    environment = {**os.environ, "HOME": "/nowhere", "NUGET_PACKAGES": ""}
+    said = finished([PYTHON, "-c", code], cwd=ROOT, env=environment).stdout
+    assert said == f"{dotnet.BUILD} {dotnet.BUILD / '.nuget' / 'packages'}\n"
+
+
+def test_a_folder_may_have_any_name(netmq, copy):
+    """MSBuild takes many signs for something else; a whole build in each folder would take minutes."""
+    here = copy.rename(copy.with_name("O'Brien & Smith, John $(1)"))
+    properties = [f"-p:Probe={dotnet.escaped(here / 'a;b%41')}", "-getProperty:Probe", "-getProperty:OutDir"]
+    words = ["dotnet", "msbuild", here / "csharp-console", *properties]
+    read = json.loads(finished(words, env={**os.environ, **dotnet.ENVIRONMENT}).stdout)["Properties"]
+    assert read["Probe"] == str(here / "a;b%41")
+    assert "'" not in read["OutDir"]
 
 
 def test_a_restore_that_hangs_counts_as_unreachable():
