@@ -242,7 +242,7 @@ def from_pip(required: list[str], wanted: list[str]) -> Path | None:
         elif not result.ok:
             say(f"pip could not: {result.first('ERROR', 'error', 'No module').removeprefix('ERROR: ')}")
         elif setting := sent_elsewhere(python):
-            say(f"pip's setting {setting} fills another folder than .venv: `pip config list` has it; drop it")
+            say(f"pip's setting {setting} fills another folder than .venv: drop it; pip config debug shows its file")
         elif missing := lacking(python, requirements):
             # Pip takes for whole what has lost a file.
             say(f"{', '.join(missing)} in {VENV.name} cannot be imported: delete the folder {VENV} and run this again")

@@ -480,13 +480,12 @@ def test_a_setting_of_pip_that_fills_another_folder_is_named(monkeypatch, tmp_pa
     assert "pip's setting prefix='/elsewhere' fills another folder than .venv" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("python", ["bin/python", "Scripts/python.exe", "python.exe"])
+@pytest.mark.skipif(os.name == "nt", reason="Windows has other names, and asks before it makes a link")
+@pytest.mark.parametrize("python", ["Scripts/python.exe", "python.exe"])
 def test_a_venv_that_is_not_ours_stays(python, monkeypatch, tmp_path, capsys):
     """Of WSL or Windows in the same folder, or conda's: this system has no interpreter in it."""
     there = tmp_path / ".venv" / python
     monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
-    if there == python_setup.venv_python():
-        return
     there.parent.mkdir(parents=True)
     there.symlink_to("nowhere")
     assert python_setup.from_pip(["pyzmq"], ["pyzmq"]) is None
