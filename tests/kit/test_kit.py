@@ -872,6 +872,8 @@ def test_a_package_is_there_if_it_can_be_imported_and_is_not_too_old(tmp_path, m
         (tmp_path / f"{package}-{version}.dist-info").mkdir()
         (tmp_path / f"{package}-{version}.dist-info" / "METADATA").write_text(f"Name: {package}\nVersion: {version}\n")
         (tmp_path / f"{package}.py").write_text(f"print('I talk')\n{code}\n")
+    # The tests' own Python may be that of .venv, which is asked without PYTHONPATH.
+    monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     wanted = ["old_one>=9", "old_one>=10.4,<11", "old_one>=13", "old_one<10", "broken", "absent", "pyzmq>=24"]
     assert python_setup.lacking(PYTHON, wanted) == ["old_one", "old_one", "broken", "absent"]
@@ -1086,5 +1088,6 @@ def test_a_venv_that_cannot_be_started_is_named(monkeypatch, tmp_path):
 
 def test_a_package_that_has_lost_its_files_is_lacking(tmp_path, monkeypatch):
     (tmp_path / "emptied").mkdir()
+    monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     assert python_setup.lacking(PYTHON, ["emptied"]) == ["emptied"]
