@@ -18,7 +18,7 @@ from gymnasium.vector.utils import batch_space, concatenate, create_empty_array,
 
 from netmq_example import trees
 from netmq_example.messages import MessageError
-from netmq_example.space_numbers import Codec, Numbers, misfit
+from netmq_example.space_numbers import Codec, Numbers, exactly, misfit
 from netmq_example.spaces import REASONS
 
 SIZE = trees.SIZE
@@ -37,7 +37,8 @@ class Bytes:
         self.size = self.codec.size
 
     def write(self, value: Any) -> bytes:
-        """ValueError, TypeError or LookupError if it cannot be in the space; whether it is, is not looked at."""
+        """ValueError, TypeError or LookupError if it cannot be in the space, and MessageError if a number would become
+        another one; whether it is in the space, is not looked at."""
         parts: list[bytes] = []
         self.codec.write(value, parts)
         return b"".join(parts)
@@ -177,7 +178,7 @@ class Graph(Codec):
         if self.edges and with_edges:
             for edge in edges:
                 self.edges.write(edge, parts)
-            parts.append(np.asarray(links, "<i4").reshape(len(edges), 2).tobytes())
+            parts.append(exactly(links, np.dtype("<i4")).reshape(len(edges), 2).tobytes())
 
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
         nodes, at = read_size(view, at)

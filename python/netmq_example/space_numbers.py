@@ -53,7 +53,7 @@ class Numbers(Codec):
         self.checked = not whole or bool(np.any(low > whole.min)) or bool(np.any(high < whole.max))
 
     def write(self, value: Any, parts: list[bytes]) -> None:
-        parts.append(np.asarray(value, self.dtype).reshape(self.shape).tobytes())
+        parts.append(self.exact(value).reshape(self.shape).tobytes())
 
     def read(self, view: memoryview, at: int) -> tuple[Any, int]:
         if at + self.size > len(view):
@@ -63,7 +63,7 @@ class Numbers(Codec):
         return items[()] if self.single else items, at + self.size
 
     def write_block(self, count: int, values: Any, blocks: list[Any]) -> None:
-        items = np.ascontiguousarray(values, self.dtype)
+        items = np.ascontiguousarray(self.exact(values))
         blocks.append(items.reshape(count, self.count).view(np.uint8).reshape(count, self.size))
 
     def read_block(self, block: Any, at: int) -> Any:
@@ -72,14 +72,48 @@ class Numbers(Codec):
         self.check(items)
         return items
 
+    def exact(self, value: Any) -> Any:
+        try:
+            return exactly(value, self.dtype)
+        except ArithmeticError:
+            raise misfit(np.asarray(value), self.space) from None
+
     def check(self, items: Any) -> None:
         # NaN is not between any two numbers. Of a few numbers, as most have, all() would take twice as long.
         if self.checked and b"\0" in ((items >= self.low) & (items <= self.high)).tobytes():
             raise misfit(items, self.space)
 
 
+def exactly(value: Any, dtype: Any) -> Any:
+    """The numbers as an array of a dtype. ArithmeticError: one would become another; TypeError: there are others."""
+    given = np.asarray(value)
+    if given.dtype == dtype:
+        return given
+    if given.dtype.kind == "O":
+        # Among numbers null is NaN.
+        given = given.astype(np.float64)
+    if given.dtype.kind not in "biuf":
+        raise TypeError(f"{value!r:.40} is no number")
+    with np.errstate(over="raise", invalid="raise"):
+        items = given.astype(dtype)
+        # Of numbers with a fraction it is only their precision that may change.
+        if items.dtype.kind == "f" and given.dtype.kind == "f":
+            return items
+        # A whole number as one with a fraction: what is compared with it loses as much.
+        back = items.astype(given.dtype) if items.dtype.kind == "f" else items
+    if not (back == given).all():
+        raise ArithmeticError(f"{value!r:.40} would become another number as {items.dtype}")
+    return items
+
+
 def misfit(items: Any, space: Space[Any]) -> MessageError:
-    numbers = " ".join(f"{items.tolist() if isinstance(items, np.ndarray) else items!r:.200}".split())[:200]
+    # Of a peer's array or text no more is made than is shown.
+    few = items
+    if isinstance(items, np.ndarray):
+        few = items.flat[:10].tolist() if items.ndim else items.item()
+    elif isinstance(items, str):
+        few = items[:200]
+    numbers = " ".join(f"{few!r:.200}".split())
     form = f"{items.dtype} {items.shape} " if isinstance(items, np.ndarray) else ""
     return MessageError("not-in-space", f"{form}{numbers} is not in {shown(space)}")
 

@@ -9,6 +9,7 @@ import json
 import random
 import struct
 import subprocess
+import tracemalloc
 import warnings
 
 import pytest
@@ -24,6 +25,7 @@ from gymnasium.spaces import (  # noqa: E402
     Dict,
     Discrete,
     Graph,
+    GraphInstance,
     MultiBinary,
     MultiDiscrete,
     OneOf,
@@ -37,12 +39,13 @@ from gymnasium.vector.utils import iterate  # noqa: E402
 
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
-from netmq_example.messages import MessageError  # noqa: E402
+from netmq_example.messages import Message, MessageError, read_reply  # noqa: E402
 from netmq_example.records import ASKS, RESET, STEP, Record, read, seeds  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
 from netmq_example.simulation.simulation import Simulation  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
 from netmq_example.space_bytes import Bytes  # noqa: E402
+from netmq_example.space_numbers import misfit  # noqa: E402
 from netmq_example.spaces import described, space_of  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
@@ -308,6 +311,54 @@ def test_rows_that_are_none_are_refused_in_both_languages(program):
     answers = said_by(program, "rows", lines=[f"{name} 1 {frame}" for name, frame in rows])
     found = zip(rows, answers, strict=True)
     assert [(*one, answer) for one, answer in found if answer != "error not-in-space"] == []
+
+
+HALF, ZEROS = np.array([0.5]), np.zeros((1, 2))
+# None of these numbers is one of its space's dtype.
+OTHER_NUMBERS = {
+    "uint8": [[0.7, 2], [300, 2], [-1, 2], np.array([1, np.nan]), [2, 1e30], np.uint16([258, 2])],
+    "uint16": [[-1, 7], [65536, 7]],
+    "int32": [[0.5, 0], [2**31, 0]],
+    "int64": [[0.5, 0], [2**63 - 1, 0.0], [1e300, 0]],
+    "pair": [[1e39, 0], [-1e39, 0]],
+    "discrete": [2.9, -0.1],
+    "bits": [[0.5, 0, 0, 1, 0], [256, 0, 0, 0, 0]],
+    "choices": [[0.9, 0, 0]],
+    "one": [[0.7, 1], [0, 1.5], [-1, 0]],
+    "graph": [GraphInstance(ZEROS, HALF, ZEROS), GraphInstance(ZEROS, HALF + 0.5, ZEROS + 0.5)],
+}
+
+
+def test_no_number_becomes_another_one_in_both_languages(program):
+    """0.7 is no 0, 300 no 44 and NaN no 0: an agent would learn from what nobody has seen."""
+    lines = []
+    for name, wrong in OTHER_NUMBERS.items():
+        for value in wrong:
+            ask = Record(ASKS, 1, seeds([1]), [RESET], [b""], options=trees.write({"say": value})).frame().hex()
+            lines.append(f"{name} 1 {ask}")
+    answers = [python_says(name, int(count), ask) for name, count, ask in map(str.split, lines)]
+    answers += said_by(program, "rows", lines=lines)
+    wrong = [answer for answer in zip(lines * 2, answers, strict=True) if not answer[1].startswith("error ")]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("pixel", [0.7, 300, -1, np.nan, "red"])
+def test_a_picture_of_other_numbers_is_refused(pixel):
+    world = Echo("pair", PAIR)
+    world.render = lambda: [[[pixel, 0, 0]]]
+    frames = Simulator(world).answer(Message("render", 1))
+    with pytest.raises(MessageError, match=r"^bad-picture: a picture is uint8 \[height, width, 3\]: "):
+        read_reply(frames)
+
+
+@pytest.mark.parametrize("many", [np.zeros((2**19, 0), np.float32), np.full(2**19, 9, np.float32), "x" * 2**19])
+def test_to_say_what_is_wrong_takes_no_more_memory_than_it_shows(many):
+    tracemalloc.start()
+    try:
+        assert len(str(misfit(many, PAIR))) < 500
+        assert tracemalloc.get_traced_memory()[1] < 100_000
+    finally:
+        tracemalloc.stop()
 
 
 def test_both_languages_agree_on_rows_with_some_bytes_changed(program):

@@ -29,6 +29,7 @@ from gymnasium.vector.utils import batch_space, concatenate, create_empty_array,
 
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
+from netmq_example.space_numbers import exactly
 
 # So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.
 MOST_ITEMS = 50_000
@@ -136,18 +137,8 @@ def like(old: Any, value: Any) -> Any:
 
 
 def cast(old: Any, value: Any) -> Any:
-    """The value with the dtype of an array; ValueError says that it would become another number."""
-    given = np.asarray(value)
-    if given.dtype.kind == "O":
-        # Among numbers null is NaN.
-        given = given.astype(np.float64)
-    if given.dtype.kind not in "biuf":
-        raise TypeError(f"{value!r:.40} is no number")
-    with np.errstate(over="raise", invalid="raise"):
-        array = given.astype(old.dtype)
-    # Of numbers with a fraction it is only their precision that may change.
-    if (old.dtype.kind != "f" or given.dtype.kind != "f") and not np.array_equal(array, given):
-        raise ValueError(f"{value!r:.40} would become another number as {old.dtype}")
+    """A copy of the value with the dtype of an array; ArithmeticError says that it would become another number."""
+    array = np.array(exactly(value, old.dtype))
     # A single number is the same whether it is a number, or an array of one.
     return array.reshape(old.shape) if array.size == old.size == 1 else array
 

@@ -9,6 +9,7 @@ import numpy as np
 from netmq_example import trees
 from netmq_example.messages import Array, Message, MessageError
 from netmq_example.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
+from netmq_example.space_numbers import exactly
 
 
 def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
@@ -22,7 +23,10 @@ def unknown(request: Message, known: str) -> MessageError:
 
 
 def picture_of(request: Message, pictures: list[Any]) -> Message:
-    arrays = [np.asarray(picture, np.uint8) for picture in pictures]
+    try:
+        arrays = [exactly(picture, np.dtype(np.uint8)) for picture in pictures]
+    except (ArithmeticError, TypeError) as error:
+        raise MessageError("bad-picture", f"a picture is uint8 [height, width, 3]: {error!s:.100}") from None
     return Message("picture", request.id, {}, [Array("uint8", one.shape, one.tobytes()) for one in arrays])
 
 

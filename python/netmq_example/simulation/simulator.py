@@ -133,11 +133,13 @@ class Simulator(SimulatorBase):
     def state_of(self, given: Any) -> list[float]:
         """In which an episode begins; nothing, if it begins by chance."""
         try:
-            state: list[float] = np.asarray(given, np.float64).ravel().tolist()
+            items = np.asarray(given)
+            # Counted before they are converted: a message may have millions.
+            if items.size not in (0, self.simulation.size):
+                raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {items.size}")
+            state: list[float] = items.astype(np.float64).ravel().tolist()
         except (ValueError, TypeError) as error:
             raise MessageError("bad-state", f"a state is numbers: {error!s:.80}") from None
-        if len(state) not in (0, self.simulation.size):
-            raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {len(state)}")
         return state
 
 

@@ -179,12 +179,17 @@ namespace NetMQExample
     /// <summary>Numbers of one dtype in a row: how they stand there, and between which two each of them lies.</summary>
     internal sealed class SpaceNumbers
     {
+        // Up to here each whole number is one as a double, too.
+        private const long MostExact = (1L << 53) - 1;
+
         private readonly double[] low, high;
         private readonly bool limited;
         private readonly int itemSize;
 
         public SpaceNumbers(string dtype, int[] shape, double[] low, double[] high)
         {
+            if (dtype == "int64" && low.Concat(high).Any(one => Math.Abs(one) > MostExact))
+                throw new ArgumentException("low and high of int64 lie between -2^53 and 2^53");
             Dtype = dtype;
             Shape = shape;
             this.low = low;
@@ -232,26 +237,29 @@ namespace NetMQExample
             }
         }
 
+        /// <exception cref="MessageException">It would become another number, as 300 and 0.5 would in a byte.
+        /// </exception>
         public static void Put(string dtype, Span<byte> bytes, double number)
         {
             switch (dtype)
             {
                 case "int8":
-                    bytes[0] = (byte)(sbyte)number;
+                    bytes[0] = (byte)(sbyte)Whole(dtype, number, sbyte.MinValue, sbyte.MaxValue);
                     return;
                 case "uint8":
-                    bytes[0] = (byte)number;
+                    bytes[0] = (byte)Whole(dtype, number, 0, byte.MaxValue);
                     return;
                 case "uint16":
-                    BitConverter.TryWriteBytes(bytes, (ushort)number);
+                    BitConverter.TryWriteBytes(bytes, (ushort)Whole(dtype, number, 0, ushort.MaxValue));
                     return;
                 case "int32":
-                    BitConverter.TryWriteBytes(bytes, (int)number);
+                    BitConverter.TryWriteBytes(bytes, (int)Whole(dtype, number, int.MinValue, int.MaxValue));
                     return;
                 case "int64":
-                    BitConverter.TryWriteBytes(bytes, (long)number);
+                    BitConverter.TryWriteBytes(bytes, Whole(dtype, number, -MostExact, MostExact));
                     return;
                 case "float32":
+                    if (float.IsInfinity((float)number) && !double.IsInfinity(number)) throw Another(dtype, number);
                     BitConverter.TryWriteBytes(bytes, (float)number);
                     return;
                 default:
@@ -259,6 +267,14 @@ namespace NetMQExample
                     return;
             }
         }
+
+        // NaN is neither whole nor between any two numbers.
+        private static long Whole(string dtype, double number, long least, long most) =>
+            number >= least && number <= most && number == Math.Floor(number)
+                ? (long)number : throw Another(dtype, number);
+
+        private static MessageException Another(string dtype, double number) => new MessageException("not-in-space",
+            FormattableString.Invariant($"{number} would become another number as {dtype}"));
 
         public int ItemSize => itemSize;
 

@@ -225,13 +225,16 @@ namespace NetMQExample
         private double[] State(Dictionary<string, object> options)
         {
             if (!options.Remove("state", out var given)) return new double[0];
-            var state = given is MessageArray array ? SpaceNumbers.Of(array)
-                : given is List<object> list && list.All(one => one is long || one is double)
+            var array = given as MessageArray;
+            var list = given as List<object>;
+            // Counted before they are converted: a message may have millions.
+            var length = array != null ? array.Data.Length / MessageArray.SizeOf(array.Dtype) : list?.Count ?? 0;
+            if (length != 0 && length != areas[0].StateSize)
+                throw new MessageException("bad-state", $"a state is {areas[0].StateSize} numbers, not {length}");
+            return array != null ? SpaceNumbers.Of(array)
+                : list != null && list.All(one => one is long || one is double)
                     ? list.Select(Convert.ToDouble).ToArray()
                 : throw new MessageException("bad-state", "a state is numbers");
-            if (state.Length == 0 || state.Length == areas[0].StateSize) return state;
-            throw new MessageException("bad-state",
-                $"a state is {areas[0].StateSize} numbers, not {state.Length}");
         }
     }
 }

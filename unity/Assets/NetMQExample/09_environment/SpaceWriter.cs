@@ -32,7 +32,8 @@ namespace NetMQExample
         }
 
         /// <summary>The next number.</summary>
-        /// <exception cref="MessageException">The space has no more, or what it has are no numbers.</exception>
+        /// <exception cref="MessageException">The space has no more, or what it has are no numbers, or this one would
+        /// become another: 0.5 and 300 do not fit a byte.</exception>
         public SpaceWriter Add(double number)
         {
             var next = Next();
@@ -156,10 +157,11 @@ namespace NetMQExample
                     return;
                 case "one_of":
                     var pair = Items(of, value);
-                    var which = pair.Count == 2 ? Convert.ToInt32(pair[0]) : -1;
-                    if (which < 0 || which >= of.Parts.Length) throw Wrong(of, value);
-                    MessageParts.WriteSize(to, which);
-                    Write(of.Parts[which], pair[1]);
+                    var which = Enumerable.Range(0, of.Parts.Length)
+                        .Where(at => pair.Count == 2 && Flat(pair[0]).SequenceEqual(new double[] { at })).ToArray();
+                    if (which.Length == 0) throw Wrong(of, value);
+                    MessageParts.WriteSize(to, which[0]);
+                    Write(of.Parts[which[0]], pair[1]);
                     return;
                 case "graph":
                     WriteGraph(of, value as GraphInstance ?? throw Wrong(of, value));
