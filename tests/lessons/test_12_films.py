@@ -82,6 +82,89 @@ def test_a_picture_is_shown_as_long_as_its_format_can_say(tmp_path):
         assert shown(tmp_path / f"film{end}")[1] == pytest.approx([0, longest])
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 30])
+@pytest.mark.parametrize("end", [".gif", ".png", ".webp", pytest.param(".mp4", marks=needs_ffmpeg)])
+@pytest.mark.parametrize("last", [0.04, 0.01])
+def test_readers_find_each_picture_and_its_time(last, end, count, tmp_path):
+    """Also the last one, when it was seen for a quarter of the time of the others."""
+    film = open_film(tmp_path / f"film{end}", 25)
+    for number in range(count):
+        film.add(picture(number % 6), number / 25)
+    film.close((count - 1) / 25 + last)
+    assert film.frames == count
+    if end == ".mp4":
+        times, _ = probed(film.path)
+        assert times == pytest.approx([number / 25 for number in range(count)], abs=1e-3)
+        return
+    pictures, times = shown(film.path)
+    assert times == pytest.approx([40] * (count - 1) + [1000 * last]) and len(pictures) == count
+    # Another reader; of animated WebP ffmpeg before 7 shows nothing.
+    if end != ".webp" and shutil.which("ffprobe"):
+        assert len(probed(film.path)[0]) == count
+
+
+def pixels(*shape):
+    return np.arange(np.prod(shape)).astype(np.uint8).reshape(shape)
+
+
+@pytest.mark.parametrize("end", [".gif", ".png", ".webp", pytest.param(".mp4", marks=needs_ffmpeg)])
+@pytest.mark.parametrize("shape", [(48, 64), (48, 64, 4), (1, 1, 3), (7, 5)])
+def test_grey_and_transparent_pictures_of_any_size_make_films(end, shape, tmp_path):
+    film = open_film(tmp_path / f"film{end}")
+    for number in range(3):
+        film.add(pixels(*shape), number / 25)
+    film.close(3 / 25)
+    if end == ".mp4":
+        assert len(probed(film.path)[0]) == 3
+        return
+    (found, *_), times = shown(film.path)
+    wanted = pixels(*shape)[..., :3] if len(shape) == 3 else np.stack([pixels(*shape)] * 3, axis=2)
+    assert len(times) == 3 and found.shape == wanted.shape
+    if end != ".webp" and (end == ".png" or len(shape) == 2):
+        assert np.array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("end", [".gif", ".png", ".webp", pytest.param(".mp4", marks=needs_ffmpeg)])
+def test_what_is_no_picture_is_refused_and_leaves_the_film_whole(end, tmp_path):
+    for wrong, form in (
+        (np.zeros((48, 64, 3)), r"float64 \[48, 64, 3\]"),
+        (pixels(3, 48, 64), r"uint8 \[3, 48, 64\]"),
+        (pixels(48), r"uint8 \[48\]"),
+        (pixels(0, 64, 3), r"uint8 \[0, 64, 3\]"),
+        (np.zeros((48, 64), bool), r"bool \[48, 64\]"),
+        (None, r"object \[\]"),
+    ):
+        film = open_film(tmp_path / f"film{end}")
+        with pytest.raises(ValueError, match=f"^picture takes uint8 .*, not {form}$"):
+            film.add(wrong, 0)
+        film.add(pixels(48, 64), 0)
+        with pytest.raises(ValueError, match=rf"^picture takes .*, not {form}$"):
+            film.add(wrong, 0.04)
+        with pytest.raises(ValueError, match="size of the first one"):
+            film.add(pixels(47, 64, 3), 0.04)
+        film.close(0.04)
+        assert len(probed(film.path)[0] if end == ".mp4" else shown(film.path)[0]) == 1
+        film.path.unlink()
+
+
+@pytest.mark.parametrize("end", [".gif", pytest.param(".mp4", marks=needs_ffmpeg)])
+def test_of_pictures_that_come_evenly_none_is_favoured(end, tmp_path):
+    """Of sixty a second in thirty each second one is seen."""
+    film = open_film(tmp_path / f"film{end}", 30)
+    rate = 60 if end == ".mp4" else 200
+    for number in range(60):
+        film.add(np.full((16, 16, 3), 4 * number, np.uint8), 10 + number / rate)
+    film.close(10 + 60 / rate)
+    if end == ".gif":
+        assert shown(film.path)[1] == [0, 10] * 30
+        return
+    words = ["ffmpeg", "-v", "error", "-i", film.path, "-f", "rawvideo", "-pix_fmt", "gray", "-"]
+    said = subprocess.run(words, capture_output=True, timeout=LIMIT, check=True).stdout
+    seen = np.frombuffer(said, np.uint8)[:: 16 * 16].astype(int)
+    # Each is two pictures further, which are 8 lighter; H.264 has some loss.
+    assert len(seen) == 30 and all(6 <= apart <= 10 for apart in np.diff(seen))
+
+
 @each_format
 def test_a_film_without_a_picture_leaves_no_file(end, tmp_path):
     open_film(tmp_path / f"film{end}").close(1)

@@ -49,7 +49,7 @@ class Gif(Format):
 
     def head(self, size: tuple[int, int]) -> bytes:
         if max(size) > 65_535:
-            raise ValueError(f"a GIF has at most 65535 pixels a side, not {size[0]} x {size[1]}: let it end in .png")
+            raise too_large("GIF", 65_535, size)
         # Without colours for all pictures: each has its own. Shown again and again.
         return b"GIF89a" + struct.pack("<HHxxx", *size) + b"\x21\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
 
@@ -105,6 +105,8 @@ class WebP(Format):
     most_ticks = 2**24 - 1
 
     def head(self, size: tuple[int, int]) -> bytes:
+        if max(size) > 16_383:
+            raise too_large("WebP", 16_383, size)
         self.size = b"".join((side - 1).to_bytes(3, "little") for side in size)
         canvas = b"VP8X" + struct.pack("<IB3x", 10, 2) + self.size
         return b"RIFF\0\0\0\0WEBP" + canvas + b"ANIM" + struct.pack("<IIH", 6, 0, 0)
@@ -121,6 +123,10 @@ class WebP(Format):
 
 
 FORMATS: dict[str, type[Format]] = {".gif": Gif, ".png": Png, ".apng": Png, ".webp": WebP}
+
+
+def too_large(format: str, most: int, size: tuple[int, int]) -> ValueError:
+    return ValueError(f"a {format} has at most {most} pixels a side, not {size[0]} x {size[1]}: let it end in .png")
 
 
 def saved(image: Any, format: str, **how: Any) -> bytes:

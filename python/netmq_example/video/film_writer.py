@@ -1,20 +1,23 @@
 """Pictures become a film one by one, each shown as long as it was seen.
 
     film = open_film("drive.gif")            or .png, .webp; with ffmpeg on the machine .mp4
-    film.add(picture, 0.04)                  uint8 [height, width, 3], and the second at which it was seen
+    film.add(picture, 0.04)                  uint8 [height, width, 3], [height, width, 4] or grey [height, width], and
+                                             the second at which it was seen
     film.close(5.0)                          when the last picture was over
 
 The file is whole after each picture: a kill leaves a film that plays, and so does a full disk. A file that exists is
 never written over, and a film without a picture leaves none.
 
 An MP4 has a constant rate, so a picture is repeated for as long as it was seen: its time is right to one picture of the
-film. ffmpeg writes it in fragments of a second, and ends the file when this program is gone.
+film. One that was seen for less than that may be left out, but not the last one. ffmpeg writes it in fragments of a
+second, and ends the file when this program is gone.
 
 ValueError says what is no film and no picture, OSError what cannot be written. It needs numpy and Pillow.
 """
 
 import contextlib
 import errno
+import math
 import os
 import shutil
 import subprocess
@@ -77,10 +80,10 @@ class Film(ABC):
         self.began = 0.0
 
     def add(self, picture: Any, time: float) -> None:
-        """The next picture, uint8 [height, width, 3], and the second at which it was seen."""
-        pixels = np.ascontiguousarray(picture)
-        if pixels.dtype != np.uint8 or pixels.shape[2:] != (3,) or not pixels.size:
-            raise ValueError(f"picture takes uint8 [height, width, 3], not {pixels.dtype} {[*pixels.shape]}")
+        """The next picture, uint8 [height, width, 3], [height, width, 4] or grey [height, width], and the second at
+        which it was seen.
+        """
+        pixels = rgb(picture)
         if self.frames and pixels.shape != self.shape:
             raise ValueError(f"picture takes the size of the first one, {[*self.shape]}, not {[*pixels.shape]}")
         seen = moment(time)
@@ -99,6 +102,23 @@ class Film(ABC):
 
     @abstractmethod
     def write_end(self, time: float) -> None: ...
+
+
+def rgb(picture: Any) -> Any:
+    """Its red, green and blue; ValueError if it is no picture."""
+    pixels = np.asarray(picture)
+    if pixels.dtype != np.uint8 or pixels.shape[2:] not in ((3,), (4,), ()) or pixels.ndim < 2 or not pixels.size:
+        forms = "uint8 [height, width, 3], [height, width, 4] or grey [height, width]"
+        raise ValueError(f"picture takes {forms}, not {pixels.dtype} {[*pixels.shape]}")
+    grey = pixels.ndim == 2
+    return np.repeat(pixels[:, :, None], 3, axis=2) if grey else np.ascontiguousarray(pixels[:, :, :3])
+
+
+def nearest(seconds: float, rate: float) -> int:
+    """In ticks, of which there are `rate` to a second."""
+    # The middle goes down, also after a rounding error. Up, the last of 60 pictures a second in 30 would be one too
+    # many; and by round(), to even numbers, some would be seen twice and others never.
+    return math.ceil(seconds * rate - 0.5 - 1e-6)
 
 
 def moment(time: Any) -> float:
@@ -149,8 +169,8 @@ class PictureFilm(Film):
 
     def last_picture(self, until: float) -> bytes:
         """The last picture with its time. Rounded from the beginning on, so that errors do not add up."""
-        begin = round((self.time - self.began) * self.format.ticks)
-        end = round((until - self.began) * self.format.ticks)
+        begin = nearest(self.time - self.began, self.format.ticks)
+        end = nearest(until - self.began, self.format.ticks)
         return self.format.frame(self.body, self.frames - 1, min(max(0, end - begin), self.format.most_ticks))
 
     def write(self, data: bytes) -> None:
@@ -179,9 +199,10 @@ class Mp4Film(Film):
         path.open("xb").close()
         self.fps = fps
         self.process: subprocess.Popen[bytes] | None = None
-        # The last picture, and how many ffmpeg has got with the repeated ones.
+        # The last picture, how many ffmpeg has got with the repeated ones, and whether it has not got that one yet.
         self.last = b""
         self.written = 0
+        self.unseen = False
         self.errors = tempfile.TemporaryFile()  # noqa: SIM115, it lives as long as ffmpeg.
 
     def write_picture(self, pixels: Any, time: float) -> None:
@@ -189,6 +210,7 @@ class Mp4Film(Film):
             self.process = self.start(*pixels.shape[:2])
         self.repeat_last(time)
         self.last = pixels.tobytes()
+        self.unseen = True
 
     def write_end(self, time: float) -> None:
         if not self.process:
@@ -196,6 +218,7 @@ class Mp4Film(Film):
             return
         try:
             self.repeat_last(time)
+            self.repeat(self.unseen)
         finally:
             # What is not written yet is written now.
             with contextlib.suppress(OSError), self.limited(PICTURE_SECONDS):
@@ -215,14 +238,18 @@ class Mp4Film(Film):
 
     def repeat_last(self, until: float) -> None:
         """The last picture, up to the one that is seen at that time."""
-        wanted = round((until - self.began) * self.fps) if self.last else 0
-        while self.written < wanted:
+        wanted = nearest(until - self.began, self.fps) if self.last else 0
+        self.repeat(wanted - self.written)
+
+    def repeat(self, times: int) -> None:
+        for _ in range(times):
             try:
                 with self.limited(PICTURE_SECONDS):
                     self.process.stdin.write(self.last)  # type: ignore[union-attr]
             except OSError:
                 raise OSError(self.why()) from None
             self.written += 1
+            self.unseen = False
 
     @contextlib.contextmanager
     def limited(self, seconds: float) -> Iterator[None]:
