@@ -35,7 +35,6 @@ IMPORTS = {
     "pillow": "PIL",
     "pyyaml": "yaml",
     "grpcio": "grpc",
-    "opencv-python": "cv2",
     "python-socketio": "socketio",
 }
 # What pip says where no index answers, or does not hold a package.

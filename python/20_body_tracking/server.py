@@ -14,6 +14,7 @@ again.
 """
 
 import argparse
+import itertools
 import sys
 import time
 from collections.abc import Iterator
@@ -23,7 +24,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.body.camera import watch
-from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, play, read
+from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, as_text, play, read
 from netmq_example.program import listening, run, server_options, whole
 
 MODEL = Path("pose_landmarker_lite.task")
@@ -33,9 +34,7 @@ LARGEST_BYTES = 1000
 
 def pose(topic: str, number: int, seconds: float, landmarks: list[Landmark]) -> str:
     """One frame: so CONFLATE can keep the newest, and a person who left is told from a server that is gone."""
-    # Millimetres: a webcam does not know more.
-    numbers = [f"{value:.3f}" for landmark in landmarks for value in landmark]
-    return " ".join([f"{topic}/ {number} {seconds:.3f}", *numbers])
+    return " ".join([f"{topic}/ {number} {seconds:.3f}", *as_text(landmarks)])
 
 
 def recording(text: str) -> Pictures:
@@ -63,8 +62,11 @@ def main() -> None:
     parser.add_argument("--hands", type=Path, help="for --camera: a model, to look for hands too")
     options = parser.parse_args()
     try:
+        pictures = source(options)
+        # A webcam and its models take longer than a client waits: this server is ready when there is somebody to see.
+        first = next(pictures)
         with listening(zmq.PUB, options, LARGEST_BYTES) as socket:
-            for number, (people, hands) in enumerate(source(options), 1):
+            for number, (people, hands) in enumerate(itertools.chain([first], pictures), 1):
                 bodies = {f"pose/{person}": body for person, body in enumerate(people)}
                 for topic, landmarks in (bodies | hands).items():
                     # This never waits: a listener that is not there yet, or is too slow, does not get it.

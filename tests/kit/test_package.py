@@ -124,4 +124,4 @@ def test_what_only_a_part_of_a_lesson_needs_is_known():
     names = {
         number: {part: [*map(python_setup.name, needs)] for part, needs in found[number].items()} for number in found
     }
-    assert names == {17: {"ray": ["ray"]}, 20: {"body": ["mediapipe", "opencv-python"]}}
+    assert names == {17: {"ray": ["ray"]}, 20: {"body": ["mediapipe"]}}

@@ -3,8 +3,8 @@
     for people, hands in watch(0, Path("pose_landmarker_lite.task"), persons=2):
         print(people[0][26], hands)                             a landmark of the first person, or IndexError for nobody
 
-It needs mediapipe and opencv-python, and a model: MODELS says where it is. SourceError says what is missing. Landmarks
-are as in people.py. MediaPipe's classes are in ai.google.dev/edge/mediapipe/solutions/vision/pose_landmarker.
+It needs mediapipe, which brings OpenCV, and a model: MODELS says where it is. SourceError says what is missing.
+Landmarks are as in people.py. MediaPipe's classes are in ai.google.dev/edge/mediapipe/solutions/vision/pose_landmarker.
 """
 
 import contextlib
@@ -30,13 +30,17 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
     check.count("persons", persons)
     model = Path(check.instance("model", model, str, Path))
     hands = hands if hands is None else Path(check.instance("hands", hands, str, Path))
-    try:
+    for file in filter(None, (model, hands)):
+        if not file.is_file():
+            cure = f"take one from {MODELS}, and name it with its option"
+            raise SourceError(f"there is no model {file.name!r:.80}: {cure}")
+    with starting("cv2"):
         import cv2
-        import mediapipe
-    except ImportError as error:
-        cure = f"{sys.executable} -m pip install mediapipe opencv-python"
-        raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
     webcam = cv2.VideoCapture(device)
+    # MediaPipe takes seconds to start, and prints much: that there is no webcam is said before.
+    picture = look(webcam, device)
+    with starting("mediapipe"):
+        import mediapipe
     places: list[Place] = [None] * persons
     start = time.monotonic()
     milliseconds = -1
@@ -44,10 +48,6 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
         bodies = stack.enter_context(landmarker(mediapipe, "Pose", model, num_poses=persons))
         fingers = stack.enter_context(landmarker(mediapipe, "Hand", hands, num_hands=2)) if hands else None
         while True:
-            there, picture = webcam.read()
-            if not there:
-                cure = "is it plugged in, or does another program use it?"
-                raise SourceError(f"webcam {device} gives no picture: {cure}")
             # OpenCV has blue first.
             colours = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
             image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=colours)
@@ -55,12 +55,37 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
             milliseconds = max(milliseconds + 1, int(1000 * (time.monotonic() - start)))
             people, places = in_order(bodies.detect_for_video(image, milliseconds), places)
             yield people, read_hands(fingers.detect_for_video(image, milliseconds)) if fingers else {}
+            picture = look(webcam, device)
+
+
+@contextlib.contextmanager
+def starting(name: str) -> Iterator[None]:
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        cure = f"{sys.executable} -m pip install mediapipe"
+        raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
+    except (ImportError, OSError) as error:
+        raise SourceError(f"{name} does not start: {why(error)}") from None
+
+
+def why(error: Exception) -> str:
+    """In one line, and what to do where the system lacks a library, as a server without a screen does."""
+    text = " ".join(str(error).split())[:160]
+    cure = "; on Debian and Ubuntu: apt install libgl1 libegl1 libgles2 libglib2.0-0"
+    return text + cure if "shared object" in text else text
+
+
+def look(webcam: Any, device: int) -> Any:
+    there, picture = webcam.read()
+    if not there:
+        cure = "is it plugged in, or does another program use it?"
+        raise SourceError(f"webcam {device} gives no picture: {cure}")
+    return picture
 
 
 def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
     """MediaPipe's PoseLandmarker or HandLandmarker."""
-    if not model.is_file():
-        raise SourceError(f"there is no model {model.name!r:.80}: take one from {MODELS}, and name it with its option")
     vision = mediapipe.tasks.vision
     base = mediapipe.tasks.BaseOptions(model_asset_path=str(model))
     made = getattr(vision, f"{kind}LandmarkerOptions")(
@@ -68,8 +93,8 @@ def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
     )
     try:
         return getattr(vision, f"{kind}Landmarker").create_from_options(made)
-    except (RuntimeError, ValueError) as error:
-        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {error!s:.80}") from None
+    except (OSError, LookupError, RuntimeError, ValueError) as error:
+        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {why(error)}") from None
 
 
 def in_order(result: Any, places: list[Place]) -> tuple[People, list[Place]]:

@@ -27,8 +27,18 @@ LANDMARKS = 33
 HEADER = ["seconds", "person", *(f"{name}{i}" for i in range(LANDMARKS) for name in "xyzv")]
 
 
-class SourceError(Exception):
+class SourceError(ValueError):
     """Why there are no persons to be had: one line for the user."""
+
+
+def as_text(landmarks: list[Landmark]) -> list[str]:
+    """Four words for each, in millimetres: a webcam does not know more. SourceError names one that is no place."""
+    for number, landmark in enumerate(landmarks):
+        # Nor is NaN below 1000. No body is a kilometre long.
+        if len(landmark) != 4 or not all(abs(value) < 1000 for value in landmark):
+            cure = "one that is not seen has its last place, or 0, 0, 0, and visibility 0"
+            raise SourceError(f"landmark {number} is {' '.join(map(str, landmark)):.60}, and not four numbers: {cure}")
+    return [f"{value:.3f}" for landmark in landmarks for value in landmark]
 
 
 def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
@@ -43,8 +53,7 @@ def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
             for person, body in enumerate(people):
                 if len(body) not in (0, LANDMARKS):
                     raise ValueError(f"a person has {LANDMARKS} landmarks, or none, not {len(body)}")
-                numbers = [f"{number:.3f}" for landmark in body for number in landmark]
-                writer.writerow([f"{seconds:.3f}", person, *(numbers or [""] * 4 * LANDMARKS)])
+                writer.writerow([f"{seconds:.3f}", person, *(as_text(body) or [""] * 4 * LANDMARKS)])
 
 
 def read(path: Path) -> Pictures:
