@@ -34,7 +34,9 @@ with importing("numpy: pip install numpy, or let kit.py run 8 do it"):
 
 
 def drive(pictures: dict[str, Any], telemetry: dict[str, Any]) -> Any:
-    """Your own model goes here. Each picture is uint8 [height, width, 3]; it returns throttle, brake and steer."""
+    """Your own model goes here. Each picture is uint8 [height, width, 3], and read-only: draw into a copy of it. It
+    returns throttle, brake and steer.
+    """
     return follow_road(main_camera(pictures), telemetry["speed"])
 
 

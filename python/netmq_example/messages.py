@@ -82,12 +82,14 @@ class Array:
             raise MessageError("bad-shape", f"{self.dtype} {self.shape} is {size} contiguous bytes; {cure}")
 
     def numpy(self) -> Any:
-        """The numbers for numpy, in the very memory that ZeroMQ received them in."""
+        """The numbers for numpy, read-only: in the very memory that ZeroMQ received them in, which may be needed."""
         try:
             import numpy as np
         except ImportError:
             raise MessageError("no-numpy", "arrays need numpy where they are read: pip install numpy") from None
-        return np.frombuffer(self.data, np.dtype(self.dtype).newbyteorder("<")).reshape(self.shape)
+        items = np.frombuffer(self.data, np.dtype(self.dtype).newbyteorder("<"))
+        items.flags.writeable = False
+        return items.reshape(self.shape)
 
 
 def is_shape(shape: Any) -> bool:

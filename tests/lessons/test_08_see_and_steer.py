@@ -541,6 +541,18 @@ def test_half_a_message_of_a_peer_that_leaves_is_none(serve, ask, tmp_path, plai
     assert [row["frame"] for row in rows(tmp_path / "runs" / "run_0001")] == ["4", "6"]
 
 
+@pytest.mark.parametrize("kind", ["raw", "jpeg", "with alpha", "upside down"])
+def test_nobody_draws_into_a_picture_that_the_recorder_needs(kind):
+    seen = encode(GREY) if kind == "jpeg" else np.dstack([GREY, GREY[..., :1]]) if kind == "with alpha" else GREY
+    encoding = "jpeg" if kind == "jpeg" else "raw"
+    parts = frame(1, seen, encoding=encoding, bottom_up=kind == "upside down").frames()
+    # As received: in memory that could be written.
+    (picture,) = pictures(read([bytearray(part) for part in parts])).values()
+    with pytest.raises(ValueError, match="read-only"):
+        picture[:2] = 0
+    assert (picture == GREY).all()
+
+
 def test_a_driver_that_says_nan_is_told_so(driven, ask, plain):
     _, endpoint = driven("speed = telemetry['speed']; return speed / 8, 0.0, float('nan') if speed > 8 else 7")
     assert ask(endpoint, frame(1, plain)).values == {"frame": 1, "throttle": 1, "brake": 0, "steer": 7}

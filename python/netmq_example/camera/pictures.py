@@ -46,7 +46,7 @@ PART = re.compile(rb"\xff[\xc0-\xc2\xc4\xdb-\xef\xfe](..)", re.DOTALL)
 
 
 def pictures(frame: Message) -> dict[str, Any]:
-    """What each camera saw; MessageError says why there is nothing to see."""
+    """What each camera saw, read-only; MessageError says why there is nothing to see."""
     check_values(check.instance("frame", frame, Message))
     cameras, encoding = frame.values.get("cameras"), frame.values.get("encoding")
     if cameras not in CAMERAS:
