@@ -35,6 +35,8 @@ each_side = pytest.mark.parametrize("side", ["python", "csharp"])
 
 OWN = """
 def own(total, finished, text):
+    if text == "nothing":
+        return
     yield Step(1, total)
     wrong = {
         "long": lambda: Step(2, total, "x" * 70_000),
@@ -102,6 +104,8 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
         result = job.ask("goal", kind="own", count=3, text=text).result("aborted").values
         assert result["done"] == 1, "as far as could be told"
         said[text] = result["text"]
+    result = peer(endpoint).ask("goal", kind="own", count=3, text="nothing").result("aborted").values
+    assert (result["done"], result["text"]) == (0, "the work ended without a step: nothing was done")
     assert "too-big" in said["long"]
     assert "bad-json" in said["half"]
     # A mistake is shown where it is written.

@@ -215,6 +215,16 @@ def test_what_was_lost_is_in_the_next_one(kind, stage, runs):
 # Ollama, by a small server that speaks as its documentation says
 
 
+# What models do that do not speak, as ollama/ollama#14793 shows it.
+SILENT = {
+    "thinking": [{"thinking": "hmm "}] * 50,
+    "tool_calls": [{"content": None, "tool_calls": [{"function": {"name": "look", "arguments": {}}}]}],
+    "thinking aloud": [{"content": "<think> hmm"}],
+    "nothing": [],
+    "blanks": [{"content": " \n"}],
+}
+
+
 class Ollama(BaseHTTPRequestHandler):
     """What it does is what the prompt says."""
 
@@ -242,6 +252,16 @@ class Ollama(BaseHTTPRequestHandler):
         self.close_connection = True
 
     def speak(self, what):
+        if what in SILENT:
+            for message in SILENT[what]:
+                self.line({"message": {"role": "assistant", "content": "", **message}, "done": False})
+            self.line({"message": {"role": "assistant", "content": ""}, "done": True, "done_reason": "length"})
+            self.wfile.write(b"0\r\n\r\n")
+            return
+        if what == "tagged":
+            for piece in ("\n<thi", "nk> Who", " is it?\n</th", "ink>\n\n"):
+                self.line({"message": {"role": "assistant", "content": piece}, "done": False})
+            what = "whole"
         for piece in ("Once", " there", " was a river."):
             self.line({"message": {"role": "assistant", "content": piece}, "done": False})
         if what == "error":
@@ -292,7 +312,7 @@ def test_a_model_talks_and_all_that_can_go_wrong_with_it_is_a_line(ollama):
     server, url, ask = ollama
     assert ask("whole").result("succeeded").values["text"] == "Once there was a river."
     path, request = Ollama.asked[0]
-    assert (path, request["model"], request["stream"]) == ("/api/chat", "tiny", True)
+    assert (path, request["model"], request["stream"], request["think"]) == ("/api/chat", "tiny", True, False)
     assert request["options"] == {"num_predict": 50}
     assert [message["role"] for message in request["messages"]] == ["system", "user"]
     long = ask("long").result("succeeded").values["text"]
@@ -306,6 +326,17 @@ def test_a_model_talks_and_all_that_can_go_wrong_with_it_is_a_line(ollama):
     }.items():
         assert ask(what).result("aborted").values["text"] == why
     assert ask("whole").result("succeeded"), "it serves on"
+    assert "Traceback" not in server.output
+
+
+def test_a_model_that_says_nothing_has_not_answered_and_what_it_thinks_is_not_spoken(ollama):
+    server, url, ask = ollama
+    for what in SILENT:
+        after = "" if what in ("nothing", "blanks") else f", after {what.partition(' ')[0]}"
+        why = f"tiny ended without a word{after}: take another model, one that does not think"
+        assert ask(what).result("aborted").values["text"] == why
+    thoughts = [step.text for step in ollama_talk(50, b"", "tagged", url=url, model="tiny")]
+    assert thoughts[-1] == "Once there was a river." and all(thoughts[-1].startswith(text) for text in thoughts)
     assert "Traceback" not in server.output
 
 

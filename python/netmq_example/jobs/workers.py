@@ -93,6 +93,7 @@ def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event
     finished = bytes(checkpoint.data) if checkpoint else b""
     step = Step(facts["done"], facts["count"], checkpoint=checkpoint)
     told_at = 0.0
+    new = None
     try:
         for new in kind.work(facts["count"], finished, facts["text"]):
             check_step(new)
@@ -102,6 +103,8 @@ def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event
             if time.monotonic() >= told_at + FEEDBACK_SECONDS:
                 told_at = time.monotonic()
                 send(pipe, about(goal, step, "feedback"))
+        if new is None and step.done < step.total:
+            raise WorkError("the work ended without a step: nothing was done")
         return about(goal, step, "result", status="succeeded")
     except WorkError as error:
         return about(goal, step, "result", status="aborted", text=f"{error!s:.200}")

@@ -23,6 +23,7 @@ PERSONA = "You keep an old bridge and talk to a traveller. Answer in a few short
 SILENCE_SECONDS = 120
 LARGEST_LINE_BYTES = 65_536
 MOST_CHARACTERS = 5000
+MOST_THOUGHTS = 500_000
 
 
 def address(_: str, value: Any) -> str:
@@ -41,14 +42,18 @@ def ollama_talk(count: int, finished: bytes, prompt: str, *, url: str, model: st
     parts = urlsplit(address("url", url))
     check.text("model", model)
     connect = HTTPSConnection if parts.scheme == "https" else HTTPConnection
-    text = ""
+    text = said = ""
     done = 0
+    # What it did in place of speaking.
+    beside: set[str] = set()
     try:
         with closing(connect(parts.hostname or "", parts.port, timeout=SILENCE_SECONDS)) as connection:
             for done, piece in enumerate(pieces(connection, f"{parts.path}/api/chat", count, prompt, model), 1):
-                text += piece
-                yield Step(min(done, count), count, text[:MOST_CHARACTERS])
-                if len(text) > MOST_CHARACTERS:
+                text += piece["content"] or ""
+                beside |= {name for name in ("thinking", "tool_calls") if piece.get(name)}
+                said = spoken(text)
+                yield Step(min(done, count), count, said[:MOST_CHARACTERS])
+                if len(said) > MOST_CHARACTERS or len(text) > MOST_THOUGHTS:
                     break
     except TimeoutError:
         raise WorkError(f"{model} at {url} said nothing for {SILENCE_SECONDS} s: try a smaller model") from None
@@ -59,13 +64,27 @@ def ollama_talk(count: int, finished: bytes, prompt: str, *, url: str, model: st
         raise WorkError(f"no connection with {url} ({why}): start Ollama: ollama serve") from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise WorkError(f"what answers at {url} is not Ollama: check --ollama") from None
-    yield Step(done, done, text if len(text) <= MOST_CHARACTERS else f"{text[:MOST_CHARACTERS]}…")
+    if not said.strip():
+        if text.strip():
+            beside.add("thinking")
+        why = f", after {' and '.join(sorted(beside))}" if beside else ""
+        raise WorkError(f"{model} ended without a word{why}: take another model, one that does not think")
+    yield Step(done, done, said if len(said) <= MOST_CHARACTERS else f"{said[:MOST_CHARACTERS]}…")
 
 
-def pieces(connection: HTTPConnection, path: str, count: int, prompt: str, model: str) -> Iterator[str]:
-    """The model's words, as they come."""
+def spoken(text: str) -> str:
+    """Without what some models put first, what they think, in <think>…</think>; also while that is not whole yet."""
+    text = text.lstrip()
+    if text.startswith("<think>"):
+        return text.partition("</think>")[2].lstrip()
+    return "" if "<think>".startswith(text) else text
+
+
+def pieces(connection: HTTPConnection, path: str, count: int, prompt: str, model: str) -> Iterator[dict[str, Any]]:
+    """The model's messages, as they come, each with a part of a word or more as its `content`."""
     talk = [{"role": "system", "content": PERSONA}, {"role": "user", "content": prompt}]
-    request = {"model": model, "messages": talk, "stream": True, "options": {"num_predict": count}}
+    # What a model thinks would use up the words that it may say.
+    request = {"model": model, "messages": talk, "stream": True, "think": False, "options": {"num_predict": count}}
     connection.request("POST", path, json.dumps(request), {"Content-Type": "application/json"})
     response = connection.getresponse()
     if response.status != 200:
@@ -76,7 +95,7 @@ def pieces(connection: HTTPConnection, path: str, count: int, prompt: str, model
         news = json.loads(line)
         if "error" in news:
             raise WorkError(f"Ollama says: {news['error']!s:.120}")
-        yield news["message"]["content"]
+        yield news["message"]
         if news["done"]:
             return
     raise ConnectionResetError
