@@ -275,6 +275,21 @@ def test_a_page_of_a_stranger_does_not_come_in(serve):
     assert len([line for line in gateway.lines if line.startswith("refused")]) == 20, "a flood of lines"
 
 
+def test_an_old_client_of_socket_io_is_told_so_once(serve):
+    gateway, endpoint = serve(KEY, *ABSENT)
+
+    async def asked(transport):
+        where = f"{endpoint}/socket.io/?EIO=3&transport={transport}"
+        async with aiohttp.ClientSession() as session, session.get(where) as reply:
+            return reply.status, await reply.text()
+
+    why = "a client of Socket.IO 2 or older may not come in: version 3 or later is needed (EIO=4)"
+    for transport in ("polling", "websocket", "polling"):
+        assert asyncio.run(asked(transport)) == (403, why)
+    assert gateway.stop() == 0
+    assert [line for line in gateway.lines if line.startswith("refused")] == [f"refused: {why}"]
+
+
 def test_what_the_gateway_cannot_use_is_said(runs, tmp_path):
     table = [
         (["--endpoint", "http://0.0.0.0:0"], 1, "everybody in the network could come in; give --token"),

@@ -71,18 +71,26 @@ class Door:
     async def look(
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """Refuse the pages of strangers, before all else."""
-        origin = request.headers.get("Origin")
-        # There this machine has more names than it knows: its own page comes from the one that it asks for. So would
-        # a page of a stranger who gives this machine's number to a name of his own; he does not know the token.
-        own_page = f"http://{request.host}" if self.everywhere else None
-        if origin is None or origin == own_page or origin in self.origins:
+        """Refuse the pages of strangers, and clients that would be refused without a word, before all else."""
+        why = self.unfit(request)
+        if not why:
             return await handler(request)
-        why = f"the page of {origin[:80]!r} may not come in; if it is yours, start with --origin and its address"
         if why not in self.named and len(self.named) < MOST_NAMED:
             self.named.add(why)
             print(f"refused: {why}", flush=True)
         return refused(403, why)
+
+    def unfit(self, request: web.Request) -> str:
+        """Why a request has no place here; an empty text if it has one."""
+        origin = request.headers.get("Origin")
+        # There this machine has more names than it knows: its own page comes from the one that it asks for. So would
+        # a page of a stranger who gives this machine's number to a name of his own; he does not know the token.
+        own_page = f"http://{request.host}" if self.everywhere else None
+        if origin is not None and origin not in (own_page, *self.origins):
+            return f"the page of {origin[:80]!r} may not come in; if it is yours, start with --origin and its address"
+        if request.path == "/socket.io/" and request.query.get("EIO") in ("1", "2", "3"):
+            return "a client of Socket.IO 2 or older may not come in: version 3 or later is needed (EIO=4)"
+        return ""
 
     def refusal(self, token: object) -> str:
         """Why this token does not let in; an empty text if it does."""

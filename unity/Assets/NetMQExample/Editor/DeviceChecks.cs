@@ -30,7 +30,7 @@ namespace NetMQExample.Editor
         /// <param name="endpoint">Such as tcp://127.0.0.1:5554, or null.</param>
         /// <returns>True for any of this machine's names for itself.</returns>
         public static bool IsLoopback(string endpoint) =>
-            Regex.IsMatch(endpoint ?? "", @"^tcp://(127\.\d+\.\d+\.\d+|localhost|\[::1\]):");
+            Regex.IsMatch(endpoint ?? "", @"^tcp://(127\.\d+\.\d+\.\d+|localhost):");
 
         /// <summary>The warning about one.</summary>
         /// <param name="scene">Where it is.</param>

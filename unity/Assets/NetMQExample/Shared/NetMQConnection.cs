@@ -220,8 +220,8 @@ namespace NetMQExample
         // The endpoint's host, without asking a name server: this never waits.
         internal static string Host(string endpoint)
         {
-            // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
-            var parts = Regex.Match(endpoint ?? "", @"^tcp://(\S+):(\d+)$");
+            // A host with colons is of IPv6, which libzmq and NetMQ leave off. NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
+            var parts = Regex.Match(endpoint ?? "", @"^tcp://([^\s:\[\]]+):(\d+)$");
             if (!ushort.TryParse(parts.Groups[2].Value, out var port) || port == 0) throw Bad(endpoint, "");
             return parts.Groups[1].Value;
         }
@@ -234,7 +234,7 @@ namespace NetMQExample
             var host = Host(endpoint);
             try
             {
-                // An address such as 127.0.0.1 or [::1] needs no name server, nor the thread that a look-up takes.
+                // An address such as 127.0.0.1 needs no name server, nor the thread that a look-up takes.
                 if (!IPAddress.TryParse(host, out _)) LookUp(host);
                 socket?.Connect(endpoint);
             }
