@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -81,6 +82,7 @@ static class Program
             case "hello": Hello(typeof(HelloClient), args[1], "86400", 3, "Sending Hello"); break;
             case "again": Hello(typeof(Again.HelloClient), args[1], "2", 1, "Received Again"); break;
             case "hands": Hands(args[1]); break;
+            case "picture": Picture(args[1]); break;
             default: Script(args[0], args[1]); break;
         }
     }
@@ -156,6 +158,30 @@ NAKED
             Application.logMessageReceived -= see;
             Console.WriteLine($"stopped {play}");
         }
+    }
+
+    // What the component has got: its size, and the first number of its lowest and of its highest row.
+    static void Picture(string endpoint)
+    {
+        var player = new Player(typeof(PictureView).Assembly);
+        var field = typeof(PictureView).GetField("texture", BindingFlags.NonPublic | BindingFlags.Instance);
+        PictureView view = null;
+        player.Begin(() =>
+        {
+            var thing = new GameObject("picture");
+            thing.SetActive(false);
+            view = (PictureView)thing.AddComponent(typeof(PictureView));
+            Inspector.Set(new[] { view }, "endpoint", endpoint);
+            thing.SetActive(true);
+        });
+        player.Run(TimeSpan.FromSeconds(60), () =>
+        {
+            if (!(field.GetValue(view) is Texture2D seen) || seen == null) return false;
+            var pixels = seen.GetRawTextureData<byte>();
+            Console.WriteLine($"{seen.width} x {seen.height} {pixels[0]} {pixels[pixels.Length - 3]}");
+            return true;
+        });
+        player.Stop();
     }
 
     // A hand of two joints, until ten positions were seen; a score from the same port; one whose field was forgotten.
@@ -260,6 +286,18 @@ def test_a_script_of_yours_plays(pages, serve):
     heard = [line for line in said if line != "the client was disposed"]
     assert heard == ["where to?"] * len(heard), said
     assert 2 <= len(heard) <= 31
+
+
+def test_a_picture_of_pythons_is_seen(pages, tmp_path, start):
+    """The page's `answer`, in a copy of the lesson's server, and its component: upright, with red above."""
+    (mine,) = (block.body for block in BLOCKS if "runs it with the component below" in block.source)
+    for folder in ("netmq_example", "05_messages"):
+        shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
+    path = tmp_path / "05_messages" / "server.py"
+    path.write_text(path.read_text(encoding="utf-8").replace("if __name__", f"{mine}\n\nif __name__"), encoding="utf-8")
+    server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0")
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    assert finished([*pages, "picture", endpoint]).stdout.splitlines() == ["320 x 240 0 255"]
 
 
 def test_two_hands_of_cvzone():

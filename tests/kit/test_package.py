@@ -19,6 +19,8 @@ from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, finished
 
 PACKAGE = ROOT / "python" / "netmq_example"
+# Extras that are too large for a cell of the workflow, and those for who changes the kit.
+UNRUN = ("body", "ray", "sb3", "tests_more", "unity_tests", "style", "bench")
 
 
 @pytest.fixture(scope="module")
@@ -117,6 +119,18 @@ def test_every_package_that_is_imported_is_in_pyproject_toml():
 def test_what_a_lesson_needs_is_read_from_its_imports(number, needs):
     (lesson,) = [each for each in lessons() if each.number == number]
     assert [python_setup.name(need) for need in python_setup.needs(lesson.key)] == ["pyzmq", *needs]
+
+
+def test_each_lowest_version_that_is_declared_is_one_that_is_run():
+    """That users' packages may have: by a cell of the workflow, with these very versions."""
+    lowest = dict(re.findall(r"^([\w-]+)==([\d.]+)$", (ROOT / "tests" / "lowest.txt").read_text(), re.MULTILINE))
+    declared = python_setup.needs(*(extra for extra in python_setup.all_extras() if extra not in UNRUN))
+    for need in declared:
+        package, _, version = need.partition(">=")
+        # 1.1 is 1.1.0.
+        assert f"{lowest.get(package)}.0".startswith(f"{version}.0"), need
+    workflow = (ROOT / ".github" / "workflows" / "test.yml").read_text(encoding="utf-8")
+    assert "packages: tests/lowest.txt" in workflow
 
 
 def test_what_only_a_part_of_a_lesson_needs_is_known():

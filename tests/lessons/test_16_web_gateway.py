@@ -27,6 +27,7 @@ from tests.programs import LIMIT, PATIENT, ROOT, Program, steady_endpoint
 aiohttp = pytest.importorskip("aiohttp", reason="lesson 16 needs aiohttp: kit.py run 16 installs it")
 web = pytest.importorskip("aiohttp.web")
 socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
+from netmq_example.errors import GaveUp  # noqa: E402
 from netmq_example.web.browser_socket import Listener, Requester  # noqa: E402
 from netmq_example.web.door import Door  # noqa: E402
 from netmq_example.web.requester import WebSocketRequester  # noqa: E402
@@ -288,6 +289,21 @@ def test_an_old_client_of_socket_io_is_told_so_once(serve):
         assert asyncio.run(asked(transport)) == (403, why)
     assert gateway.stop() == 0
     assert [line for line in gateway.lines if line.startswith("refused")] == [f"refused: {why}"]
+
+
+def test_an_aiohttp_that_is_too_old_for_socket_io_is_named(serve, monkeypatch):
+    """Engine.IO's newest client looks for what aiohttp has from 3.11 on."""
+    if not hasattr(aiohttp, "ClientWSTimeout"):
+        pytest.skip("it is this old, and so is python-engineio: they fit")
+    monkeypatch.delattr(aiohttp, "ClientWSTimeout")
+    _, endpoint = serve(KEY, *ABSENT)
+
+    async def come():
+        async with SocketIORequester(endpoint, "hello", timeout=LIMIT) as requester:
+            await requester.request("Hello")
+
+    with pytest.raises(GaveUp, match=r"^aiohttp is too old for this python-socketio .*pip install --upgrade aiohttp$"):
+        asyncio.run(come())
 
 
 def test_what_the_gateway_cannot_use_is_said(runs, tmp_path):

@@ -7,6 +7,7 @@ It needs python-socketio.
 """
 
 import asyncio
+import sys
 from typing import Any
 
 import socketio
@@ -36,6 +37,10 @@ class SocketIORequester(WebRequester):
             if "token" in str(refusals):
                 raise GaveUp(REFUSED.format(self.endpoint)) from None
             raise ConnectionError(refusals[0] if refusals else "it does not answer") from None
+        except AttributeError as error:
+            # The newest python-engineio needs aiohttp 3.11, and does not say so.
+            why = f"aiohttp is too old for this python-socketio ({error})"
+            raise GaveUp(f"{why}: {sys.executable} -m pip install --upgrade aiohttp") from None
 
     async def ask(self, *texts: str) -> Any:
         asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.timeout))
