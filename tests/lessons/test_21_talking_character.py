@@ -11,7 +11,7 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from http.server import BaseHTTPRequestHandler
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 import zmq
@@ -216,7 +216,7 @@ def test_what_was_lost_is_in_the_next_one(kind, stage, runs):
 
 
 # What models do that do not speak, as ollama/ollama#14793 shows it.
-SILENT = {
+SILENT: dict[str, list[dict[str, Any]]] = {
     "thinking": [{"thinking": "hmm "}] * 50,
     "tool_calls": [{"content": None, "tool_calls": [{"function": {"name": "look", "arguments": {}}}]}],
     "thinking aloud": [{"content": "<think> hmm"}],

@@ -220,7 +220,8 @@ namespace NetMQExample
         // The endpoint's host, without asking a name server: this never waits.
         internal static string Host(string endpoint)
         {
-            // A host with colons is of IPv6, which libzmq and NetMQ leave off. NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
+            // Colons in the host would be IPv6, which libzmq and NetMQ leave off.
+            // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
             var parts = Regex.Match(endpoint ?? "", @"^tcp://([^\s:\[\]]+):(\d+)$");
             if (!ushort.TryParse(parts.Groups[2].Value, out var port) || port == 0) throw Bad(endpoint, "");
             return parts.Groups[1].Value;

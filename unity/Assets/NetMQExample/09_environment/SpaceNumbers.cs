@@ -1,0 +1,129 @@
+// Lesson 09, the numbers of a space: how they stand in a row, little-endian, and that none becomes another one there.
+using System;
+using System.Linq;
+
+namespace NetMQExample
+{
+    /// <summary>Numbers of one dtype in a row: how they stand there, and between which two each of them lies.</summary>
+    internal sealed class SpaceNumbers
+    {
+        // Up to here each whole number is one as a double, too.
+        private const long MostExact = (1L << 53) - 1;
+
+        private readonly double[] low, high;
+        private readonly bool limited;
+        private readonly int itemSize;
+
+        public SpaceNumbers(string dtype, int[] shape, double[] low, double[] high)
+        {
+            if (dtype == "int64" && low.Concat(high).Any(one => Math.Abs(one) > MostExact))
+                throw new ArgumentException("low and high of int64 lie between -2^53 and 2^53");
+            Dtype = dtype;
+            Shape = shape;
+            this.low = low;
+            this.high = high;
+            itemSize = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
+            // Whatever the bytes of a picture are, they are in the space.
+            limited = dtype != "uint8" || low.Any(one => one > 0) || high.Any(one => one < 255);
+        }
+
+        public string Dtype { get; }
+
+        public int[] Shape { get; }
+
+        public int Count => low.Length;
+
+        public int Size => Count * itemSize;
+
+        public bool IsSingle => Shape.Length == 0;
+
+        /// <summary>Reads a row into the numbers from a place on; false: it is not in the space.</summary>
+        public bool Read(ReadOnlySpan<byte> row, double[] numbers, int at)
+        {
+            var inside = true;
+            for (var i = 0; i < Count; i++)
+            {
+                var number = Get(Dtype, row.Slice(i * itemSize, itemSize));
+                numbers[at + i] = number;
+                // NaN is not between any two numbers.
+                inside &= !limited || (number >= low[i] && number <= high[i]);
+            }
+            return inside;
+        }
+
+        public static double Get(string dtype, ReadOnlySpan<byte> bytes)
+        {
+            switch (dtype)
+            {
+                case "int8": return (sbyte)StepRequest.ByteOf(bytes);
+                case "uint8": return StepRequest.ByteOf(bytes);
+                case "uint16": return BitConverter.ToUInt16(bytes);
+                case "int32": return BitConverter.ToInt32(bytes);
+                case "int64": return BitConverter.ToInt64(bytes);
+                case "float32": return BitConverter.ToSingle(bytes);
+                default: return BitConverter.ToDouble(bytes);
+            }
+        }
+
+        /// <exception cref="MessageException">It would become another number, as 300 and 0.5 would in a byte.
+        /// </exception>
+        public static void Put(string dtype, Span<byte> bytes, double number)
+        {
+            switch (dtype)
+            {
+                case "int8":
+                    bytes[0] = (byte)(sbyte)Whole(dtype, number, sbyte.MinValue, sbyte.MaxValue);
+                    return;
+                case "uint8":
+                    bytes[0] = (byte)Whole(dtype, number, 0, byte.MaxValue);
+                    return;
+                case "uint16":
+                    BitConverter.TryWriteBytes(bytes, (ushort)Whole(dtype, number, 0, ushort.MaxValue));
+                    return;
+                case "int32":
+                    BitConverter.TryWriteBytes(bytes, (int)Whole(dtype, number, int.MinValue, int.MaxValue));
+                    return;
+                case "int64":
+                    BitConverter.TryWriteBytes(bytes, Whole(dtype, number, -MostExact, MostExact));
+                    return;
+                case "float32":
+                    if (float.IsInfinity((float)number) && !double.IsInfinity(number)) throw Another(dtype, number);
+                    BitConverter.TryWriteBytes(bytes, (float)number);
+                    return;
+                default:
+                    BitConverter.TryWriteBytes(bytes, number);
+                    return;
+            }
+        }
+
+        // NaN is neither whole nor between any two numbers.
+        private static long Whole(string dtype, double number, long least, long most) =>
+            number >= least && number <= most && number == Math.Floor(number)
+                ? (long)number : throw Another(dtype, number);
+
+        private static MessageException Another(string dtype, double number) => new MessageException("not-in-space",
+            FormattableString.Invariant($"{number} would become another number as {dtype}"));
+
+        public int ItemSize => itemSize;
+
+        public void Put(Span<byte> bytes, double number) => Put(Dtype, bytes, number);
+
+        /// <summary>The numbers of an array of any dtype.</summary>
+        public static double[] Of(MessageArray array)
+        {
+            var size = MessageArray.SizeOf(array.Dtype);
+            var numbers = new double[array.Data.Length / size];
+            for (var i = 0; i < numbers.Length; i++)
+                numbers[i] = Get(array.Dtype, array.Data.Span.Slice(i * size, size));
+            return numbers;
+        }
+
+        public static MessageArray Array(string dtype, double[] numbers, params int[] shape)
+        {
+            var size = MessageArray.SizeOf(dtype);
+            var data = new byte[numbers.Length * size];
+            for (var i = 0; i < numbers.Length; i++) Put(dtype, data.AsSpan(i * size, size), numbers[i]);
+            return new MessageArray(dtype, data, shape);
+        }
+    }
+}
