@@ -340,6 +340,8 @@ def test_no_number_becomes_another_one_in_both_languages(program):
     answers += said_by(program, "rows", lines=lines)
     wrong = [answer for answer in zip(lines * 2, answers, strict=True) if not answer[1].startswith("error ")]
     assert wrong == []
+    # C# counts with doubles.
+    assert said_by(program, "large") == ["low and high of int64 lie between -2^53 and 2^53"]
 
 
 @pytest.mark.parametrize("pixel", [0.7, 300, -1, np.nan, "red"])

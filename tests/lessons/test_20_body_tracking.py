@@ -480,6 +480,21 @@ def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
             says(pattern)
 
 
+def test_the_real_mediapipe_takes_what_camera_gives_it(tmp_path):
+    """Nobody stands in the dark; and its own errors are lines."""
+    mediapipe = pytest.importorskip("mediapipe", reason="the real MediaPipe is not here: pip install mediapipe")
+    np = pytest.importorskip("numpy")
+    (tmp_path / "half.task").write_bytes(b"PK\3\4 half a download")
+    with pytest.raises(people.SourceError, match=r"^MediaPipe does not take the model 'half.task': "):
+        camera.landmarker(mediapipe, "Pose", tmp_path / "half.task", num_poses=1)
+    model = ROOT / "pose_landmarker_lite.task"
+    if not model.is_file():
+        pytest.skip(f"a model is not here: download one to {model}")
+    dark = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=np.zeros((240, 320, 3), np.uint8))
+    with camera.landmarker(mediapipe, "Pose", model, num_poses=2) as bodies:
+        assert camera.in_order(bodies.detect_for_video(dark, 0), [None, None]) == ([[], []], [None, None])
+
+
 def test_a_server_listens_when_there_is_somebody_to_see(webcam, start):
     """And that there is no webcam is said before MediaPipe, with all its noise, is started."""
     words = [PYTHON, LESSON / "server.py", "--endpoint", "tcp://127.0.0.1:0", "--model", webcam / "model.task"]

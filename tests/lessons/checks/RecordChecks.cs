@@ -2,6 +2,7 @@
 //
 //     rows                      each line of the input is a space's name, a number of areas and a request, in hexadecimal
 //                               digits; it is answered with the answer, or "error" and the code
+//     large                     why int64 beyond what a double knows exactly is no space
 //     spaces                    what a hello says of CartPole's spaces, and of each space here
 //     worlds ENDPOINT NAME …    simulates a world of each of these spaces, one after the other
 //
@@ -60,6 +61,7 @@ namespace NetMQExample.Tests
             if (words[0] == "rows")
                 for (var line = Console.ReadLine(); line != null; line = Console.ReadLine()) Console.WriteLine(Answer(line.Split(' ')));
             else if (words[0] == "spaces") Describe();
+            else if (words[0] == "large") Large();
             else foreach (var name in words.Skip(2)) Simulate(name, words[1]);
         }
 
@@ -85,6 +87,12 @@ namespace NetMQExample.Tests
             var hello = new Simulator(new CartPole()).Describe();
             Console.WriteLine($"hello {Hex.Digits(hello.Arrays.Single().Data.ToArray())}");
             foreach (var one in Spaces) Console.WriteLine($"{one.Key} {Hex.Digits(MessageTree.Write(one.Value.Description))}");
+        }
+
+        private static void Large()
+        {
+            try { GymSpace.Box(Array("int64", 0), Array("int64", 1L << 53)); }
+            catch (ArgumentException e) { Console.WriteLine(e.Message); }
         }
 
         private static void Simulate(string name, string endpoint)
