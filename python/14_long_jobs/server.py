@@ -23,7 +23,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from work import KINDS
 
-from netmq_example.jobs.jobs import Jobs
+from netmq_example.jobs.jobs import Jobs, few_answers_wait
 from netmq_example.jobs.journal import Journal
 from netmq_example.program import Socket, at_least_one, listening, run, seconds, server_options, whole
 
@@ -62,7 +62,7 @@ def main() -> None:
         sys.exit(str(error))
     # After a crash, and started in the same way, it goes on.
     before = reached(jobs, options.crash_on)
-    with contextlib.closing(jobs.workers), listening(zmq.ROUTER, options) as socket:
+    with contextlib.closing(jobs.workers), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:
             turn(jobs, socket)
             if options.crash_on and reached(jobs, options.crash_on) - before:

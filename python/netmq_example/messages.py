@@ -54,7 +54,7 @@ class MessageError(Exception):
         """The reply that says so, to the request of this id."""
         # Whatever is in it, the reply can be written.
         text = str(self.text)[:LONGEST_TEXT].encode(errors="replace").decode()
-        return Message("error", self.id or id, {"code": self.code, "text": text})
+        return Message("error", self.id or id, {"code": str(self.code)[:40], "text": text})
 
 
 @dataclass(slots=True)

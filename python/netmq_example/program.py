@@ -39,6 +39,8 @@ T = TypeVar("T")
 SLICE_MS = 200
 # The largest frame of a text message, in bytes. A peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
+# What waits on a connection to be read or sent, or two messages: ZeroMQ itself counts only messages, up to 1000.
+WAITING_BYTES = 64 * 1024 * 1024
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
 
 
@@ -78,6 +80,8 @@ def listening(
         sys.exit(2)
     with zmq.Context() as context, context.socket(kind) as socket:
         limit(socket, largest)
+        # Answers are about as large as requests; a client that does not read its own fills no memory.
+        socket.sndhwm = socket.rcvhwm
         socket.rcvtimeo = SLICE_MS
         if prepare:
             prepare(context, socket)
@@ -108,9 +112,11 @@ def connected(kind: int, options: argparse.Namespace, largest: int = LARGEST_BYT
 
 
 def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
-    """The limits of every socket: what nobody fetched goes at the end, and no frame may fill the memory."""
+    """The limits of every socket: what nobody fetched goes at the end, and neither a frame nor many fill the memory."""
     socket.linger = 0
     socket.maxmsgsize = largest
+    if largest > LARGEST_BYTES:
+        socket.rcvhwm = max(2, WAITING_BYTES // largest)
 
 
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:

@@ -24,6 +24,7 @@ import zmq
 from netmq_example import check, records
 from netmq_example.envs.launch import END_SECONDS, end_program, program, start_program
 from netmq_example.messages import LIMIT, Message, MessageError
+from netmq_example.program import limit
 from netmq_example.records import Record
 
 ENDPOINT = "tcp://127.0.0.1:5559"
@@ -144,11 +145,11 @@ class Connection:
         self.send(peer, error.reply().frames())
 
     def send(self, peer: bytes, frames: list[bytes]) -> bool:
-        """False if the peer is gone, or takes nothing any more."""
+        """False if the peer is gone. One that takes nothing now is asked again."""
         try:
             self.socket.send_multipart([peer, *frames], zmq.NOBLOCK)
-        except zmq.ZMQError:
-            return False
+        except zmq.ZMQError as error:
+            return error.errno == zmq.EAGAIN
         return True
 
 
@@ -274,10 +275,8 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
     check.endpoint(endpoint, example, lowest_port=0)
     context = zmq.Context()
     socket = context.socket(zmq.ROUTER)
-    # A peer that announces more than the largest message is disconnected before it is in memory. One answer is under
-    # way; what others send while nobody listens must not fill the memory.
-    socket.maxmsgsize = 4 * LIMIT
-    socket.rcvhwm = 10
+    limit(socket, 4 * LIMIT)
+    socket.sndhwm = socket.rcvhwm
     # Milliseconds at its end for what it has sent last, such as why it refused a simulator.
     socket.linger = 500
     socket.rcvtimeo = 200

@@ -21,7 +21,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check, records
-from netmq_example.fleet.members import Member, Refused, accept, fits
+from netmq_example.fleet.members import Member, Refused, accept, fits, offer, size_of
 from netmq_example.fleet.trainers import Trainer
 from netmq_example.messages import Message, MessageError, take
 from netmq_example.program import Socket
@@ -33,6 +33,10 @@ RESEND_SECONDS = 0.5
 UNANSWERED_SECONDS = 60.0
 # So many simulators may be lost at one request: what ends each of them must not go round.
 MOST_LOST = 10
+# What is kept, in bytes: a hello of each name, and the episodes of one trainer and of all.
+MOST_HELLO_BYTES = 256 * 1024 * 1024
+MOST_EPISODE_BYTES = 512 * 1024 * 1024
+MOST_BYTES = 2 * MOST_EPISODE_BYTES
 
 
 class Hub:
@@ -89,7 +93,7 @@ class Hub:
         except MessageError as error:
             if isinstance(error, Refused):
                 self.report(f"refused: {error}")
-            self.send(peer, Message("error", error.id, {"code": error.code, "text": error.text}))
+            self.send(peer, error.reply())
         self.lease()
 
     def answered(self, peer: bytes, member: Member, answer: Any) -> None:
@@ -107,6 +111,9 @@ class Hub:
     def welcome(self, peer: bytes, hello: Message) -> None:
         name = take(hello.values, "name", str)
         accept(hello, self.build, self.hellos.get(name))
+        others = (size_of(other) for each, other in self.hellos.items() if each != name)
+        if sum(others) + size_of(hello) > MOST_HELLO_BYTES:
+            raise Refused("too-many-worlds", "the hellos that are here fill the hub's room for them; try again later")
         self.hellos[name] = hello
         self.count["came"] += 1
         self.members[peer] = Member(self.count["came"], name, partial(self.send, peer))
@@ -116,7 +123,11 @@ class Hub:
         areas = take(message.values, "areas", int)
         if peer in self.trainers:
             self.trainers.pop(peer).release()
-        self.trainers[peer] = Trainer(name, areas, partial(self.send, peer), self.count)
+        self.trainers[peer] = Trainer(name, areas, partial(self.send, peer), self.count, partial(self.room, peer))
+
+    def room(self, peer: bytes) -> int:
+        others = sum(trainer.size for each, trainer in self.trainers.items() if each != peer)
+        return min(MOST_EPISODE_BYTES, MOST_BYTES - others)
 
     def lease(self) -> None:
         """A simulator for each episode that has none."""
@@ -139,12 +150,12 @@ class Hub:
         self.report(f"simulator {member.number} is gone: {why}")
 
     def send(self, peer: bytes, message: Any) -> bool:
-        """False if it is gone, or takes nothing any more."""
+        """False if it is gone. One that takes nothing now gets it later, once more."""
         self.count["messages"] += 1
         try:
             self.socket.send_multipart([peer, *message.frames()], zmq.NOBLOCK)
-        except zmq.ZMQError:
-            return False
+        except zmq.ZMQError as error:
+            return error.errno == zmq.EAGAIN
         return True
 
     def tick(self) -> None:
@@ -198,7 +209,7 @@ class Hub:
         if trainer.areas <= members - taken:
             hello = self.hellos[trainer.name]
             trainer.admitted = True
-            trainer.answer(Message("hello", 0, {**hello.values, "areas": trainer.areas}, hello.arrays))
+            trainer.answer(offer(hello, trainer.areas))
         else:
             trainer.kept = Message("alive", 0, {"simulators": members, "taken": taken})
 

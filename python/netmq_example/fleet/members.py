@@ -16,19 +16,27 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from netmq_example.messages import Message, MessageError
+from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.records import Record
 
 # The hub is never silent for so long. See Member.
 SILENCE_SECONDS = 3.0
+# A hello is kept, one of each name. The spaces of most have some hundred bytes.
+LARGEST_HELLO_BYTES = 16 * 1024 * 1024
+# In memory a request takes so many bytes besides those of its row.
+REQUEST_BYTES = 500
+MOST_AREAS = 1024
 
 
 class Episode:
     """Of one area: its requests so far, the reset first, and the answer to the last one when there is one."""
 
-    def __init__(self, reset: Record, ready: Callable[[], object]) -> None:
+    def __init__(self, reset: Record, ready: Callable[[], object], most: int = LIMIT) -> None:
+        """An answer has at most so many bytes."""
         self.requests: list[Any] = [reset]
+        self.size = size_of(reset)
         self.ready = ready
+        self.most = most
         self.runs: list[Member] = []
         self.answer: Any = None
         self.seen = b""
@@ -41,6 +49,7 @@ class Episode:
 
     def ask(self, request: Any) -> None:
         self.requests.append(request)
+        self.size += size_of(request)
         self.answer = None
         self.since = time.monotonic()
         for run in self.runs:
@@ -51,13 +60,18 @@ class Episode:
         for run in self.runs:
             run.episode = self if run is by else None
         self.runs = [by]
-        self.answer = answer
         self.lost = 0
+        if size_of(answer) > self.most + REQUEST_BYTES:
+            text = f"an answer of {size_of(answer)} bytes is more than one area's part of a message, {self.most}"
+            answer = MessageError("too-big", text).reply()
+            # Its world has gone on, and nobody has seen it: the episode is over.
+            self.seen = b""
+        self.answer = answer
         if isinstance(answer, Record):
             self.seen = bytes(answer.rows[0])
         elif len(self.requests) > 1:
             # A picture, or a refusal: the world has not changed.
-            self.requests.pop()
+            self.size -= size_of(self.requests.pop())
             by.done -= 1
         self.ready()
 
@@ -144,8 +158,26 @@ class Refused(MessageError):
     """A simulator that the hub does not take; the hub reports it as well."""
 
 
+def size_of(message: Any) -> int:
+    """What a request or an answer takes in memory, in bytes."""
+    if isinstance(message, Record):
+        parts = [*message.rows, *message.infos, message.options, message.exchange or b""]
+    else:
+        parts = [memoryview(array.data).cast("B") for array in message.arrays]
+    return REQUEST_BYTES + sum(map(len, parts))
+
+
+def offer(hello: Message, areas: int) -> Message:
+    """The hello for a trainer."""
+    return Message("hello", 0, {**hello.values, "areas": areas}, hello.arrays)
+
+
 def accept(hello: Message, build: str, hello_here: Message | None) -> None:
     """Refused unless it is of this build, and like those of its name that are here."""
+    # What no trainer could be sent is found out now.
+    offer(hello, MOST_AREAS).frames()
+    if size_of(hello) > LARGEST_HELLO_BYTES:
+        raise Refused("too-big", f"a hello of {size_of(hello)} bytes; the hub takes {LARGEST_HELLO_BYTES}")
     if not hello.arrays:
         raise Refused("no-spaces", "a hello has the arrays of its spaces")
     if "areas" in hello.values:

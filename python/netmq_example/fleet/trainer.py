@@ -17,6 +17,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import LIMIT, Message, read, take
+from netmq_example.program import limit
 from netmq_example.records import is_record
 
 PEER = b"hub"
@@ -66,7 +67,11 @@ class FleetSocket:
     def send_multipart(self, frames: list[Any], flags: int = 0) -> None:
         self.sent = time.monotonic()
         self.waits = False
-        self.socket.send_multipart(frames[1:], flags)
+        try:
+            self.socket.send_multipart(frames[1:], flags)
+        except zmq.Again:
+            # There is no connection: to the environment, a peer that is gone.
+            raise zmq.ZMQError(zmq.EHOSTUNREACH) from None
 
     def report_missing(self, alive: Message) -> None:
         """What is missing, whenever that has changed."""
@@ -101,8 +106,8 @@ class FleetSocket:
         self.socket = self.context.socket(zmq.DEALER)
         # Nothing can be sent while there is no connection: so it is known whether there is one.
         self.socket.immediate = True
+        limit(self.socket, 4 * LIMIT)
         self.socket.linger = 500
-        self.socket.maxmsgsize = 4 * LIMIT
         self.socket.rcvtimeo = self.socket.sndtimeo = 200
         # A pulled cable is noticed within three seconds.
         self.socket.heartbeat_ivl = 500

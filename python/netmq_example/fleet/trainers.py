@@ -1,6 +1,6 @@
 """Trainers as the hub sees them: N areas, which are stepped together, each an episode of its own.
 
-    trainer = Trainer("CartPole", 2, send, count)        send(message) is False if the trainer is gone
+    trainer = Trainer("CartPole", 2, send, count, room)  send(message) is False if the trainer is gone
     trainer.take(request)                                reset, step, render or close, for all areas
     trainer.under_way()                                  the episodes whose answers are still to come
 
@@ -15,25 +15,30 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from netmq_example.fleet.members import Episode
-from netmq_example.messages import Message, MessageError
-from netmq_example.records import ANSWERS, ASKS, NOTHING, RESET, STEP, Record
+from netmq_example.fleet.members import MOST_AREAS, Episode, size_of
+from netmq_example.messages import LIMIT, Message, MessageError
+from netmq_example.records import ANSWERS, ASKS, EACH, HEAD, NOTHING, RESET, STEP, Record
 
 # An episode is kept, so that it can be played again, and so it must end.
 MOST_STEPS = 100_000
-MOST_AREAS = 1024
 
 
 class Trainer:
     """Its request, until all areas have answered it, and its last answer."""
 
-    def __init__(self, name: str, areas: int, send: Callable[[Any], bool], count: Counter[str]) -> None:
+    def __init__(
+        self, name: str, areas: int, send: Callable[[Any], bool], count: Counter[str], room: Callable[[], int]
+    ) -> None:
+        """`room` is how many bytes its episodes may take."""
         if not 0 < areas <= MOST_AREAS:
             raise MessageError("bad-areas", f"a trainer has 1 to {MOST_AREAS} areas, not {areas}")
         self.name = name
         self.areas = areas
         self.send = send
         self.count = count
+        self.room = room
+        # What its episodes take, in bytes.
+        self.size = 0
         self.episodes: list[Episode | None] = [None] * areas
         self.request: Any = Message("join")
         self.kept: Any = Message("alive")
@@ -50,16 +55,22 @@ class Trainer:
             if not self.left:
                 self.reply(self.kept)
             return
-        self.request = request
         if request.kind == "close":
             self.release()
             self.answer(Message("closed", request.id))
             # Its simulators are for others, also while it stays connected.
             self.there = False
             return
+        if self.left:
+            # Nothing else changes: the answer to the one under way is still to come.
+            error = MessageError("one-at-a-time", f"request {self.request.id} is under way: wait for its answer")
+            self.reply(error.reply(request.id))
+            return
+        self.request = request
         try:
             parts = {area: part for area, part in enumerate(split(request, self.areas)) if part}
             check_parts(self.episodes, parts)
+            self.size = self.size_with(parts)
         except MessageError as error:
             self.refuse(error)
             return
@@ -72,9 +83,21 @@ class Trainer:
             if episode:
                 episode.release()
             self.count["episodes"] += 1
-            self.episodes[area] = Episode(part, partial(self.ready, area))
+            # A row and an info, in a message with those of all areas.
+            self.episodes[area] = Episode(part, partial(self.ready, area), (LIMIT - HEAD.size) // self.areas - EACH)
         if not parts:
             self.ready(0)
+
+    def size_with(self, parts: dict[int, Any]) -> int:
+        """MessageError if there is no room for these requests: an episode is kept until the next one begins."""
+        here = {area: episode.size for area, episode in enumerate(self.episodes) if episode}
+        for area, part in parts.items():
+            here[area] = size_of(part) + (0 if begins(part) else here[area])
+        size = sum(here.values())
+        if size > self.room():
+            cure = "end them sooner (max_episode_steps), or train with fewer areas"
+            raise MessageError("too-much", f"the hub keeps episodes until they end, and has no more room: {cure}")
+        return size
 
     def under_way(self) -> list[Episode]:
         """Those whose answers are still to come."""
@@ -103,7 +126,7 @@ class Trainer:
 
     def refuse(self, error: MessageError) -> None:
         self.left.clear()
-        self.answer(Message("error", self.request.id, {"code": error.code, "text": error.text}))
+        self.answer(error.reply(self.request.id))
 
     def give_up(self, text: str) -> None:
         self.release()
@@ -122,6 +145,7 @@ class Trainer:
         for episode in filter(None, self.episodes):
             episode.release()
         self.episodes = [None] * self.areas
+        self.size = 0
         self.left = set()
 
 

@@ -23,6 +23,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import GaveUp, tried
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
+from netmq_example.program import limit
 
 STATUSES = ("succeeded", "canceled", "aborted")
 # What a message about a job has, besides the job.
@@ -183,9 +184,7 @@ class JobClient:
 
     def connect(self) -> zmq.Socket[bytes]:
         socket = self.context.socket(zmq.DEALER)
-        # A request that nobody fetched goes with its socket, and no frame may fill the memory.
-        socket.linger = 0
-        socket.maxmsgsize = LIMIT
+        limit(socket, LIMIT)
         socket.rcvtimeo = SLICE_MS
         socket.connect(self.endpoint)
         return socket

@@ -34,6 +34,7 @@ from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.work import Kind
 from netmq_example.jobs.workers import MOST_WORKERS, Workers
 from netmq_example.messages import Message, MessageError, read, take
+from netmq_example.program import Context, Socket
 
 # For which a client is told what is new after it asked: for one that is gone or stuck nothing piles up.
 WATCH_SECONDS = 5.0
@@ -42,6 +43,11 @@ MOST_DEATHS = 3
 # Of a goal's text.
 MOST_CHARACTERS = 1000
 NOT_WRITTEN = MessageError("journal", "the server cannot write its journal now; try again later")
+
+
+def few_answers_wait(context: Context, socket: Socket) -> None:
+    """For `listening`: a checkpoint may be large, and whoever does not read the answers fills no memory with them."""
+    socket.sndhwm = 10
 
 
 @dataclass

@@ -22,6 +22,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.exception import UnitySideChannelException
+from netmq_example.program import limit
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
@@ -177,9 +178,8 @@ class ClientCarrier:
     def open(self) -> None:
         """A connection that was refused may never be tried again. So each try has a new socket."""
         self.socket = self.context.socket(zmq.DEALER)
-        self.socket.linger = 0
+        limit(self.socket, LARGEST_EXCHANGE_BYTES)
         self.socket.sndtimeo = 0
-        self.socket.maxmsgsize = LARGEST_EXCHANGE_BYTES
         self.socket.connect(self.endpoint)
         self.answered = False
         self.greeted_at = 0.0

@@ -34,7 +34,7 @@ def options_in(request: Record) -> dict[str, Any]:
     """Those of a reset."""
     options = trees.read(request.options) if request.options else {}
     if type(options) is not dict:
-        raise MessageError("bad-options", f"options are a dict, not {options!a:.40}")
+        raise MessageError("bad-options", f"options are a dict, not {type(options).__name__}")
     return options
 
 

@@ -18,6 +18,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
+from netmq_example.program import limit
 
 ENDPOINT = "tcp://127.0.0.1:5562"
 # After so much silence it is asked whether it is there.
@@ -41,9 +42,8 @@ def bound(endpoint: str) -> zmq.Socket[bytes]:
     """A socket that listens, in a context of its own. ValueError and OSError say why it cannot."""
     check.endpoint(endpoint, ENDPOINT, lowest_port=0)
     socket = zmq.Context().socket(zmq.ROUTER)
-    socket.linger = 0
-    # A peer that announces a larger message is disconnected before it arrives.
-    socket.maxmsgsize = 4 * LIMIT
+    limit(socket, 4 * LIMIT)
+    socket.sndhwm = socket.rcvhwm
     socket.rcvtimeo = 200
     try:
         socket.bind(endpoint)
@@ -124,7 +124,10 @@ class Game:
         read(frames)
         try:
             self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
-        except zmq.ZMQError:
+        except zmq.ZMQError as error:
+            if error.errno == zmq.EAGAIN:
+                # It is there, and takes nothing now.
+                return True
             # What has come from it is still received; with the first silence it is forgotten.
             self.heard = -math.inf
             return False

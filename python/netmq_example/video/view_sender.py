@@ -27,6 +27,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import LIMIT, Array, Message, MessageError, read, take
+from netmq_example.program import limit
 
 # Pictures that were sent and are not acknowledged by Python yet, and pictures at all.
 MOST_SENT = 2
@@ -189,8 +190,7 @@ class ViewSender:
                 # Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
                 socket.immediate = True
                 socket.reconnect_ivl = -1
-                socket.linger = 0
-                socket.maxmsgsize = LIMIT
+                limit(socket, LIMIT)
                 socket.sndtimeo = int(1000 * min(TRY_SECONDS, self.timeout))
                 socket.connect(self.endpoint)
                 try:

@@ -82,6 +82,8 @@ namespace NetMQExample
             // What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
             socket.Options.Linger = TimeSpan.Zero;
             socket.Options.MaxMsgSize = maxBytes;
+            // What waits to be read: 64 MB, or two messages. NetMQ itself counts only messages, up to 1000.
+            if (maxBytes > 65536) socket.Options.ReceiveHighWatermark = (int)Math.Max(2, (64 << 20) / maxBytes);
             Prepare?.Invoke(socket);
             Reach(socket, endpoint);
         }
