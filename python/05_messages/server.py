@@ -18,7 +18,7 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
 from netmq_example.messages import LIMIT, Array, Message, MessageError, reply_to
-from netmq_example.program import listening, receive_frames, run, server_options
+from netmq_example.program import few_answers_wait, listening, receive_frames, run, server_options
 
 
 def answer(request: Message) -> Message:
@@ -41,7 +41,7 @@ def main() -> None:
     parser.add_argument("--quiet", action="store_true", help="no line per reply: it takes longer than the reply")
     options = parser.parse_args()
     # Above LIMIT a sender is told so. Above four times as much libzmq takes no more of it and hangs up.
-    with listening(zmq.REP, options, largest=4 * LIMIT) as socket:
+    with listening(zmq.REP, options, largest=4 * LIMIT, prepare=few_answers_wait) as socket:
         while True:
             # A JSON header, then the arrays. Without a copy: they stay where ZeroMQ has received them.
             header, *arrays = receive_frames(socket)

@@ -23,9 +23,9 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from work import KINDS
 
-from netmq_example.jobs.jobs import Jobs, few_answers_wait
+from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
-from netmq_example.program import Socket, at_least_one, listening, run, seconds, server_options, whole
+from netmq_example.program import Socket, at_least_one, few_answers_wait, listening, run, seconds, server_options, whole
 
 
 def turn(jobs: Jobs, socket: Socket) -> None:

@@ -20,10 +20,10 @@ import zmq
 from small_talk import small_talk
 
 from netmq_example import check
-from netmq_example.jobs.jobs import Jobs, few_answers_wait
+from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.work import Kind
-from netmq_example.program import listening, option, run, seconds, server_options
+from netmq_example.program import few_answers_wait, listening, option, run, seconds, server_options
 from netmq_example.talk.ollama import address, ollama_talk
 
 

@@ -6,6 +6,7 @@ self.tries = check.count("tries", tries)
 
 import math
 import re
+from pathlib import Path
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -102,3 +103,10 @@ def endpoint(value: Any, example: str, lowest_port: int = 1) -> str:
     if port and lowest_port <= int(port[1].replace("*", "0")) <= 65535:
         return str(value)
     raise ValueError(f"bad endpoint '{value!s:.80}': write it like {example}, port {lowest_port} to 65535")
+
+
+def regular_file(path: Path, most: int) -> Path:
+    """A file of at most so many bytes, or OSError: a pipe or a device may have no end."""
+    if path.stat().st_size > most or not path.is_file():
+        raise OSError(f"{path.name!r:.80} must be a regular file of at most {most} bytes")
+    return path

@@ -47,6 +47,8 @@ class Journal:
             self.db.executescript(SCHEMA)
             self.db.execute("SELECT number, id, reply FROM journal LIMIT 1")
             balance = self.db.execute("SELECT balance FROM account").fetchone()[0]
+            if not isinstance(balance, int):
+                raise sqlite3.Error("its balance is no whole number")
         except sqlite3.Error as error:
             raise ArgumentTypeError(f"cannot use the journal {path}: {error}; try --journal another.sqlite3") from None
         self.opened = self.files()
@@ -66,6 +68,8 @@ class Journal:
         """The reply to this request, if it was done already, else an empty text."""
         self.ready(request_id)
         known = self.db.execute("SELECT reply FROM journal WHERE id = ?", (request_id,)).fetchone()
+        if known and not isinstance(known[0], str):
+            raise sqlite3.Error(f"the reply to request {request_id!r:.40} is no text; delete that row")
         return known[0] if known else ""
 
     def do(self, request_id: bytes, text: str, answer: Answer) -> str:

@@ -39,7 +39,7 @@ T = TypeVar("T")
 SLICE_MS = 200
 # The largest frame of a text message, in bytes. A peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
-# What waits on a connection to be read or sent, or two messages: ZeroMQ itself counts only messages, up to 1000.
+# What waits on a connection to be read, or two messages: ZeroMQ itself counts only messages, up to 1000.
 WAITING_BYTES = 64 * 1024 * 1024
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
 
@@ -80,8 +80,6 @@ def listening(
         sys.exit(2)
     with zmq.Context() as context, context.socket(kind) as socket:
         limit(socket, largest)
-        # Answers are about as large as requests; a client that does not read its own fills no memory.
-        socket.sndhwm = socket.rcvhwm
         socket.rcvtimeo = SLICE_MS
         if prepare:
             prepare(context, socket)
@@ -117,6 +115,11 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
     socket.maxmsgsize = largest
     if largest > LARGEST_BYTES:
         socket.rcvhwm = max(2, WAITING_BYTES // largest)
+
+
+def few_answers_wait(context: Context, socket: Socket) -> None:
+    """To `prepare` a server whose answers may be large: whoever does not read them fills no memory; more are dropped."""
+    socket.sndhwm = 10
 
 
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:

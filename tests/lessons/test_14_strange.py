@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sqlite3
 import sys
@@ -169,15 +170,20 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
 
 def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(jobs_server, peer, tmp_path):
     server, endpoint = jobs_server("--workers", "1")
-    blocker, newer, cut, odd, good = (peer(endpoint) for _ in range(5))
+    damaged = (newer, cut, bare, number, text, other) = [peer(endpoint) for _ in range(6)]
+    blocker, odd, good = (peer(endpoint) for _ in range(3))
     blocker.goal("deaf", 10_000).hear("feedback")
-    for job in (newer, cut, odd, good):
+    for job in (*damaged, odd, good):
         job.goal(count=3).hear("accepted")
     server.kill()
     with closing(sqlite3.connect(tmp_path / "journal.sqlite3")) as journal, journal:
         for job, change in (
             (newer, "goal = CAST(replace(CAST(goal AS TEXT), '\"version\":1', '\"version\":2') AS BLOB)"),
             (cut, "news = substr(news, 1, 20)"),
+            (bare, "news = CAST(replace(CAST(news AS TEXT), '\"position\"', '\"place\"') AS BLOB)"),
+            (number, "goal = 5"),
+            (text, "news = CAST(x'ff' AS TEXT)"),
+            (other, f"goal = CAST(replace(CAST(goal AS TEXT), '{other.job}', 'another') AS BLOB)"),
             (odd, "goal = CAST(replace(CAST(goal AS TEXT), '\"count\",', '\"paint\",') AS BLOB)"),
         ):
             done = journal.execute(f"UPDATE jobs SET {change} WHERE id = ?", (job.job,))
@@ -187,7 +193,9 @@ def test_a_job_that_cannot_be_read_or_done_any_more_is_not_the_others_business(j
     assert odd.result("aborted").values["text"] == "the server does not know this kind of work any more"
     assert newer.ask("status").hear("rejected").values["code"] == "bad-version"
     assert cut.goal(count=3).hear("rejected").values["code"] == "bad-json"
-    assert len([line for line in server.lines if line.startswith("cannot read job '")]) == 2
+    assert len([line for line in server.lines if re.match(r"cannot read row \d+ of the journal, ", line)]) == len(
+        damaged
+    )
     assert "Traceback" not in server.output
 
 

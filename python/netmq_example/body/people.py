@@ -24,6 +24,8 @@ Hands = dict[str, list[Landmark]]
 # With the time of each, in seconds.
 Pictures = list[tuple[float, People]]
 LANDMARKS = 33
+# Of a recording, all of which is in memory: some hours.
+LARGEST_BYTES = 256 * 1024 * 1024
 HEADER = ["seconds", "person", *(f"{name}{i}" for i in range(LANDMARKS) for name in "xyzv")]
 
 
@@ -61,7 +63,7 @@ def read(path: Path) -> Pictures:
     path = Path(check.instance("path", path, str, Path))
     try:
         # Excel puts a mark in front of what it saves.
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with check.regular_file(path, LARGEST_BYTES).open(encoding="utf-8-sig", newline="") as file:
             rows = list(csv.reader(file))
     except (OSError, ValueError, csv.Error) as error:
         raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}") from None

@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 from netmq_example import check
 from netmq_example.camera.pictures import NUMBERS, decode, encode, pictures
 from netmq_example.errors import GaveUp
-from netmq_example.messages import Message, MessageError
+from netmq_example.messages import LIMIT, Message, MessageError
 
 # The values of a frame, as they were in force when the picture was taken, and those of the action that answered it.
 KNOWN = ("frame", *NUMBERS, "manual", "encoding")
@@ -44,6 +44,8 @@ MILES_PER_HOUR = 3600 / 1609.344
 # Drives at a time, and the time without a picture after which one is over.
 MOST_DRIVES = 64
 OVER_SECONDS = 10.0
+# Of the table of a recording.
+LARGEST_BYTES = 1024 * 1024 * 1024
 
 
 def print_at_once(line: str) -> None:
@@ -210,7 +212,9 @@ def recorded(folder: Path | str, log: Callable[[str], object] = print_at_once) -
     folder = as_folder(folder)
     found = False
     # A byte that is no text makes one cell bad, and not the whole file.
-    with (folder / "metadata.csv").open(encoding="utf-8-sig", errors="replace") as table:
+    with check.regular_file(folder / "metadata.csv", LARGEST_BYTES).open(
+        encoding="utf-8-sig", errors="replace"
+    ) as table:
         columns = cells(table.readline())
         for number, line in enumerate(table, 2):
             try:
@@ -265,7 +269,8 @@ def files(folder: Path, cells: dict[str, str]) -> dict[str, bytes]:
             path = folder / name
             if not path.is_file():
                 raise FileNotFoundError(f"there is no picture {name}")
-            found[column.removesuffix("file_name").rstrip("_") or "center"] = path.read_bytes()
+            file = check.regular_file(path, LIMIT).read_bytes()
+            found[column.removesuffix("file_name").rstrip("_") or "center"] = file
     return found
 
 

@@ -276,7 +276,7 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
     context = zmq.Context()
     socket = context.socket(zmq.ROUTER)
     limit(socket, 4 * LIMIT)
-    socket.sndhwm = socket.rcvhwm
+    socket.sndhwm = 10
     # Milliseconds at its end for what it has sent last, such as why it refused a simulator.
     socket.linger = 500
     socket.rcvtimeo = 200

@@ -54,6 +54,17 @@ def job_id(name: str, value: Any) -> str:
     raise ValueError(f"{name} takes the id of a job, 1 to 64 letters, digits or -, not {value!r:.40}")
 
 
+def check_news(news: Message) -> None:
+    """MessageError unless it is a whole message about a job."""
+    if news.kind not in NEWS:
+        raise MessageError("unknown-kind", f"kind {news.kind!a:.40} is none of {', '.join(NEWS)}")
+    for name, kind in NEWS[news.kind].items():
+        take(news.values, name, kind)
+    status = news.values.get("status")
+    if news.kind == "result" and status not in STATUSES:
+        raise MessageError("bad-status", f"status {status!a:.40} is none of {', '.join(STATUSES)}")
+
+
 class JobClient:
     """One job, over one DEALER socket at a time. Use it on one thread.
 
@@ -163,13 +174,7 @@ class JobClient:
             raise MessageError(take(news.values, "code", str), take(news.values, "text", str))
         if news.values.get("job") != self.job:
             return None
-        if news.kind not in NEWS:
-            raise MessageError("unknown-kind", f"kind {news.kind!a:.40} is none of {', '.join(NEWS)}")
-        for name, kind in NEWS[news.kind].items():
-            take(news.values, name, kind)
-        status = news.values.get("status")
-        if news.kind == "result" and status not in STATUSES:
-            raise MessageError("bad-status", f"status {status!a:.40} is none of {', '.join(STATUSES)}")
+        check_news(news)
         if news.kind == "forgotten" and self.request.kind != "forget":
             raise MessageError("forgotten", "its result was deleted; begin a job with a new id")
         return news

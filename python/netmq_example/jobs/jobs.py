@@ -34,7 +34,6 @@ from netmq_example.jobs.journal import Journal
 from netmq_example.jobs.work import Kind
 from netmq_example.jobs.workers import MOST_WORKERS, Workers
 from netmq_example.messages import Message, MessageError, read, take
-from netmq_example.program import Context, Socket
 
 # For which a client is told what is new after it asked: for one that is gone or stuck nothing piles up.
 WATCH_SECONDS = 5.0
@@ -43,11 +42,6 @@ MOST_DEATHS = 3
 # Of a goal's text.
 MOST_CHARACTERS = 1000
 NOT_WRITTEN = MessageError("journal", "the server cannot write its journal now; try again later")
-
-
-def few_answers_wait(context: Context, socket: Socket) -> None:
-    """For `listening`: a checkpoint may be large, and whoever does not read the answers fills no memory with them."""
-    socket.sndhwm = 10
 
 
 @dataclass
@@ -237,7 +231,7 @@ class Jobs:
         kind = self.kinds.get(job.goal.values["kind"])
         if job.news.kind == "canceling":
             self.pending[id] = job.result("canceled", "it did not listen, and was killed" if job.kill_at else why)
-        elif not kind:
+        elif not kind or not 1 <= job.goal.values["count"] <= kind.most:
             self.pending[id] = job.result("aborted", "the server does not know this kind of work any more")
         elif not job.begun or (kind.has_checkpoint and job.deaths < MOST_DEATHS):
             self.waiting.appendleft(id)

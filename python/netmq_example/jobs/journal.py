@@ -15,9 +15,11 @@ import random
 import sqlite3
 import time
 from pathlib import Path
+from typing import Any
 
 from netmq_example import check
-from netmq_example.messages import Message, MessageError, read
+from netmq_example.jobs.client import check_news
+from netmq_example.messages import LIMIT, Message, MessageError, read, take
 
 # By this number in its header the file is known for a journal of jobs.
 APPLICATION_ID = 1_246_708_275
@@ -29,6 +31,7 @@ SCHEMA = f"""
         news BLOB NOT NULL, data BLOB, ended REAL);
     CREATE INDEX IF NOT EXISTS jobs_by_end ON jobs (ended);
 """
+ENTRY = "SELECT id, goal, news, data FROM jobs"
 KEEP_SECONDS = 24 * 3600
 # How long to wait for another server that has the file.
 LOCK_SECONDS = 1.0
@@ -52,6 +55,18 @@ def open_exclusively(path: str) -> sqlite3.Connection:
             time.sleep(random.uniform(0, 0.1))
 
 
+def entry(job: Any, goal: Any, news: Any, data: Any) -> tuple[Message, Message]:
+    """A row; MessageError unless it holds what `save` has written: a file is trusted no more than a peer."""
+    begun, newest = read([goal]), read([news] if data is None else [news, data])
+    for name, kind in {"kind": str, "count": int, "text": str}.items():
+        take(begun.values, name, kind)
+    check_news(newest)
+    for message in (begun, newest):
+        if take(message.values, "job", str) != job:
+            raise MessageError("bad-job", f"it is about another job than {job!a:.80}")
+    return begun, newest
+
+
 class Journal:
     """The jobs by their ids."""
 
@@ -68,6 +83,9 @@ class Journal:
             if whose != APPLICATION_ID and self.db.execute("SELECT 1 FROM sqlite_master").fetchone():
                 raise sqlite3.Error("it is another program's")
             self.db.executescript(SCHEMA)
+            # A file can be damaged: whatever a row holds, the others go on.
+            self.db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * LIMIT)
+            self.db.text_factory = lambda text: text.decode(errors="replace")
             jobs = self.db.execute("SELECT count(id), count(goal), count(news), count(data) FROM jobs").fetchone()[0]
         except (sqlite3.Error, ValueError) as error:
             raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
@@ -91,24 +109,18 @@ class Journal:
 
     def find(self, job: str) -> tuple[Message, Message] | None:
         """Its goal and the newest message about it."""
-        found = self.db.execute("SELECT goal, news, data FROM jobs WHERE id = ?", (job,)).fetchone()
-        if not found:
-            return None
-        goal, news, data = found
-        return read([goal]), read([news] if data is None else [news, data])
+        found = self.db.execute(f"{ENTRY} WHERE id = ?", (job,)).fetchone()
+        return entry(*found) if found else None
 
     def open(self) -> list[tuple[Message, Message]]:
         """What has not ended, in the order in which it was accepted. What cannot be read is left as it is."""
         found: list[tuple[Message, Message]] = []
         try:
-            for (job,) in self.db.execute("SELECT id FROM jobs WHERE ended IS NULL ORDER BY number").fetchall():
+            for (number,) in self.db.execute("SELECT number FROM jobs WHERE ended IS NULL ORDER BY number").fetchall():
                 try:
-                    entry = self.find(job)
-                except MessageError as error:
-                    print(f"cannot read job {job!r:.20} of the journal, and leave it alone: {error}", flush=True)
-                    continue
-                if entry:
-                    found.append(entry)
+                    found.append(entry(*self.db.execute(f"{ENTRY} WHERE number = ?", (number,)).fetchone()))
+                except (MessageError, sqlite3.DataError) as error:
+                    print(f"cannot read row {number} of the journal, and leave it alone: {error}", flush=True)
         except sqlite3.Error as error:
             raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         return found

@@ -29,9 +29,12 @@ import zmq
 import zmq.auth
 from zmq.utils import z85
 
+from netmq_example import check
 from netmq_example.program import run
 
 NAME = r"[\w-]{1,40}"
+# A key has 200 bytes, with the comments that some write above it more.
+LARGEST_FILE_BYTES = 4096
 # What each verb takes.
 FORMS = {
     "make": "(server|client)",
@@ -99,7 +102,7 @@ def load(path: Path, cure: str = NO_KEY) -> tuple[bytes, bytes]:
     """The public key in a file, and the secret one if it is a .key_secret; ValueError, with this cure, if not."""
     path = checked_path(path, "path")
     try:
-        public, secret = zmq.auth.load_certificate(path)
+        public, secret = zmq.auth.load_certificate(check.regular_file(path, LARGEST_FILE_BYTES))
         return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
     # pyzmq raises the last one for a file that ends in the middle of its line.
     except (OSError, ValueError, IndexError):

@@ -43,7 +43,6 @@ def bound(endpoint: str) -> zmq.Socket[bytes]:
     check.endpoint(endpoint, ENDPOINT, lowest_port=0)
     socket = zmq.Context().socket(zmq.ROUTER)
     limit(socket, 4 * LIMIT)
-    socket.sndhwm = socket.rcvhwm
     socket.rcvtimeo = 200
     try:
         socket.bind(endpoint)
@@ -124,10 +123,7 @@ class Game:
         read(frames)
         try:
             self.socket.send_multipart([peer or self.peer, *frames], zmq.NOBLOCK)
-        except zmq.ZMQError as error:
-            if error.errno == zmq.EAGAIN:
-                # It is there, and takes nothing now.
-                return True
+        except zmq.ZMQError:
             # What has come from it is still received; with the first silence it is forgotten.
             self.heard = -math.inf
             return False
