@@ -10,14 +10,13 @@ Trouble: stop the simulator in an episode; start a second one meanwhile.
 """
 
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Socket, importing, listening, run, server_options
+from netmq_example.program import Socket, Trouble, importing, listening, run, server_options
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it"):
     import gymnasium
@@ -46,6 +45,7 @@ def play(env: gymnasium.Env[Any, Any], policy: Any, number: int) -> str:
 
 def serve(socket: Socket, world: str) -> None:
     """One simulator after the other; what one of them does wrong does not end this program."""
+    trouble = Trouble()
     while True:
         try:
             with gymnasium.make(f"NetMQExample/{world}-v0", socket=socket) as env:
@@ -53,9 +53,7 @@ def serve(socket: Socket, world: str) -> None:
                 for number in range(1, EPISODES + 1):
                     print(play(env, policy, number), flush=True)
         except (OSError, MessageError, ValueError, AssertionError) as error:
-            print(f"trouble: {str(error)!a:.200}", flush=True)
-            # One such line a second: many that come with a wrong hello must not fill a disk.
-            time.sleep(1)
+            trouble.report(error)
 
 
 def main() -> None:

@@ -12,7 +12,6 @@ a game, which takes seconds with --real-time; start it with another number of ar
 """
 
 import sys
-import time
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import importing, listening, run, server_options
+from netmq_example.program import Trouble, importing, listening, run, server_options
 
 with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
     import gymnasium
@@ -49,6 +48,7 @@ def main() -> None:
     parser.add_argument("--real-time", action="store_true", help="hunters and rabbits run as fast as one can watch")
     options = parser.parse_args()
     with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket:
+        trouble = Trouble()
         while True:
             try:
                 if options.world == "Pursuit":
@@ -60,9 +60,7 @@ def main() -> None:
                     with closing(gymnasium.make_vec(id, options.areas, socket=socket)) as envs:
                         play(envs, Crowd(options.world))
             except (OSError, MessageError, ValueError, LookupError) as error:
-                print(f"trouble: {str(error)!a:.200}", flush=True)
-                # One such line a second: many that come with a wrong hello must not fill a disk.
-                time.sleep(1)
+                trouble.report(error)
 
 
 if __name__ == "__main__":

@@ -9,14 +9,13 @@ Trouble on command: `--wrong-space` declares a space that what is seen does not 
 """
 
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import importing, listening, run, server_options
+from netmq_example.program import Trouble, importing, listening, run, server_options
 
 with importing("gymnasium; kit.py run 11 installs it"):
     import gymnasium
@@ -35,15 +34,14 @@ def main() -> None:
     spaces: dict[str, Any] = {"observation_space": seen_space(options.wrong_space), "action_space": ACTION}
     with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket:
         # One simulator after the other; what one of them does wrong does not end this program.
+        trouble = Trouble()
         while True:
             try:
                 with gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", socket=socket, **spaces) as env:
                     for number in range(1, EPISODES + 1):
                         print(play(env, number), flush=True)
             except (OSError, MessageError, ValueError, LookupError) as error:
-                print(f"trouble: {str(error)!a:.300}", flush=True)
-                # One such line a second: many simulators that come with a wrong hello must not fill a disk.
-                time.sleep(1)
+                trouble.report(error)
 
 
 if __name__ == "__main__":

@@ -28,16 +28,7 @@ from netmq_example.fleet.beacon import Beacon, udp_place
 from netmq_example.fleet.board import Board
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import LIMIT
-from netmq_example.program import (
-    Context,
-    Socket,
-    few_answers_wait,
-    listening,
-    option,
-    positive_seconds,
-    run,
-    server_options,
-)
+from netmq_example.program import Context, Socket, listening, option, positive_seconds, run, server_options
 from netmq_example.security.allow_list import keys_for
 
 
@@ -59,7 +50,8 @@ def main() -> None:
         # on a thread of its own: a busy program is not a dead one. To send to a peer that is gone is an error.
         socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
         socket.router_mandatory = True
-        few_answers_wait(context, socket)
+        # A message may be large, and one that was dropped is sent again.
+        socket.sndhwm = 10
         if allowed:
             allowed.answer(context)
             allowed.guard(socket)

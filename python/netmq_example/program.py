@@ -118,7 +118,7 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
 
 
 def few_answers_wait(context: Context, socket: Socket) -> None:
-    """To `prepare` a server whose answers may be large: whoever does not read them fills no memory; more are dropped."""
+    """To `prepare` a server with large answers. More are dropped: a client that reads none fills no memory."""
     socket.sndhwm = 10
 
 
@@ -160,6 +160,17 @@ def show(text: str) -> None:
     """Print a line at once, also into a pipe, and whatever a peer has put into it."""
     # In one piece with its end: another thread may print as well.
     print(f"{printable(text, most=1000)}\n", end="", flush=True)
+
+
+class Trouble:
+    """A line a second at most: peers that come with a wrong hello fill no disk, and keep nobody waiting."""
+
+    quiet_until = 0.0
+
+    def report(self, error: Exception) -> None:
+        if time.monotonic() >= self.quiet_until:
+            print(f"trouble: {str(error)!a:.300}", flush=True)
+            self.quiet_until = time.monotonic() + 1
 
 
 # The types of options

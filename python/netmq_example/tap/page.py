@@ -44,7 +44,8 @@ class Page:
         application.router.add_get("/live", self.live)
         application.router.add_get("/arrow/{number}", self.arrow)
         application.router.add_get("/recording.html", self.save)
-        runner = web.AppRunner(application, access_log=None)
+        # It is asked who comes before anything is unpacked.
+        runner = web.AppRunner(application, access_log=None, auto_decompress=False)
         await runner.setup()
         await web.SockSite(runner, listener).start()
         while True:

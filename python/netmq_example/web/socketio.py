@@ -17,12 +17,30 @@ from typing import Any
 import socketio
 from aiohttp import web
 from engineio.payload import Payload
+from socketio.packet import Packet
 
-from netmq_example.web.browser_socket import LARGEST_BYTES, BrowserSocket
+from netmq_example.web.browser_socket import LARGEST_BYTES, MOST_FRAMES, BrowserSocket
 from netmq_example.web.door import Door, close_strangers
 
 # So many requests of one browser may wait, and so many answers for it. Socket.IO itself has no limit.
 MOST_WAITING = 64
+# Stands for bytes that were too many.
+TOO_LARGE = object()
+
+
+class BoundedPacket(Packet):
+    """An event and the bytes that follow it, each a message of its own: Socket.IO bounds one of them, and not all."""
+
+    def decode(self, encoded_packet: Any) -> int:
+        self.size = 0
+        count = int(super().decode(encoded_packet))
+        if count > MOST_FRAMES:
+            raise ValueError(f"{count} attachments")
+        return count
+
+    def add_attachment(self, attachment: Any) -> bool:
+        self.size += len(attachment)
+        return bool(super().add_attachment(attachment if self.size <= LARGEST_BYTES else TOO_LARGE))
 
 
 class Browser:
@@ -49,6 +67,7 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
     # The door has looked at the Origin. A browser that was not heard for both times is not there any more.
     server = socketio.AsyncServer(
         async_mode="aiohttp",
+        serializer=BoundedPacket,
         cors_allowed_origins="*",
         max_http_buffer_size=LARGEST_BYTES,
         ping_interval=10,
@@ -118,6 +137,8 @@ def to_bytes(frame: Any) -> bytes:
         return frame
     if isinstance(frame, str):
         return frame.encode(errors="replace")
+    if frame is TOO_LARGE:
+        raise ValueError(f"more than {LARGEST_BYTES} bytes; several requests take more")
     raise ValueError("a frame is a text or bytes")
 
 
