@@ -51,7 +51,7 @@ def main() -> None:
         socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
         socket.router_mandatory = True
         # A message may be large, and one that was dropped is sent again.
-        socket.sndhwm = 10
+        socket.sndhwm = 2
         if allowed:
             allowed.answer(context)
             allowed.guard(socket)

@@ -35,8 +35,8 @@ UNANSWERED_SECONDS = 60.0
 MOST_LOST = 10
 # What is kept, in bytes: a hello of each name, and the episodes of one trainer and of all.
 MOST_HELLO_BYTES = 256 * 1024 * 1024
-MOST_EPISODE_BYTES = 512 * 1024 * 1024
-MOST_BYTES = 2 * MOST_EPISODE_BYTES
+MOST_EPISODE_BYTES = 256 * 1024 * 1024
+MOST_BYTES = 4 * MOST_EPISODE_BYTES
 
 
 class Hub:
