@@ -10,6 +10,7 @@ import contextlib
 import json
 import os
 import re
+import socket
 import struct
 import sys
 import threading
@@ -633,6 +634,44 @@ def test_a_million_frames_are_too_many(gateway):
     by_socketio(endpoint, events)
 
 
+def test_an_event_has_a_limit_however_many_bytes_follow_it(gateway):
+    """Socket.IO has one for each of them alone."""
+    program, endpoint = gateway
+    before = memory(program)
+
+    async def talk(browser, _):
+        for number, (count, size) in enumerate([(50, 2**20), (2, 10)], 1):
+            places = [{"_placeholder": True, "num": at} for at in range(count)]
+            await browser.send_str(f"45{count}-{number}{json.dumps(['hello', *places])}")
+            for _ in range(count):
+                await browser.send_bytes(bytes(size))
+            yes = f"46{count}-{number}" if size == 10 else f"43{number}"
+            said = await browser.receive_str(timeout=LIMIT)
+            assert said.startswith(yes)
+            assert size == 10 or "more than 4194304 bytes; several requests take more" in said
+
+    by_socketio(endpoint, talk)
+    assert memory(program) < before + 25_000
+
+
+def test_strangers_who_leave_without_reading_or_send_what_is_packed_fill_no_log(gateway):
+    program, endpoint = gateway
+    begin = len(program.lines)
+    host, port = endpoint.removeprefix("http://").split(":")
+    for _ in range(20):
+        with socket.create_connection((host, int(port))) as stranger:
+            # It closes hard, in the middle of what it has asked for.
+            stranger.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            stranger.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n" * 200)
+    with socket.create_connection((host, int(port))) as stranger:
+        # These bytes are no gzip: whoever unpacks them says so.
+        head = "POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Encoding: gzip\r\nContent-Length: 7\r\n\r\n"
+        stranger.sendall(f"{head}no gzip".encode())
+        assert stranger.recv(12) == b"HTTP/1.1 405"
+    assert in_browser(endpoint, lambda browser: asked(browser, "Hello")) == ["World"]
+    assert not [line for line in program.lines[begin:] if not line.startswith("browser ")]
+
+
 def test_who_asks_nothing_is_let_go(echo):
     """Or asks half of something, or stays outside of Socket.IO. Whoever has asked stays, however silent it is."""
     with opened("--hello", echo, "--token", "word", change="door.SILENT_SECONDS = 1.5") as (program, endpoint):
@@ -683,7 +722,7 @@ def test_who_asks_nothing_is_let_go(echo):
         program.wait_for("^browser 1 left$")
     asked_nothing = [int(number) for number in re.findall(r"asked nothing within 1.5 s: (\d)$", program.output, re.M)]
     assert sum(asked_nothing) == 3
-    assert program.lines.count("let go, since it did not ask to come in within 1.5 s") >= ENGINE_CLOSES
+    assert program.output.count("let go, since they did not ask to come in within 1.5 s: ") >= ENGINE_CLOSES
 
 
 def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):

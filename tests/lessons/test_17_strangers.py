@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+import json
 import os
 import re
 import struct
@@ -168,6 +169,27 @@ def test_whoever_answers_nonsense_is_let_go_and_the_hub_stays(what, hub, peer):
     if asked != "reset":
         honest.answer(honest.hear(asked), picture(PIXEL) if asked == "render" else STATE)
     assert kind_of(trainer.hear("state", "picture", "error")) == ("picture" if asked == "render" else "state")
+
+
+def test_a_request_that_overtakes_one_under_way_is_refused_and_nothing_else_changes(hub, peer):
+    simulator, trainer = peer(hub).hello(), peer(hub).join()
+    trainer.say(RESET, 1)
+    reset = simulator.hear("reset")
+    for id, overtaking in enumerate((Message("render"), Message("fly"), asks(records.STEP, records.STEP)), 2):
+        trainer.say(overtaking, id)
+        assert trainer.hear("error").values["code"] == "one-at-a-time"
+    simulator.answer(reset, STATE)
+    trainer.asked = 0
+    assert trainer.hear("state").id == 1
+
+
+def test_a_hello_that_would_grow_too_large_for_a_trainer_is_refused(hub, peer):
+    """Sent on, each of its letters becomes six."""
+    values = {"name": "é" * 20_000, "dt": 0.02}
+    header = {"kind": "hello", "version": 1, "id": 0, "values": values, "arrays": [{"dtype": "uint8", "shape": [3]}]}
+    simulator = peer(hub)
+    simulator.socket.send_multipart([json.dumps(header, ensure_ascii=False).encode(), bytes(3)])
+    assert simulator.hear("error").values["code"] == "too-big"
 
 
 def test_bytes_that_are_no_record_are_named_and_the_hub_stays(hub, peer):
