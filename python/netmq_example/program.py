@@ -163,14 +163,19 @@ def show(text: str) -> None:
 
 
 class Trouble:
-    """A line a second at most: peers that come with a wrong hello fill no disk, and keep nobody waiting."""
+    """Five lines a second at most: peers that come with a wrong hello fill no disk, and keep nobody waiting."""
 
-    quiet_until = 0.0
+    def __init__(self) -> None:
+        self.second = 0
+        self.lines = 0
 
     def report(self, error: Exception) -> None:
-        if time.monotonic() >= self.quiet_until:
+        second = int(time.monotonic())
+        if second != self.second:
+            self.second, self.lines = second, 0
+        self.lines += 1
+        if self.lines <= 5:
             print(f"trouble: {str(error)!a:.300}", flush=True)
-            self.quiet_until = time.monotonic() + 1
 
 
 # The types of options

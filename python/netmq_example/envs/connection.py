@@ -31,6 +31,8 @@ ENDPOINT = "tcp://127.0.0.1:5559"
 FREE_PORT = "tcp://127.0.0.1:*"
 # A request without an answer is sent again after so long.
 RESEND_SECONDS = 1.0
+# Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
+QUIET: dict[str, float] = {}
 # What requests in words are answered with; those of other lessons are not looked at.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
@@ -229,9 +231,11 @@ class Simulators:
             # One that was lost may still be there, and hang.
             self.end()
             self.process = start_program([*self.launch, "--endpoint", endpoint])
-        else:
+        elif time.monotonic() > QUIET.get(endpoint, 0.0):
             print(f"waiting for a simulator on {endpoint}: press Play", flush=True)
+            QUIET[endpoint] = time.monotonic() + 1
         self.connection.wait(self.wait, accept, lambda: self.process.poll() if self.process else None)
+        QUIET.pop(endpoint, None)
 
     def begin(self, accept: Accept, ask: Callable[[Lost | None], Any]) -> Any:
         """What `ask` for a reset returns, in another simulator if one is lost; it gets what was lost before.
