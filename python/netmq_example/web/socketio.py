@@ -28,7 +28,7 @@ MOST_WAITING = 64
 TOO_LARGE = object()
 
 
-class BoundedPacket(Packet):
+class BoundedPacket(Packet):  # type: ignore[misc, unused-ignore]  # It has no types.
     """An event and the bytes that follow it, each a message of its own: Socket.IO bounds one of them, and not all."""
 
     def decode(self, encoded_packet: Any) -> int:
