@@ -56,7 +56,7 @@ def peer():
 def connected(context, endpoint):
     """It waits where the server reads no more."""
     socket = context.socket(zmq.DEALER)
-    socket.sndhwm, socket.sndtimeo, socket.rcvtimeo = 1, 300, int(LIMIT * 1000)
+    socket.linger, socket.sndhwm, socket.sndtimeo, socket.rcvtimeo = 0, 1, 300, int(LIMIT * 1000)
     socket.connect(endpoint)
     return socket
 
@@ -65,7 +65,7 @@ def floods(socket, messages):
     """As many as go."""
     for message in messages:
         try:
-            socket.send_multipart(message, copy=False)
+            socket.send_multipart(message)
         except zmq.Again:
             return
 
