@@ -47,9 +47,8 @@ def main() -> None:
 
     def prepare(context: Context, socket: Socket) -> None:
         # A silent peer is asked every 0.5 s whether it is there, and cut off when 2.5 s bring no answer. ZeroMQ answers
-        # on a thread of its own: a busy program is not a dead one. To send to a peer that is gone is an error.
+        # on a thread of its own: a busy program is not a dead one.
         socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
-        socket.router_mandatory = True
         # A message may be large, and one that was dropped is sent again.
         socket.sndhwm = 2
         if allowed:

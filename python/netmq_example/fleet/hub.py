@@ -60,6 +60,8 @@ class Hub:
         if not hasattr(socket, "send_multipart"):
             raise TypeError(f"socket takes a bound ROUTER socket, not {socket!r:.40}")
         self.socket = socket
+        # To send to a peer that is gone is an error.
+        socket.router_mandatory = True
         self.report = check.function("report", report)
         self.build: str = check.instance("build", build, str)
         self.late = check.seconds("late", late)
