@@ -20,7 +20,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq.asyncio
 
-from netmq_example.program import client_endpoint, importing, positive_seconds, run, server_endpoint
+from netmq_example.program import Options, client_endpoint, importing, positive_seconds, run, server_endpoint
 from netmq_example.security.requester import client_keys
 
 with importing("aiohttp and python-socketio; kit.py run 16 installs them"):
@@ -59,7 +59,7 @@ async def serve(options: argparse.Namespace) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser = Options(description=(__doc__ or "").partition("\n")[0])
     here = "http://127.0.0.1:5566"
     parser.add_argument("--endpoint", type=server_endpoint(here), default=here, help="port 0 takes a free one")
     parser.add_argument("--origin", action="append", default=[], help="a page that may come in: http://localhost:80")

@@ -9,38 +9,47 @@ The thread has a LazyPirate, whose bytes and retries are in lazy_pirate.py. In C
 """
 
 import contextlib
+import functools
 import queue
 import threading
+import weakref
 from collections.abc import Callable
 
 import zmq
 
 from netmq_example import check
 from netmq_example.lazy_pirate import LazyPirate
+from netmq_example.one_process import OneProcess
 from netmq_example.program import Context
 
 Callback = Callable[[str], object]
 
 
-class BackgroundClient:
+class BackgroundClient(OneProcess):
     """Asks a server without ever making the calling thread wait. Each client has its own thread."""
 
     def __init__(self, endpoint: str, timeout: float = 1.0, tries: int = 3, capacity: int = 64) -> None:
         """`timeout` and `tries` are those of LazyPirate; at most `capacity` requests are under way."""
         self.capacity = check.count("capacity", capacity)
         self.context: Context = zmq.Context()
-        self.pirate = LazyPirate(self.context, endpoint, timeout, tries, self._retrying)
+        # The thread knows its client by this alone: one that is forgotten is not held by it, and ends it.
+        client = weakref.ref(self)
+        self.pirate = LazyPirate(self.context, endpoint, timeout, tries, functools.partial(tell, client, "Retrying"))
         # State and last error, in one variable: a reader never gets those of two moments. Only a reply proves that the
         # server is there: Connecting, Connected, Retrying, Lost, Disposed.
         self.status = ("Connecting", "")
         self.under_way = 0
         self.waiting: queue.SimpleQueue[tuple[str, Callback, Callback] | None] = queue.SimpleQueue()
         self.done: queue.SimpleQueue[tuple[Callback, str]] = queue.SimpleQueue()
-        self.thread = threading.Thread(target=self._talk, daemon=True)
+        self.end = weakref.finalize(self, end, self.pirate, self.waiting)
+        self.end.atexit = False
+        words = (self.context, self.pirate, self.waiting, client)
+        self.thread = threading.Thread(target=talk, args=words, daemon=True)
         self.thread.start()
 
     def request(self, text: str, reply: Callback, error: Callback) -> bool:
         """Have one of the callbacks run in a later poll(). False if refused, because it is full or closed."""
+        self.check_process()
         call = (
             check.instance("text", text, str),
             check.function("reply", reply),
@@ -65,8 +74,7 @@ class BackgroundClient:
 
     def close(self) -> None:
         """End the thread. The error callback of every request that has no reply yet runs before this returns."""
-        self.pirate.stop()
-        self.waiting.put(None)
+        self.end()
         self.thread.join(5)
         self.status = ("Disposed", self.status[1])
         try:
@@ -76,19 +84,34 @@ class BackgroundClient:
             if self.done.qsize():
                 self.close()
 
-    def _talk(self) -> None:
-        """The network thread. The socket is made, used and closed here."""
-        with self.context, contextlib.closing(self.pirate):
-            # Sleeps, which costs nothing, until request() or close() puts something there.
-            for text, reply, error in iter(self.waiting.get, None):
-                try:
-                    answer = self.pirate.request(text)
-                    self.status = ("Connected", self.status[1])
-                    self.done.put((reply, answer))
-                # Whatever it is, this thread goes on, and the caller gets to know.
-                except Exception as failure:
-                    self.status = ("Lost", str(failure))
-                    self.done.put((error, str(failure)))
 
-    def _retrying(self, trouble: str) -> None:
-        self.status = ("Retrying", trouble)
+Waiting = queue.SimpleQueue[tuple[str, Callback, Callback] | None]
+Client = weakref.ref[BackgroundClient]
+
+
+def talk(context: Context, pirate: LazyPirate, waiting: Waiting, client: Client) -> None:
+    """The network thread. The socket is made, used and closed here."""
+    with context, contextlib.closing(pirate):
+        # Sleeps, which costs nothing, until request() or close() puts something there.
+        for text, reply, error in iter(waiting.get, None):
+            try:
+                answer = pirate.request(text)
+                tell(client, "Connected", None, (reply, answer))
+            # Whatever it is, this thread goes on, and the caller gets to know.
+            except Exception as failure:
+                tell(client, "Lost", str(failure), (error, str(failure)))
+            # While it sleeps it holds nothing of its client, of which these may be methods.
+            del reply, error
+
+
+def tell(client: Client, state: str, trouble: str | None, done: tuple[Callback, str] | None = None) -> None:
+    here = client()
+    if here:
+        here.status = (state, here.status[1] if trouble is None else trouble)
+        if done:
+            here.done.put(done)
+
+
+def end(pirate: LazyPirate, waiting: Waiting) -> None:
+    pirate.stop()
+    waiting.put(None)

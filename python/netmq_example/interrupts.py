@@ -18,7 +18,9 @@ PYZMQ = str(Path(zmq.__file__).parent)
 
 
 def listen(*signals: int) -> None:
-    """From now on these end the program. The main thread must call it."""
+    """From now on these end the program. In another thread they stay the business of the main one."""
+    if threading.current_thread() is not threading.main_thread():
+        return
     for number in signals:
         signal.signal(number, interrupt)
 

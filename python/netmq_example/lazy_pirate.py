@@ -16,6 +16,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.errors import GaveUp, tried
+from netmq_example.one_process import OneProcess
 from netmq_example.program import LARGEST_BYTES, Context, Socket, limit, printable
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
@@ -24,7 +25,7 @@ SLICE_MS = 50
 PAUSE_SECONDS = 0.25
 
 
-class LazyPirate:
+class LazyPirate(OneProcess):
     """Asks over one REQ socket at a time. Use it on one thread; only stop() may be called on any."""
 
     def __init__(
@@ -52,6 +53,7 @@ class LazyPirate:
 
     def request(self, text: str) -> str:
         """The reply. TimeoutError: no try was answered, but it may be done. GaveUp: it is too long, or was stopped."""
+        self.check_process()
         if not self.stopped.is_set():
             check.not_closed("context", self.context)
         encoded = check.instance("text", text, str).encode(errors="replace")

@@ -16,6 +16,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.errors import tried
+from netmq_example.one_process import OneProcess
 from netmq_example.program import LARGEST_BYTES, Context, limit
 
 # How often the deadlines are looked at. Shorter would cost more; longer, and Ctrl-C would have to wait on Windows.
@@ -33,7 +34,7 @@ class Pending:
     sent: float = 0
 
 
-class ManyRequester:
+class ManyRequester(OneProcess):
     """Keeps up to `window` requests under way over one DEALER socket at a time. Use it on one thread."""
 
     def __init__(
@@ -82,6 +83,7 @@ class ManyRequester:
         It takes the next text when there is room for it, so `texts` may be endless; but what makes them must not wait:
         no reply is read meanwhile.
         """
+        self.check_process()
         check.not_closed("this requester", self.socket)
         if isinstance(texts, str) or not isinstance(texts, Iterable):
             raise TypeError(f"texts takes a list of texts, not {texts!r:.40}")

@@ -46,8 +46,11 @@ ENCODER = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
 class MessageError(Exception):
     """What is wrong with a message: a code for programs, a text for people, and the message's id where it has one."""
 
-    def __init__(self, code: str, text: str, id: int = 0) -> None:
-        super().__init__(f"{code}: {text}")
+    def __init__(self, code: str, text: str = "", id: int = 0) -> None:
+        if not text:
+            # What brings an error from another process, such as pickle or AsyncVectorEnv, has one argument for it.
+            code, _, text = str(code).partition(": ")
+        super().__init__(f"{code}: {text}" if text else code)
         self.code, self.text, self.id = code, text, id
 
     def reply(self, id: int = 0) -> "Message":

@@ -25,6 +25,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.errors import GaveUp
+from netmq_example.one_process import OneProcess
 
 # The largest frame that is taken, in bytes: a peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
@@ -93,7 +94,7 @@ def parse(message: str) -> Pose | None:
     return Pose(words[1], int(words[2]), numbers[:3], numbers[3:])
 
 
-class PoseSubscriber:
+class PoseSubscriber(OneProcess):
     """Knows of each pose it missed. `pose` and `checksum` are what the publisher's were once it had sent that pose.
 
     One rule: a pose that is not the next one calls for a snapshot. It cures joining late, loss and a restart alike.
@@ -126,6 +127,7 @@ class PoseSubscriber:
 
     def receive(self, timeout: float) -> bool:
         """Wait for the next pose, and for a snapshot at most `timeout` seconds. False if there is none yet."""
+        self.check_process()
         timeout = check.seconds("timeout", timeout)
         end = time.monotonic() + 1
         while time.monotonic() < end:

@@ -18,7 +18,9 @@ import io
 import math
 import os
 import re
+import select
 import signal
+import stat
 import sys
 import time
 import traceback
@@ -44,9 +46,19 @@ WAITING_BYTES = 64 * 1024 * 1024
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
 
 
+class Options(argparse.ArgumentParser):
+    """Reads the words of the program that `run` has started. What another program calls has its defaults: a notebook's
+    kernel, or a thread of a game, was started with words of its own."""
+
+    running = False
+
+    def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
+        return super().parse_args(words if words is not None or self.running else [], namespace)
+
+
 def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
     """The options of every server. `about` is the program's docstring, whose first line its --help shows."""
-    parser = argparse.ArgumentParser(description=(about or "").partition("\n")[0])
+    parser = Options(description=(about or "").partition("\n")[0])
     parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
     parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
     return parser
@@ -54,7 +66,7 @@ def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
 
 def client_options(about: str, endpoint: str, timeout: float) -> argparse.ArgumentParser:
     """The options of every client. `timeout` is the default of --timeout, in seconds."""
-    parser = argparse.ArgumentParser(description=about)
+    parser = Options(description=about)
     parser.add_argument("--endpoint", type=client_endpoint(endpoint), default=endpoint, help="the server")
     parser.add_argument("--timeout", type=positive_seconds, default=timeout, help="seconds to wait for each reply")
     return parser
@@ -87,7 +99,9 @@ def listening(
             socket.bind(endpoint)
         except zmq.ZMQError as error:
             cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
-            sys.exit(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}")
+            # Printed here: in a thread nobody would hear of it.
+            print(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}", file=sys.stderr)
+            sys.exit(1)
         if word:
             print(f"{word} on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
         yield socket
@@ -256,14 +270,52 @@ def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
         sys.exit(stopped)
 
 
+class Lines(io.FileIO):
+    """What a server prints. Whatever becomes of it, the server goes on: on a full disk, in a pipe that is closed, and
+    in one that nobody reads, which would soon hold the server up for ever."""
+
+    patience = 0.5
+
+    def write(self, data: Any) -> int:
+        try:
+            # In pieces: where there is room for anything, a pipe has room for so much.
+            return super().write(data[:4096]) if self.has_room() else len(data)
+        except OSError:
+            return len(data)
+
+    def has_room(self) -> bool:
+        # On Windows only its reader can keep a pipe from being full.
+        if sys.platform == "win32" or not stat.S_ISFIFO(os.fstat(self.fileno()).st_mode):
+            return True
+        _, room, _ = select.select([], [self], [], self.patience)
+        # Once it was waited for in vain, the next lines do not wait.
+        self.patience = Lines.patience if room else 0
+        return bool(room)
+
+
+def unhindered(stream: Any) -> Any:
+    """The same for Lines; a stream that leads to no file is as it was, such as a notebook's, or none at all."""
+    buffer = getattr(stream, "buffer", None)
+    raw = getattr(buffer, "raw", buffer)
+    if not isinstance(raw, io.FileIO) or raw.closed:
+        return stream
+    stream.flush()
+    lines = io.BufferedWriter(Lines(raw.fileno(), "w", closefd=False))
+    at_once = stream.line_buffering or stream.write_through
+    return io.TextIOWrapper(lines, stream.encoding, stream.errors, line_buffering=at_once)
+
+
 def run(main: Callable[[], None], stopped: str | None = None) -> None:
     """Run a program to its end. Ctrl-C ends a server with code 0, and a client with `stopped` and code 1."""
+    if stopped is None:
+        sys.stdout, sys.stderr = unhindered(sys.stdout), unhindered(sys.stderr)
     # In a pipe Windows would use another encoding, and a character that it lacks would end the program. A program that
     # was started without a console has no output at all.
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8", errors="replace")
     # SIGTERM, which kill and process managers send, ends a program as Ctrl-C does; on Windows that is SIGBREAK.
     interrupts.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
+    Options.running = True
     try:
         main()
     except (TimeoutError, GaveUp) as error:
@@ -276,3 +328,5 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
         sys.exit(1)
     except OSError as error:
         sys.exit(f"failed: {error}")
+    finally:
+        Options.running = False

@@ -23,6 +23,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import GaveUp
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read_reply
+from netmq_example.one_process import OneProcess
 from netmq_example.program import SLICE_MS, limit, printable
 
 
@@ -59,7 +60,7 @@ def read_action(reply: Message, frame: int) -> Action:
     return Action(frame, values["throttle"], values["brake"], values["steer"], values=values)
 
 
-class DriverClient:
+class DriverClient(OneProcess):
     """Waits at most `timeout` seconds for each action. `log` gets a line about each picture that has none."""
 
     def __init__(
@@ -82,6 +83,7 @@ class DriverClient:
 
     def send(self, frame: Message) -> None:
         """Ask about a picture."""
+        self.check_process()
         if self.asked:
             raise ValueError(f"picture {self.asked.id} is asked about; receive its action first")
         frames = check.instance("frame", frame, Message).frames()

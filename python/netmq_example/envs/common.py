@@ -78,12 +78,10 @@ def frames_per_second(hello: Message) -> int:
 def options_as_bytes(options: Any, **others: Any) -> bytes:
     """What reset sends, beside these others. ValueError names what no simulator could read."""
     options = checked_options(options)
-    for name, value in options.items():
-        try:
-            trees.write({name: value})
-        except MessageError as error:
-            raise ValueError(f"option {name!a:.40} cannot be sent: {error.text}") from None
-    data = trees.write({**options, **others}) if options or others else b""
+    try:
+        data = trees.write_dict({**options, **others}, "option") if options or others else b""
+    except MessageError as error:
+        raise ValueError(error.text) from None
     if len(data) > LONGEST_OPTIONS:
         raise ValueError(f"options of {len(data)} bytes cannot be sent: at most {LONGEST_OPTIONS}")
     return data

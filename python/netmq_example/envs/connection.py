@@ -12,6 +12,7 @@ A mistake in what is given is a ValueError, TypeError or FileNotFoundError, a po
 It needs only pyzmq.
 """
 
+import gc
 import os
 import subprocess
 import time
@@ -24,6 +25,7 @@ import zmq
 from netmq_example import check, records
 from netmq_example.envs.launch import END_SECONDS, end_program, program, start_program
 from netmq_example.messages import LIMIT, Message, MessageError
+from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 from netmq_example.records import Record
 
@@ -43,8 +45,10 @@ class Lost(ConnectionError):
     """The simulator is gone, or has not answered for too long."""
 
 
-class Connection:
+class Connection(OneProcess):
     """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
+
+    known_as = "environment"
 
     def __init__(self, socket: zmq.Socket[bytes], timeout: float) -> None:
         self.timeout = check.seconds("timeout", timeout)
@@ -63,6 +67,7 @@ class Connection:
 
         What `accept` raises is sent to the simulator as well.
         """
+        self.check_process()
         self.peer = b""
         end = time.monotonic() + limit
         while not self.is_welcomed(accept):
@@ -101,6 +106,7 @@ class Connection:
 
         A Record is answered with a Record, a Message with a Message. The request gets its id here.
         """
+        self.check_process()
         if self.closed:
             raise ValueError("this environment is closed")
         self.id += 1
@@ -209,7 +215,6 @@ class Simulators:
             socket = bound(endpoint if endpoint != "" else FREE_PORT if self.launch else default, default)
         self.connection = Connection(socket, timeout)
         self.process: subprocess.Popen[bytes] | None = None
-        self.pid = os.getpid()
 
     def start(self, environment: object, accept: Accept) -> "weakref.finalize[[], object]":
         """Find the first simulator. What is returned ends it when it is called, which is done once.
@@ -230,6 +235,8 @@ class Simulators:
         if self.launch:
             # One that was lost may still be there, and hang.
             self.end()
+            # One that nobody has any more may still be held, by what an interrupted cell of a notebook has left.
+            gc.collect()
             self.process = start_program([*self.launch, "--endpoint", endpoint])
         elif time.monotonic() > QUIET.get(endpoint, 0.0):
             print(f"waiting for a simulator on {endpoint}: press Play", flush=True)
@@ -258,7 +265,7 @@ class Simulators:
             end_program(process)
 
     def close(self) -> None:
-        if self.connection.closed or os.getpid() != self.pid:
+        if self.connection.closed or os.getpid() != self.connection.process_id:
             # A process that was forked has a copy of this, and the simulator is not its own.
             return
         self.connection.timeout = min(END_SECONDS, self.connection.timeout)
@@ -288,6 +295,7 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
         context.destroy()
-        cure = f"if another trainer has it, give this one its own endpoint, such as {FREE_PORT}"
+        cure = "close() the environment that has it, as one that a notebook's cell made before; or if another trainer "
+        cure += f"has it, give this one its own endpoint, such as {FREE_PORT}"
         raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
     return socket

@@ -82,7 +82,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if self.seen is None:
-            raise gymnasium.error.ResetNeeded("call reset before step")
+            raise gymnasium.error.ResetNeeded("no episode is under way: call reset before step")
         if action not in self.action_space:
             raise ValueError(f"action {shown(action)} is not in {shown(self.action_space)}")
         try:
@@ -93,6 +93,9 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
         seen = self.look(state)
         (reward,) = rewards_in(state)
         ends = state.marks[0]
+        if ends:
+            # Steps beyond the end would be of no episode, and seldom in the space.
+            self.seen = None
         return seen, reward, bool(ends & TERMINATED), bool(ends & TRUNCATED), info_in(state.infos[0])
 
     def look(self, state: Record) -> Any:

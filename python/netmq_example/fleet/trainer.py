@@ -17,6 +17,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import LIMIT, Message, read, take
+from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 from netmq_example.records import is_record
 
@@ -25,7 +26,7 @@ PEER = b"hub"
 SILENCE_SECONDS = 2.0
 
 
-class FleetSocket:
+class FleetSocket(OneProcess):
     """`prepare` gets each new socket before it connects."""
 
     # What the environment says of a peer to which nothing can be sent.
@@ -47,6 +48,7 @@ class FleetSocket:
         self.told = "is the hub running?"
 
     def recv_multipart(self) -> list[bytes]:
+        self.check_process()
         if time.monotonic() > self.sent + SILENCE_SECONDS:
             self.open()
         frames = self.socket.recv_multipart()

@@ -23,6 +23,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import GaveUp, tried
 from netmq_example.messages import LIMIT, Message, MessageError, read, take
+from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 
 STATUSES = ("succeeded", "canceled", "aborted")
@@ -65,7 +66,7 @@ def check_news(news: Message) -> None:
         raise MessageError("bad-status", f"status {status!a:.40} is none of {', '.join(STATUSES)}")
 
 
-class JobClient:
+class JobClient(OneProcess):
     """One job, over one DEALER socket at a time. Use it on one thread.
 
     Without the id of a job it makes a new one. It gives up after so many `tries` of `timeout` seconds; `report` gets a
@@ -180,6 +181,7 @@ class JobClient:
         return news
 
     def send(self, request: Message) -> None:
+        self.check_process()
         self.dropped = False
         try:
             self.socket.send_multipart(request.frames(), zmq.NOBLOCK)

@@ -19,6 +19,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.errors import tried
+from netmq_example.one_process import OneProcess
 from netmq_example.program import Context, Socket, limit, option
 from netmq_example.security.keys import checked, checked_path, load, make
 
@@ -51,7 +52,7 @@ def client_keys(text: str) -> ClientKeys:
     return option(lambda _, folder: ClientKeys(folder), text, str)
 
 
-class SecureRequester:
+class SecureRequester(OneProcess):
     """Asks a server that knows its clients, at most `tries` times, each for `timeout` seconds."""
 
     def __init__(
@@ -75,6 +76,7 @@ class SecureRequester:
 
     def request(self, text: str) -> str:
         """The reply; TimeoutError, which says why, when no try was answered."""
+        self.check_process()
         check.instance("text", text, str)
         self.number += 1
         request = text.encode(errors="replace")

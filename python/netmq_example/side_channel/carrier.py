@@ -22,6 +22,7 @@ import zmq
 
 from netmq_example import check
 from netmq_example.exception import UnitySideChannelException
+from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
@@ -156,7 +157,7 @@ class Carrier:
                 del self.peers[client]
 
 
-class ClientCarrier:
+class ClientCarrier(OneProcess):
     """With `report` a server that is silent for longer than `timeout` seconds is a line, and it goes on trying."""
 
     def __init__(
@@ -216,6 +217,7 @@ class ClientCarrier:
         return received
 
     def send(self) -> None:
+        self.check_process()
         now = time.monotonic()
         try:
             if now - self.greeted_at >= ALIVE_INTERVAL_SECONDS:

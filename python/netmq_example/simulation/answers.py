@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from netmq_example import trees
+from netmq_example import check, trees
 from netmq_example.messages import Array, Message, MessageError
 from netmq_example.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
 from netmq_example.space_numbers import exactly
@@ -15,7 +15,7 @@ from netmq_example.space_numbers import exactly
 def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
     """What describes the spaces is its one array, a value (trees.py)."""
     data = trees.write(spaces)
-    return Message("hello", 0, {"name": name, "dt": float(dt)}, [trees.array_of(data)])
+    return Message("hello", 0, {"name": name, "dt": check.number("dt", dt, least=0)}, [trees.array_of(data)])
 
 
 def unknown(request: Message, known: str) -> MessageError:
@@ -47,11 +47,19 @@ def answer_to(
     infos = []
     for name, one in zip(names, judged, strict=True):
         info = dict(one)
-        reward = float(info.pop("reward", 0.0))
-        if not math.isfinite(reward):
-            raise MessageError("bad-reward", f"the reward of {name} is {reward}")
-        numbers.append(reward)
+        numbers.append(reward_of(name, info.pop("reward", 0.0)))
         ended = TERMINATED if info.pop("terminated", False) else 0
         marks.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))
-        infos.append(trees.write(info) if info else b"")
+        infos.append(trees.write_dict(info, "info") if info else b"")
     return Record(ANSWERS, request.id, rewards(numbers), marks, rows, infos, options)
+
+
+def reward_of(name: str, reward: Any) -> float:
+    """Any number, also one of numpy's."""
+    try:
+        number = float(reward)
+    except (TypeError, ValueError):
+        raise MessageError("bad-reward", f"the reward of {name} is {reward!r:.40}, which is no number") from None
+    if not math.isfinite(number):
+        raise MessageError("bad-reward", f"the reward of {name} is {number}")
+    return number

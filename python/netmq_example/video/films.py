@@ -37,11 +37,12 @@ import zmq
 
 from netmq_example import check
 from netmq_example.messages import Message, MessageError
+from netmq_example.one_process import OneProcess
 from netmq_example.video.game import ENDPOINT, Game, Lost, bound, side
 from netmq_example.video.view_film import ViewFilm
 
 
-class Films:
+class Films(OneProcess):
     """For any thread. `report` gets a line about each film. A socket that is given is not closed."""
 
     def __init__(
@@ -167,6 +168,7 @@ class Films:
 
     def start(self) -> None:
         """Not before it is needed: by then there is somebody who will call close."""
+        self.check_process()
         if self.over.is_set():
             raise ValueError("these films are closed: make new ones")
         if not self.thread.is_alive():

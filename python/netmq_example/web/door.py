@@ -22,6 +22,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from typing import Any
@@ -208,11 +209,17 @@ def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
 
     A KeyboardInterrupt may be caught within Socket.IO, and its tasks are not cancelled for ten seconds and more.
     """
-    for each in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
-        signal.signal(each, lambda *_: os._exit(0))
+
+    async def killed() -> None:
+        # Not before the loop is there: where another one runs, as in a notebook, that one's program would be ended.
+        if threading.current_thread() is threading.main_thread():
+            for each in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
+                signal.signal(each, lambda *_: os._exit(0))
+        await serve
+
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        runner.run(serve)
+        runner.run(killed())
 
 
 def is_our_own(record: logging.LogRecord) -> bool:
