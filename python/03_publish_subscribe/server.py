@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import listening, run, seconds, server_options
+from netmq_example.program import encoded, listening, run, seconds, server_options
 
 # What listeners send are subscriptions, and those are short.
 LARGEST_BYTES = 1000
@@ -37,7 +37,7 @@ def main() -> None:
     with listening(zmq.PUB, options, LARGEST_BYTES) as socket:
         for steps in itertools.count(1):
             # Send never waits: a listener that is not there yet, or too slow, misses the message, and nobody is told.
-            socket.send_string(pose(steps))
+            socket.send(encoded(pose(steps)))
             if steps % 60 == 0:
                 socket.send_string(f"news/ the cube has made {steps} steps")
             if steps % 180 == 0:

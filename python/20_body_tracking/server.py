@@ -24,7 +24,7 @@ import zmq
 
 from netmq_example.body.camera import watch
 from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, as_text, begun, play, read
-from netmq_example.program import listening, run, server_options, whole
+from netmq_example.program import encoded, listening, run, server_options, whole
 
 MODEL = Path("pose_landmarker_lite.task")
 # What listeners send are subscriptions, and those are short.
@@ -68,7 +68,7 @@ def main() -> None:
                 bodies = {f"pose/{person}": body for person, body in enumerate(people)}
                 for topic, landmarks in (bodies | hands).items():
                     # This never waits: a listener that is not there yet, or is too slow, does not get it.
-                    socket.send_string(pose(topic, number, time.monotonic(), landmarks))
+                    socket.send(encoded(pose(topic, number, time.monotonic(), landmarks)))
     except SourceError as error:
         sys.exit(f"no poses: {error}")
 

@@ -15,6 +15,7 @@ from argparse import ArgumentTypeError
 from collections.abc import Callable, Iterator
 
 from netmq_example import check
+from netmq_example.program import encoded
 
 # FULL: a commit is on the disk when it returns. NORMAL would survive kill -9 too, but not a power cut.
 SCHEMA = """
@@ -82,6 +83,8 @@ class Journal:
             with self.db:
                 # An empty reply would look like none.
                 reply = check.text("reply", answer(self.db, text))
+                # Before it is written down: no client would ever get it.
+                encoded(reply)
                 # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.
                 if reply.startswith("error:"):
                     return reply

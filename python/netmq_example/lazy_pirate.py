@@ -17,7 +17,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import GaveUp, tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import LARGEST_BYTES, Context, Socket, limit, printable
+from netmq_example.program import Context, Socket, encoded, limit, printable
 
 # The longest wait in one piece, in milliseconds: between two of them stop() is noticed and, on Windows, Ctrl-C.
 SLICE_MS = 50
@@ -56,11 +56,11 @@ class LazyPirate(OneProcess):
         self.check_process()
         if not self.stopped.is_set():
             check.not_closed("context", self.context)
-        encoded = check.instance("text", text, str).encode(errors="replace")
         self.number += 1
-        if len(encoded) > LARGEST_BYTES:
-            raise GaveUp(f"a text of more than {LARGEST_BYTES} bytes")
-        request = [f"{self.number}-{self.name}".encode(), encoded]
+        try:
+            request = [f"{self.number}-{self.name}".encode(), encoded(check.instance("text", text, str))]
+        except ValueError as error:
+            raise GaveUp(str(error)) from None
         attempt = 1
         while not self.stopped.is_set():
             # A new connection takes several round trips. On a slow line only a longer wait ever succeeds.

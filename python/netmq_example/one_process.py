@@ -10,21 +10,17 @@ from typing import Any, NoReturn
 
 
 class OneProcess:
-    # What its user has, where that is another class.
-    known_as = ""
+    process_id: int
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         made: Any = super().__new__(cls)
         made.process_id = os.getpid()
         return made
 
-    process_id: int
-
     def check_process(self) -> None:
         if os.getpid() != self.process_id:
-            name = self.known_as or type(self).__name__
-            raise RuntimeError(f"this {name} was made in another process: make one in this process, after the fork")
+            raise RuntimeError("this was made in another process: make a new one in this process, after the fork")
 
     def __reduce_ex__(self, protocol: Any) -> NoReturn:
-        name = self.known_as or type(self).__name__
-        raise TypeError(f"this {name} cannot be copied, nor sent to another process: give a function that makes one")
+        name = type(self).__name__
+        raise TypeError(f"a {name} cannot be copied, nor sent to another process: give a function that makes one")

@@ -26,6 +26,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import GaveUp
 from netmq_example.one_process import OneProcess
+from netmq_example.program import encoded
 
 # The largest frame that is taken, in bytes: a peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
@@ -61,6 +62,8 @@ class PosePublisher:
         angle = self.number / 60
         place = (2 * math.cos(angle), 0, 2 * math.sin(angle), 0, math.sin(-angle / 2), 0, math.cos(angle / 2))
         self.message = f"pose/ {self.run} {self.number} " + " ".join(f"{value:.4f}" for value in place)
+        # Before it is counted in: nobody would ever get a longer one.
+        encoded(self.message)
         self.checksum = added(self.checksum, self.message)
         return self.message
 

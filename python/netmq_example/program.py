@@ -156,10 +156,18 @@ def next_message(recv_multipart: Callable[[], list[T]], timeout: float) -> list[
                 raise
 
 
+def encoded(text: str) -> bytes:
+    """In UTF-8, to be sent in one frame. ValueError if it is too long: the peer would hang up, without a word."""
+    data = text.encode(errors="replace")
+    if len(data) > LARGEST_BYTES:
+        raise ValueError(f"a text of {len(data)} bytes, more than {LARGEST_BYTES}: lesson 05 carries more")
+    return data
+
+
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
     """What `answer` makes of a request. A mistake in it is reported to both sides, and ends neither."""
     try:
-        return answer(request.decode(errors="replace")).encode()
+        return encoded(answer(request.decode(errors="replace")))
     except Exception as error:
         traceback.print_exc()
         return f"error: {error!r}".encode()

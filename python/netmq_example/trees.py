@@ -58,19 +58,6 @@ def write(value: Any) -> bytes:
     return written(lambda parts: form_of(value, parts))
 
 
-def write_dict(values: dict[str, Any], word: str) -> bytes:
-    """A dict. MessageError begins with the name of what has no place in a message: `option 'level' …`."""
-    try:
-        return write(values)
-    except MessageError:
-        for name, value in values.items():
-            try:
-                write({name: value})
-            except MessageError as error:
-                raise MessageError(error.code, f"{word} {name!a:.40} cannot be sent: {error.text}") from None
-        raise
-
-
 def array_of(data: bytes) -> Array:
     """A value in a message of lesson 05, which has only arrays and flat values."""
     return Array("uint8", (len(data),), data)

@@ -9,6 +9,7 @@ from gymnasium.spaces import Space
 
 from netmq_example import trees
 from netmq_example.messages import Array, Message, MessageError, take
+from netmq_example.named import write_dict
 from netmq_example.spaces import space_of
 
 # At most of a dict that a reset takes, in bytes; a state of a million numbers fits.
@@ -79,7 +80,7 @@ def options_as_bytes(options: Any, **others: Any) -> bytes:
     """What reset sends, beside these others. ValueError names what no simulator could read."""
     options = checked_options(options)
     try:
-        data = trees.write_dict({**options, **others}, "option") if options or others else b""
+        data = write_dict({**options, **others}, "option") if options or others else b""
     except MessageError as error:
         raise ValueError(error.text) from None
     if len(data) > LONGEST_OPTIONS:

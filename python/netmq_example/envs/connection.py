@@ -12,7 +12,6 @@ A mistake in what is given is a ValueError, TypeError or FileNotFoundError, a po
 It needs only pyzmq.
 """
 
-import gc
 import os
 import subprocess
 import time
@@ -48,8 +47,6 @@ class Lost(ConnectionError):
 class Connection(OneProcess):
     """A bound ROUTER socket. It waits in slices of its receive timeout: on Windows Ctrl-C interrupts no longer wait."""
 
-    known_as = "environment"
-
     def __init__(self, socket: zmq.Socket[bytes], timeout: float) -> None:
         self.timeout = check.seconds("timeout", timeout)
         if not hasattr(socket, "recv_multipart"):
@@ -82,10 +79,8 @@ class Connection(OneProcess):
     def is_welcomed(self, accept: Accept) -> bool:
         """Whether the next message was the hello of a simulator, which then is the peer."""
         peer, hello = self.receive()
-        if hello is None:
-            return False
-        if isinstance(hello, Message) and hello.kind == "alive":
-            # Lesson 17's hub is there. To answer it would be taken for a request.
+        # Lesson 17's hub says that it is there. To answer it would be taken for a request.
+        if hello is None or (isinstance(hello, Message) and hello.kind == "alive"):
             return False
         if not isinstance(hello, Message) or hello.kind != "hello":
             # It was given up, and has not noticed.
@@ -235,8 +230,6 @@ class Simulators:
         if self.launch:
             # One that was lost may still be there, and hang.
             self.end()
-            # One that nobody has any more may still be held, by what an interrupted cell of a notebook has left.
-            gc.collect()
             self.process = start_program([*self.launch, "--endpoint", endpoint])
         elif time.monotonic() > QUIET.get(endpoint, 0.0):
             print(f"waiting for a simulator on {endpoint}: press Play", flush=True)
@@ -295,7 +288,6 @@ def bound(endpoint: str, example: str = ENDPOINT) -> zmq.Socket[bytes]:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
         context.destroy()
-        cure = "close() the environment that has it, as one that a notebook's cell made before; or if another trainer "
-        cure += f"has it, give this one its own endpoint, such as {FREE_PORT}"
+        cure = f"close() the environment that has it, or give this one its own endpoint, such as {FREE_PORT}"
         raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
     return socket

@@ -8,6 +8,7 @@ It needs only Python.
 """
 
 import contextlib
+import gc
 import glob
 import os
 import shutil
@@ -52,6 +53,8 @@ def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
 
     Its standard input is a pipe of this process, from which it learns that this one has ended, in whatever way.
     """
+    # An environment that nobody has any more, but what an interrupted cell of a notebook has left, ends its own now.
+    gc.collect()
     environment = {**os.environ, "NETMQ_EXAMPLE_LAUNCHER": str(os.getpid())}
     try:
         process = subprocess.Popen(words, start_new_session=True, stdin=subprocess.PIPE, env=environment)

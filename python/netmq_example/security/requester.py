@@ -20,7 +20,7 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import tried
 from netmq_example.one_process import OneProcess
-from netmq_example.program import Context, Socket, limit, option
+from netmq_example.program import Context, Socket, encoded, limit, option
 from netmq_example.security.keys import checked, checked_path, load, make
 
 # Seconds between two tries, where the first was over at once.
@@ -75,11 +75,11 @@ class SecureRequester(OneProcess):
         self.number = 0
 
     def request(self, text: str) -> str:
-        """The reply; TimeoutError, which says why, when no try was answered."""
+        """The reply; TimeoutError, which says why, when no try was answered. ValueError: it is too long."""
         self.check_process()
         check.instance("text", text, str)
         self.number += 1
-        request = text.encode(errors="replace")
+        request = encoded(text)
         for attempt in range(1, self.tries + 1):
             reply, trouble = self._try(request)
             if reply is not None:

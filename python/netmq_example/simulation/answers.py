@@ -8,6 +8,7 @@ import numpy as np
 
 from netmq_example import check, trees
 from netmq_example.messages import Array, Message, MessageError
+from netmq_example.named import write_dict
 from netmq_example.records import ANSWERS, TERMINATED, TRUNCATED, Record, rewards
 from netmq_example.space_numbers import exactly
 
@@ -50,7 +51,7 @@ def answer_to(
         numbers.append(reward_of(name, info.pop("reward", 0.0)))
         ended = TERMINATED if info.pop("terminated", False) else 0
         marks.append(ended | (TRUNCATED if info.pop("truncated", False) else 0))
-        infos.append(trees.write_dict(info, "info") if info else b"")
+        infos.append(write_dict(info, "info") if info else b"")
     return Record(ANSWERS, request.id, rewards(numbers), marks, rows, infos, options)
 
 

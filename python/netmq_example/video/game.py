@@ -48,8 +48,7 @@ def bound(endpoint: str) -> zmq.Socket[bytes]:
         socket.bind(endpoint)
     except zmq.ZMQError as error:
         socket.context.destroy()
-        cure = "close() the Films that have it, as those that a notebook's cell made before; or if another program "
-        cure += "films there, end it, or take another port here and in the game"
+        cure = "close() the Films that have it, or end the other program, or take another port here and in the game"
         raise OSError(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}") from None
     return socket
 

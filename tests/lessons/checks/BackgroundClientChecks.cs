@@ -495,7 +495,7 @@ namespace NetMQExample.Tests
             }
             catch (ArgumentException e)
             {
-                Equal("more than 65536 bytes", e.Message);
+                Equal("text has more than 65536 bytes: lesson 05 carries more", e.Message);
             }
             client.Request("echo " + new string('ü', 20000), text => got = text, why => got = why);
             Until(() => got != null, client);

@@ -62,11 +62,12 @@ namespace NetMQExample
         /// <param name="text">The request, sent as UTF-8.</param>
         /// <param name="timeout">How long to wait for a connection.</param>
         /// <param name="stop">Ends the wait early, within 50 ms of being cancelled.</param>
+        /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
         /// <exception cref="FiniteStateMachineException">The reply to the last request was not received
         /// yet.</exception>
         public void Send(string text, TimeSpan timeout, CancellationToken stop = default)
         {
-            if (text == null) throw new ArgumentNullException(null, "text must not be null");
+            Require.Text("text", text);
             // Not the text: NetMQ would make a question mark of every character that is not ASCII.
             var bytes = Encoding.UTF8.GetBytes(text);
             foreach (var slice in NetMQConnection.Slices(timeout, stop))

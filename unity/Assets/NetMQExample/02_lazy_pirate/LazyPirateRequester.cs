@@ -56,9 +56,10 @@ namespace NetMQExample
         /// <exception cref="TimeoutException">No try was answered. The request may have been done all the
         /// same.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
         public string Request(string text, CancellationToken stop = default)
         {
-            Require.Given("text", text);
+            Require.Text("text", text);
             var id = $"{++number}-{name}";
             for (var attempt = 1; ; attempt++)
             {

@@ -15,7 +15,6 @@
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
-using System.Text;
 using System.Threading;
 using Stopwatch = System.Diagnostics.Stopwatch;
 
@@ -39,7 +38,6 @@ namespace NetMQExample
     /// <summary>Asks a server without ever making the calling thread wait. Each client has its own thread.</summary>
     public sealed class BackgroundClient : IDisposable
     {
-        private const int MaxBytes = 65536;
 
         private readonly ConcurrentQueue<(Action<string> callback, string text)> done = new();
         // With room for as many as may usually wait: to grow when the network is late would allocate memory in a frame.
@@ -102,8 +100,7 @@ namespace NetMQExample
         /// will run.</returns>
         public bool Request(string text, Action<string> reply, Action<string> error = null)
         {
-            Require.Given("text", text);
-            if (Encoding.UTF8.GetByteCount(text) > MaxBytes) throw new ArgumentException($"more than {MaxBytes} bytes");
+            Require.Text("text", text);
             lock (gate)
             {
                 if (Stopped || waiting.Count + done.Count >= capacity) return false;

@@ -62,9 +62,10 @@ namespace NetMQExample
         /// <returns>The reply's text.</returns>
         /// <exception cref="TimeoutException">No try was answered; the message says why.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
+        /// <exception cref="ArgumentException">The text has more than 65,536 bytes.</exception>
         public string Request(string text, CancellationToken stop = default)
         {
-            Require.Given("text", text);
+            Require.Text("text", text);
             number++;
             for (var attempt = 1; ; attempt++)
             {

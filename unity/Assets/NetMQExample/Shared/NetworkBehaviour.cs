@@ -43,25 +43,31 @@ namespace NetMQExample
         /// <param name="stop">Cancelled when the component is disabled. Look at least every 50 ms.</param>
         protected abstract void Talk(CancellationToken stop);
 
-        /// <summary>Logs a line in Update. For the network thread.</summary>
+        /// <summary>Logs a line in Update. For any thread.</summary>
         /// <param name="line">The line.</param>
         protected void Log(string line) => InUpdate(() => Debug.Log(line));
 
-        /// <summary>Raises an event in Update, after the lines logged before. For the network thread.</summary>
+        /// <summary>Raises an event in Update, after the lines logged before. For any thread.</summary>
         /// <param name="arrival">The event.</param>
         /// <param name="value">What has arrived.</param>
         /// <typeparam name="T">Its type.</typeparam>
         protected void Arrive<T>(Arrival<T> arrival, T value) => InUpdate(() => arrival.Raise(value));
 
-        /// <summary>Has something done in Update, and waits while much else is to be done there. For the network
-        /// thread.
-        /// </summary>
+        /// <summary>Has something done in Update, and waits while much else is to be done there. For any thread; on
+        /// Unity's own it is done at once.</summary>
         /// <param name="action">What may touch the scene; after Stop it is dropped.</param>
         protected void InUpdate(Action action)
         {
+            // A timer or a task belongs to no run: it means the one that there is now.
+            var one = own ?? run;
+            if (one == null || one.UnityThread == Thread.CurrentThread)
+            {
+                action();
+                return;
+            }
             try
             {
-                own.ForUpdate.Add(action, own.Stop.Token);
+                one.ForUpdate.Add(action, one.Stop.Token);
             }
             catch (OperationCanceledException)
             {
@@ -78,7 +84,7 @@ namespace NetMQExample
             var task = new Task<T>(make);
             InUpdate(task.RunSynchronously);
             // Unlike Wait it throws nothing of the task's, and GetResult throws that unwrapped.
-            Task.WaitAny(new Task[] { task }, own.Stop.Token);
+            Task.WaitAny(new Task[] { task }, (own ?? run)?.Stop.Token ?? default);
             return task.GetAwaiter().GetResult();
         }
 
@@ -161,7 +167,7 @@ namespace NetMQExample
         {
             public readonly BlockingCollection<Action> ForUpdate = new BlockingCollection<Action>(MostQueued);
             public readonly CancellationTokenSource Stop = new CancellationTokenSource();
-            public readonly Thread Thread;
+            public readonly Thread Thread, UnityThread = Thread.CurrentThread;
             // Whose thread it is: a change of scenes may give it to another one. For the main thread.
             public NetworkBehaviour Behaviour;
 

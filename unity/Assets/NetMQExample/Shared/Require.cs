@@ -1,5 +1,6 @@
 // Rules that many classes share for what they are given; what breaks one is named in one line. In Python: check.py.
 using System;
+using System.Text;
 
 namespace NetMQExample
 {
@@ -18,6 +19,11 @@ namespace NetMQExample
         public static T Given<T>(string name, T value) where T : class => value
             // As the message alone: with the name as a parameter, Mono writes two lines.
             ?? throw new ArgumentNullException(null, $"{name} must not be null");
+
+        /// <summary>A text for one frame. A server hangs up on a longer one, without a word.</summary>
+        public static string Text(string name, string value) => Encoding.UTF8.GetByteCount(Given(name, value)) <= 65536
+            ? value
+            : throw new ArgumentException($"{name} has more than 65536 bytes: lesson 05 carries more");
 
         /// <summary>How many there are, or may be.</summary>
         public static int Count(string name, int value, int least = 1) => value >= least
