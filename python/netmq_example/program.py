@@ -22,6 +22,7 @@ import select
 import signal
 import stat
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -47,13 +48,11 @@ LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
 
 
 class Options(argparse.ArgumentParser):
-    """Reads the words of the program that `run` has started. What another program calls has its defaults: a notebook's
-    kernel, or a thread of a game, was started with words of its own."""
-
-    running = False
+    """In a thread of another program a server has its defaults: the words are those of that program."""
 
     def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
-        return super().parse_args(words if words is not None or self.running else [], namespace)
+        foreign = threading.current_thread() is not threading.main_thread()
+        return super().parse_args([] if words is None and foreign else words, namespace)
 
 
 def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
@@ -156,9 +155,9 @@ def next_message(recv_multipart: Callable[[], list[T]], timeout: float) -> list[
                 raise
 
 
-def encoded(text: str) -> bytes:
+def encoded(text: str, errors: str = "replace") -> bytes:
     """In UTF-8, to be sent in one frame. ValueError if it is too long: the peer would hang up, without a word."""
-    data = text.encode(errors="replace")
+    data = text.encode(errors=errors)
     if len(data) > LARGEST_BYTES:
         raise ValueError(f"a text of {len(data)} bytes, more than {LARGEST_BYTES}: lesson 05 carries more")
     return data
@@ -167,7 +166,7 @@ def encoded(text: str) -> bytes:
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
     """What `answer` makes of a request. A mistake in it is reported to both sides, and ends neither."""
     try:
-        return encoded(answer(request.decode(errors="replace")))
+        return encoded(answer(request.decode(errors="replace")), "strict")
     except Exception as error:
         traceback.print_exc()
         return f"error: {error!r}".encode()
@@ -323,7 +322,6 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
         sys.stdout.reconfigure(encoding="utf-8", errors="replace")
     # SIGTERM, which kill and process managers send, ends a program as Ctrl-C does; on Windows that is SIGBREAK.
     interrupts.listen(signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM))
-    Options.running = True
     try:
         main()
     except (TimeoutError, GaveUp) as error:
@@ -336,5 +334,3 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
         sys.exit(1)
     except OSError as error:
         sys.exit(f"failed: {error}")
-    finally:
-        Options.running = False

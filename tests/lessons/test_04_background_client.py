@@ -318,7 +318,7 @@ def test_each_request_to_the_python_client_ends_once():
             client.request("x" * 70_000, closes, closes)
         until(lambda: client.done.qsize() == 3)
         client.poll()
-        assert ends == ["a text of more than 65536 bytes"] * 3
+        assert ends == ["a text of 70000 bytes, more than 65536: lesson 05 carries more"] * 3
 
         def raises(why):
             ends.append(why)

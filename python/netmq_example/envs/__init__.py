@@ -14,9 +14,20 @@ agents need pettingzoo. A type checker, which imports nothing, finds each class 
 """
 
 import importlib
+import sys
 from typing import Any
 
-from gymnasium.envs import registration
+
+def without(error: ImportError) -> ImportError:
+    """The same with its cure: the kernel of a notebook has packages of its own."""
+    package = str(error.name).partition(".")[0]
+    return ImportError(f"{error}: {sys.executable} -m pip install {package}", name=error.name)
+
+
+try:
+    from gymnasium.envs import registration
+except ImportError as error:
+    raise without(error) from None
 
 __all__ = [
     "UnityAECEnv",
@@ -62,7 +73,10 @@ def register() -> None:
 
 def __getattr__(name: str) -> Any:
     if name in MODULES:
-        return getattr(importlib.import_module(MODULES[name]), name)
+        try:
+            return getattr(importlib.import_module(MODULES[name]), name)
+        except ImportError as error:
+            raise without(error) from None
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -17,6 +17,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 import traceback
@@ -138,7 +139,10 @@ def check_kinds(kinds: dict[str, Kind]) -> dict[str, Kind]:
     for name, kind in check.instance("kinds", kinds, dict).items():
         check.instance(f"kinds[{name!r:.40}]", kind, Kind)
         try:
-            ForkingPickler.dumps(kind)
+            # A new process makes the main module again, from its file. A notebook has none.
+            main = getattr(sys.modules["__main__"], "__file__", "")
+            if b"__main__" in bytes(ForkingPickler.dumps(kind)) and not os.path.isfile(main):
+                raise TypeError
         except Exception:
             cure = "make it a function of a module, or functools.partial of one"
             raise TypeError(f"kind {name!r} cannot be handed to a worker: {cure}") from None

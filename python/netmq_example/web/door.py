@@ -209,17 +209,21 @@ def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
 
     A KeyboardInterrupt may be caught within Socket.IO, and its tasks are not cancelled for ten seconds and more.
     """
-
-    async def killed() -> None:
-        # Not before the loop is there: where another one runs, as in a notebook, that one's program would be ended.
-        if threading.current_thread() is threading.main_thread():
-            for each in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
-                signal.signal(each, lambda *_: os._exit(0))
-        await serve
-
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        # As it should be.
+        pass
+    else:
+        serve.close()
+        sys.exit("a loop runs here already, as in a notebook: start this as a program of its own, subprocess.Popen")
+    # A thread leaves the end to the main one.
+    if threading.current_thread() is threading.main_thread():
+        for each in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
+            signal.signal(each, lambda *_: os._exit(0))
     # ZeroMQ's sockets are no files of Windows' own event loop.
     with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        runner.run(killed())
+        runner.run(serve)
 
 
 def is_our_own(record: logging.LogRecord) -> bool:
