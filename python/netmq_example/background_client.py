@@ -13,6 +13,7 @@ import functools
 import queue
 import threading
 import weakref
+from collections import deque
 from collections.abc import Callable
 
 import zmq
@@ -23,6 +24,7 @@ from netmq_example.one_process import OneProcess
 from netmq_example.program import Context
 
 Callback = Callable[[str], object]
+Waiting = queue.SimpleQueue[str | None]
 
 
 class BackgroundClient(OneProcess):
@@ -38,9 +40,11 @@ class BackgroundClient(OneProcess):
         # State and last error, in one variable: a reader never gets those of two moments. Only a reply proves that the
         # server is there: Connecting, Connected, Retrying, Lost, Disposed.
         self.status = ("Connecting", "")
-        self.under_way = 0
-        self.waiting: queue.SimpleQueue[tuple[str, Callback, Callback] | None] = queue.SimpleQueue()
-        self.done: queue.SimpleQueue[tuple[Callback, str]] = queue.SimpleQueue()
+        # Callbacks, in the order of their requests, in which these end as well. The thread has none of them.
+        self.calls: deque[tuple[Callback, Callback]] = deque()
+        self.waiting: Waiting = queue.SimpleQueue()
+        # Which of the two callbacks gets a text: 0 the reply, 1 the error.
+        self.done: queue.SimpleQueue[tuple[int, str]] = queue.SimpleQueue()
         self.end = weakref.finalize(self, end, self.pirate, self.waiting)
         self.end.atexit = False
         words = (self.context, self.pirate, self.waiting, client)
@@ -50,16 +54,18 @@ class BackgroundClient(OneProcess):
     def request(self, text: str, reply: Callback, error: Callback) -> bool:
         """Have one of the callbacks run in a later poll(). False if refused, because it is full or closed."""
         self.check_process()
-        call = (
-            check.instance("text", text, str),
-            check.function("reply", reply),
-            check.function("error", error),
-        )
+        check.instance("text", text, str)
+        call = (check.function("reply", reply), check.function("error", error))
         if self.pirate.stopped.is_set() or self.under_way == self.capacity:
             return False
-        self.under_way += 1
-        self.waiting.put(call)
+        self.calls.append(call)
+        self.waiting.put(text)
         return True
+
+    @property
+    def under_way(self) -> int:
+        """Requests whose callback has not run yet."""
+        return len(self.calls)
 
     def poll(self) -> None:
         """Run the callbacks of what has ended. Call it once a frame, on the thread that calls request()."""
@@ -68,9 +74,8 @@ class BackgroundClient(OneProcess):
             # A callback that closed this client has run those after it already.
             if self.done.empty():
                 break
-            callback, text = self.done.get()
-            self.under_way -= 1
-            callback(text)
+            which, text = self.done.get()
+            self.calls.popleft()[which](text)
 
     def close(self) -> None:
         """End the thread. The error callback of every request that has no reply yet runs before this returns."""
@@ -85,7 +90,6 @@ class BackgroundClient(OneProcess):
                 self.close()
 
 
-Waiting = queue.SimpleQueue[tuple[str, Callback, Callback] | None]
 Client = weakref.ref[BackgroundClient]
 
 
@@ -93,18 +97,15 @@ def talk(context: Context, pirate: LazyPirate, waiting: Waiting, client: Client)
     """The network thread. The socket is made, used and closed here."""
     with context, contextlib.closing(pirate):
         # Sleeps, which costs nothing, until request() or close() puts something there.
-        for text, reply, error in iter(waiting.get, None):
+        for text in iter(waiting.get, None):
             try:
-                answer = pirate.request(text)
-                tell(client, "Connected", None, (reply, answer))
+                tell(client, "Connected", None, (0, pirate.request(text)))
             # Whatever it is, this thread goes on, and the caller gets to know.
             except Exception as failure:
-                tell(client, "Lost", str(failure), (error, str(failure)))
-            # While it sleeps it holds nothing of its client, of which these may be methods.
-            del reply, error
+                tell(client, "Lost", str(failure), (1, str(failure)))
 
 
-def tell(client: Client, state: str, trouble: str | None, done: tuple[Callback, str] | None = None) -> None:
+def tell(client: Client, state: str, trouble: str | None, done: tuple[int, str] | None = None) -> None:
     here = client()
     if here:
         here.status = (state, here.status[1] if trouble is None else trouble)

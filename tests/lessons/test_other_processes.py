@@ -1,0 +1,321 @@
+"""What crosses to another process, or is used in one: errors, copies, sockets after a fork; and programs whose console
+is a notebook's, or nobody's.
+"""
+
+from __future__ import annotations
+
+import copy
+import gc
+import importlib
+import inspect
+import pickle
+import pkgutil
+import subprocess
+import sys
+import threading
+
+import pytest
+import zmq
+
+import netmq_example
+from netmq_example.background_client import BackgroundClient
+from netmq_example.messages import MessageError
+from netmq_example.one_process import OneProcess
+from netmq_example.program import reply_to
+from tests.conftest import PYTHON
+from tests.programs import LIMIT, ROOT, finished, steady_endpoint
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows neither forks nor fills a pipe that way")
+
+
+def modules():
+    """Each module of the package whose packages are here."""
+    for found in pkgutil.walk_packages(netmq_example.__path__, "netmq_example."):
+        try:
+            yield importlib.import_module(found.name)
+        except ImportError:
+            pass
+
+
+def classes(kind):
+    found = {each for module in modules() for _, each in inspect.getmembers(module, inspect.isclass)}
+    return [each for each in found if issubclass(each, kind) and each.__module__.startswith("netmq_example")]
+
+
+# An error comes whole
+
+
+def test_each_error_survives_what_libraries_do_with_it():
+    errors = [kind("what: is wrong") for kind in classes(Exception)]
+    errors += [kind("a-code", "what: is wrong", 7) for kind in classes(MessageError)]
+    assert len(errors) > 8
+    for error in errors:
+        # Gymnasium's AsyncVectorEnv gives the error itself to its class.
+        made = [pickle.loads(pickle.dumps(error)), copy.copy(error), copy.deepcopy(error)]
+        again = [type(error)(error), type(error)(str(error)), type(error)(*error.args)]
+        for other in made + again:
+            assert (type(other), str(other)) == (type(error), str(error))
+        if isinstance(error, MessageError):
+            assert {(other.code, other.text, other.id) for other in made} == {(error.code, error.text, error.id)}
+            assert {(other.code, other.text) for other in again} == {(error.code, error.text)}
+
+
+WORKERS = """
+import multiprocessing, sys, warnings
+from concurrent.futures import ProcessPoolExecutor
+sys.path[:0] = [{python!r}]
+import gymnasium
+from netmq_example.messages import MessageError
+
+class Fails(gymnasium.Env):
+    observation_space = action_space = gymnasium.spaces.Discrete(2)
+
+    def reset(self, *, seed=None, options=None):
+        fails(0)
+
+def fails(_):
+    raise MessageError("bad-option", "low and high are numbers", 7)
+
+fork = multiprocessing.get_context("fork")
+warnings.simplefilter("ignore")
+pool, executor = fork.Pool(1), ProcessPoolExecutor(1, fork)
+envs = gymnasium.vector.AsyncVectorEnv([Fails], context="fork")
+for use in lambda: pool.map_async(fails, [0]).get({limit}), executor.submit(fails, 0).result, envs.reset:
+    try:
+        use()
+    except MessageError as error:
+        print(error, error.code)
+envs.close(terminate=True)
+"""
+
+
+@posix
+def test_an_error_comes_out_of_a_worker():
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+    done = finished([PYTHON, "-c", WORKERS.format(python=str(ROOT / "python"), limit=LIMIT)])
+    assert done.stdout.splitlines() == ["bad-option: low and high are numbers bad-option"] * 3, done
+
+
+# What has a socket has one process
+
+
+def test_what_has_a_socket_or_a_thread_is_not_copied():
+    kinds = classes(OneProcess)
+    assert len(kinds) >= 10
+    for kind in kinds:
+        for way in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError) as refused:
+                way(kind.__new__(kind))
+            cure = "give a function that makes one"
+            assert str(refused.value) == f"a {kind.__name__} cannot be copied, nor sent to another process: {cure}"
+
+
+# Made in the parent, used in the child: each would wait there for ever.
+FORKS = """
+import os, sys, threading, zmq
+sys.path[:0] = [{python!r}]
+from netmq_example.background_client import BackgroundClient
+from netmq_example.camera.client import DriverClient
+from netmq_example.envs.connection import FREE_PORT, Simulators
+from netmq_example.fleet.trainer import FleetSocket
+from netmq_example.jobs.client import JobClient
+from netmq_example.lazy_pirate import LazyPirate
+from netmq_example.many_requester import ManyRequester
+from netmq_example.messages import Message
+from netmq_example.pose_stream import PoseSubscriber
+from netmq_example.security.requester import SecureRequester
+from netmq_example.side_channel.carrier import ClientCarrier
+from netmq_example.video.films import Films
+
+context, nowhere = zmq.Context(), "tcp://127.0.0.1:9"
+simulators = Simulators(FREE_PORT)
+client = BackgroundClient(nowhere)
+job = JobClient(context, nowhere)
+films = Films(FREE_PORT)
+uses = {{
+    "environment": lambda: simulators.connection.ask(Message("render")),
+    "waiting": lambda: simulators.find(print),
+    "BackgroundClient": lambda: client.request("x", print, print),
+    "LazyPirate": lambda one=LazyPirate(context, nowhere): one.request("x"),
+    "ManyRequester": lambda one=ManyRequester(context, nowhere): list(one.request_many(["x"])),
+    "DriverClient": lambda one=DriverClient(context, nowhere): one.send(Message("frame")),
+    "SecureRequester": lambda one=SecureRequester(context, nowhere): one.request("x"),
+    "JobClient": lambda: next(job.watch(job.ask("status"))),
+    "ClientCarrier": lambda one=ClientCarrier(context, nowhere): one.exchange(b"", 0.1),
+    "Films": lambda: films.wait(0.1),
+    "FleetSocket": lambda one=FleetSocket(nowhere, "CartPole", 1): one.recv_multipart(),
+    "PoseSubscriber": lambda one=PoseSubscriber(context.socket(zmq.SUB), nowhere): one.receive(0.1),
+}}
+if os.fork():
+    os.wait()
+else:
+    for name, use in uses.items():
+        try:
+            use()
+        except RuntimeError as error:
+            print(name, error, flush=True)
+    client.close(), simulators.close(), films.close()
+    print("all", flush=True)
+os._exit(0)
+"""
+
+
+@posix
+def test_whoever_uses_a_parents_socket_after_a_fork_is_told_at_once():
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+    pytest.importorskip("PIL", reason="lesson 12 needs pillow: kit.py run 12 installs it")
+    done = finished([PYTHON, "-c", FORKS.format(python=str(ROOT / "python"))])
+    *lines, last = [line for line in done.stdout.splitlines() if "press Play" not in line]
+    assert last == "all", done
+    cure = "this was made in another process: make a new one in this process, after the fork"
+    assert len(lines) == 12 and all(line.endswith(f" {cure}") for line in lines), done.stdout
+
+
+def test_a_forgotten_client_ends_its_thread():
+    class Game:
+        def __init__(self):
+            self.client = BackgroundClient(steady_endpoint(), timeout=60)
+            self.client.request("hello", self.hear, self.hear)
+
+        def hear(self, text):
+            """A method of whoever has the client, which the thread must not hold."""
+
+    before = {*threading.enumerate()}
+    for _ in range(3):
+        game = Game()
+    thread = game.client.thread
+    del game
+    gc.collect()
+    thread.join(LIMIT)
+    for left in {*threading.enumerate()} - before:
+        left.join(LIMIT)
+    assert {*threading.enumerate()} <= before
+
+
+# What is printed ends no server, and does not stop it
+
+
+def ask(endpoint, times=1):
+    with zmq.Context() as context, context.socket(zmq.REQ) as socket:
+        socket.linger, socket.rcvtimeo = 0, int(1000 * LIMIT)
+        socket.connect(endpoint)
+        for _ in range(times):
+            socket.send(b"Hello")
+            reply = socket.recv()
+    return reply
+
+
+@posix
+@pytest.mark.parametrize("console", ["unread", "closed", "full", "none"])
+def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start):
+    """As it is started by a program that reads one line of it, on a full disk, or without a console."""
+    endpoint = steady_endpoint()
+    server = [str(PYTHON), str(ROOT / "python" / "01_request_reply" / "server.py"), "--endpoint", endpoint]
+    if console in ("full", "none"):
+        files = "< /dev/null > /dev/full 2> /dev/full" if console == "full" else "<&- >&- 2>&-"
+        program = start("sh", "-c", f'exec "$@" {files}', "sh", *server)
+        assert ask(endpoint, 3) == b"World"
+        program.stop()
+        return
+    with subprocess.Popen(server, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout.readline().startswith(b"listening on ")
+        if console == "closed":
+            process.stdout.close()
+            process.stderr.close()
+        # A pipe has room for some 4,000 of its lines.
+        assert ask(endpoint, 6000 if console == "unread" else 3) == b"World"
+        process.kill()
+
+
+# Its console is IDLE's or a notebook's, it has words of its own, and a loop.
+HOST = """
+import asyncio, io, runpy, sys, threading, zmq
+
+class Console(io.TextIOBase):
+    def write(self, text):
+        return sys.__stdout__.write(text)
+
+python, endpoint = sys.argv[1:]
+sys.path[:0] = [python]
+from netmq_example import program
+options = program.server_options
+program.server_options = lambda about, _: options(about, endpoint)
+sys.stdout = Console()
+sys.argv = ["host", "-f", "kernel.json"]
+main = runpy.run_path(f"{python}/01_request_reply/server.py")["main"]
+for how in (main, lambda: program.run(main)):
+    thread = threading.Thread(target=how, daemon=True)
+    thread.start()
+    with zmq.Context() as context, context.socket(zmq.REQ) as socket:
+        socket.linger = 0
+        socket.connect(endpoint)
+        socket.send(b"Hello")
+        print(f"got {socket.recv().decode()}\\n", end="", flush=True)
+# The port is taken, and it says so, although it is in a thread.
+thread.join()
+
+async def loop():
+    sys.argv = ["host"]
+    runpy.run_path(f"{python}/16_web_gateway/server.py")["main"]()
+
+asyncio.run(loop())
+"""
+
+
+def test_a_server_in_a_thread_of_another_program():
+    pytest.importorskip("socketio", reason="lesson 16 needs python-socketio: kit.py run 16 installs it")
+    endpoint = steady_endpoint()
+    done = finished([PYTHON, "-c", HOST, ROOT / "python", endpoint])
+    assert done.stdout.count("got World") == 2, done
+    taken, loop = done.stderr.splitlines()
+    assert taken.startswith(f"cannot listen on {endpoint}: Address already in use"), done
+    assert loop.startswith("a loop runs here already, as in a notebook: "), done
+    assert done.returncode == 1
+
+
+# A limit is said by the side that meets it
+
+TOO_LONG = "ValueError('a text of 100000 bytes, more than 65536: lesson 05 carries more')"
+
+
+@pytest.mark.parametrize(
+    ("key", "frames"),
+    [
+        ("01_request_reply", [b"Hello"]),
+        ("02_lazy_pirate", [b"1", b"add 1"]),
+        ("04_background_client", [b"1", b"hello"]),
+        ("06_many_in_flight", [b"1", b"echo 1"]),
+        ("06_many_in_flight", [b"1", b"sleep 0"]),
+    ],
+)
+def test_an_answer_that_no_client_would_take_is_refused_where_it_is_made(key, frames, start, tmp_path):
+    code = (
+        f"import sys; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
+        "server.answer = lambda *_: 'x' * 100_000; server.main()"
+    )
+    server = start(PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:0", folder=tmp_path)
+    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    with zmq.Context() as context, context.socket(zmq.DEALER if key[:2] == "06" else zmq.REQ) as socket:
+        socket.linger, socket.rcvtimeo, socket.maxmsgsize = 0, int(1000 * LIMIT), 65_536
+        socket.connect(endpoint)
+        # A journal gives no answer to a retry that it would not have given at first.
+        for _ in range(2):
+            socket.send_multipart(frames)
+            assert socket.recv_multipart() == [*frames[:-1], f"error: {TOO_LONG}".encode()]
+    assert server.wait_for(r"^ValueError: a text of 100000 bytes")
+
+
+def test_the_longest_answer_is_one():
+    assert reply_to(lambda _: "x" * 65_536, b"") == b"x" * 65_536
+
+
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "07_catch_up", "20_body_tracking"])
+def test_what_no_listener_would_take_is_not_published(key):
+    code = (
+        f"import sys; sys.path.insert(0, {str(ROOT / 'python' / key)!r}); import server\n"
+        "from netmq_example import pose_stream\n"
+        "pose_stream.secrets.token_hex = lambda _: 'x' * 100_000\n"
+        "server.pose = lambda *_: 'x' * 100_000; server.main()"
+    )
+    done = finished([PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:*"])
+    assert done.stderr.splitlines()[-1].endswith("bytes, more than 65536: lesson 05 carries more"), done.stderr
