@@ -83,6 +83,7 @@ static class Program
             case "again": Hello(typeof(Again.HelloClient), args[1], "2", 1, "Received Again"); break;
             case "hands": Hands(args[1]); break;
             case "picture": Picture(args[1]); break;
+            case "started": Started(args[1], args[2], args[3]); break;
             default: Script(args[0], args[1]); break;
         }
     }
@@ -90,6 +91,26 @@ static class Program
     static void Naked(string endpoint)
     {
 NAKED
+    }
+
+    // More replies than a pipe has room for their lines.
+    static void Started(string program, string words, string endpoint)
+    {
+        var all = typeof(Program).Assembly.GetTypes().Select(type => type.GetMethod("StartServer"));
+        var start = all.Single(found => found != null);
+        var (lines, ready) = (0, new System.Threading.ManualResetEventSlim());
+        Action<string> heard = line =>
+        {
+            System.Threading.Interlocked.Increment(ref lines);
+            if (line != null && line.StartsWith("listening on ")) ready.Set();
+        };
+        using var server = (System.Diagnostics.Process)start.Invoke(null, new object[] { program, words, heard });
+        ready.Wait();
+        using (var requester = new HelloRequester(endpoint))
+            for (var i = 0; i < 6000; i++) requester.Request("Hello", TimeSpan.FromSeconds(60));
+        server.Kill();
+        server.WaitForExit();
+        Console.WriteLine($"all heard: {lines >= 6000}");
     }
 
     // What Unity does with scripts: puts them on an object, calls them frame by frame, and disables them at Stop.
@@ -264,6 +285,12 @@ def test_the_naked_programs_meet_each_other_and_the_lessons_own(pages, naked_ser
         wrong = start(*client_command(kind, "01_request_reply", naked_server, *words))
         assert wrong.wait() == 0
         assert "1: sent Hi, received error: expected Hello" in wrong.lines
+
+
+def test_a_server_that_a_game_starts(pages):
+    endpoint = steady_endpoint()
+    words = f'"{ROOT / "python" / "01_request_reply" / "server.py"}" --endpoint {endpoint}'
+    assert finished([*pages, "started", PYTHON, words, endpoint]).stdout == "all heard: True\n"
 
 
 def test_a_script_of_yours_plays(pages, serve):

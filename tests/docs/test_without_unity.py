@@ -13,14 +13,14 @@ from kitlib.docs import guide
 from kitlib.lessons import lessons
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
-from tests.programs import ROOT, finished
+from tests.programs import ROOT, elsewhere, finished, steady_endpoint
 
 PAGE = ROOT / "docs" / "guide" / "without_unity.md"
 
 
 def program(language):
-    """The page's one program in a language."""
-    (found,) = [block for block in guide.blocks(PAGE) if block.language == language]
+    """The page's first program in a language."""
+    found, *_ = [block for block in guide.blocks(PAGE) if block.language == language]
     return found.body
 
 
@@ -55,3 +55,22 @@ def test_the_python_program_runs(tmp_path, serve):
     page = " ".join(PAGE.read_text(encoding="utf-8").split())
     said = re.search(r"answers where the bright pixels begin: `([^`]*)`", page)[1]
     assert done.stdout == f"{said}\n", done.stdout + done.stderr
+
+
+def test_a_loop_of_ones_own_and_a_notebook():
+    """Beside a server of the kit each; and no process is left, or the test would not end."""
+    pytest.importorskip("gymnasium")
+    _, loop, cells = (block.body for block in guide.blocks(PAGE) if block.language == "python")
+    endpoint = steady_endpoint()
+    server = '04_background_client/server.py"'
+    loop = loop.replace("tcp://127.0.0.1:5554", endpoint).replace(server, f'{server}, "--endpoint", "{endpoint}"')
+    # A busy machine may need longer for the first reply than the page's frames last.
+    loop = loop.replace("range(200)", "iter(lambda: len(said) < 2, False)").replace(
+        "print, print", "said.append, print"
+    )
+    done = finished([PYTHON, "-c", elsewhere(f"said = []\n{loop}\nprint(*said[:2])")])
+    assert done.stdout.splitlines()[-1] == "world world", done
+    server = '01_request_reply/server.py"'
+    done = finished([PYTHON, "-c", elsewhere(cells.replace(server, f'{server}, "--endpoint", "tcp://127.0.0.1:*"'))])
+    assert (done.returncode, done.stderr) == (0, ""), done
+    assert "simulating CartPole" in done.stdout

@@ -36,6 +36,41 @@ ITS_CLASS = """class Greeting : System.IDisposable
 }
 """
 
+# Says a line from its network thread, from Update, and from a task.
+THREADS = """using System.Threading;
+using System.Threading.Tasks;
+using NetMQExample;
+using UnityEngine;
+
+public class Threads : NetworkBehaviour
+{
+    private int heard;
+    private bool first = true;
+
+    protected override void Talk(CancellationToken stop)
+    {
+        InUpdate(() => heard++);
+        stop.WaitHandle.WaitOne();
+    }
+
+    protected override void Update()
+    {
+        if (first)
+        {
+            first = false;
+            // More than may wait for it.
+            for (var i = 0; i < 100; i++) InUpdate(() => heard++);
+            Log($"at once: {heard >= 100}");
+            Task.Run(() => InUpdate(() => heard++));
+        }
+        base.Update();
+        if (heard < 102) return;
+        Log("all");
+        Application.Quit();
+    }
+}
+"""
+
 # What the first one says that asks for NetMQ, and that builds.
 SET_UP = ("kit    | asking NuGet", "kit    | building")
 
@@ -66,6 +101,11 @@ def test_scripts_of_ones_own_are_played(play, serve, tmp_path):
     assert lines[1] == "(1.00, -0.50, 0.00)"
     assert lines[2].startswith("error: expected Hello")
     assert play(*both, "--scale", "1,2") == (2, ["--scale: '1,2' is no Vector3"])
+
+
+def test_log_and_in_update_are_for_any_thread(play, tmp_path):
+    (tmp_path / "Threads.cs").write_text(THREADS, encoding="utf-8")
+    assert play("Threads.cs", "--seconds", "60", folder=tmp_path) == (0, ["at once: True", "all"])
 
 
 def test_a_changed_copy_of_the_kits_is_what_the_others_use(play, serve, tmp_path):

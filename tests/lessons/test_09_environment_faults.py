@@ -27,7 +27,7 @@ LESSON = ROOT / "python" / KEY
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, RESET, STEP, Record, read_frames, rewards, seeds  # noqa: E402
+from netmq_example.records import ANSWERS, ASKS, RESET, STEP, TERMINATED, Record, read_frames, rewards, seeds  # noqa: E402
 from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
 from netmq_example.space_bytes import Bytes  # noqa: E402
 from netmq_example.spaces import described  # noqa: E402
@@ -442,6 +442,15 @@ def test_what_strangers_send_while_the_trainer_thinks_does_not_fill_the_memory(h
 
 
 # Closed, forgotten, forked
+
+
+def test_a_step_beyond_the_end_is_refused(here):
+    env, _ = here(lambda request: state(request, mark=TERMINATED if is_step(request) else 0))
+    for _ in range(2):
+        env.reset()
+        assert env.step(0)[2]
+        with pytest.raises(gymnasium.error.ResetNeeded, match=r"^no episode is under way: call reset before step$"):
+            env.unwrapped.step(0)
 
 
 def test_a_closed_environment_says_so(here):

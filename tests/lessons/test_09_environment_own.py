@@ -305,6 +305,31 @@ def test_a_judge_may_count_in_whole_numbers_and_in_numpys():
     assert (answer.numbers, answer.marks) == (rewards([1.0]), b"\0")
 
 
+@pytest.mark.parametrize(
+    ("judged", "text"),
+    [
+        ({"reward": np.array([0.5])}, "bad-reward: the reward of CartPole is array([0.5]), which is no number"),
+        ({"reward": None}, "bad-reward: the reward of CartPole is None, which is no number"),
+        ({"seen": {1, 2}}, "bad-tree: info 'seen' cannot be sent: set has no place in a message"),
+    ],
+)
+def test_what_a_judge_cannot_say_is_named(judged, text):
+    class Mine(CartPole):
+        def judge(self):
+            return judged
+
+    answer = read_frames(ANSWERS, Simulator(Mine()).answer(step(1, 1)))
+    assert f"{answer.values['code']}: {answer.values['text']}" == text
+
+
+def test_a_time_that_is_none_is_named():
+    class Mine(CartPole):
+        dt = "0.02"
+
+    with pytest.raises(ValueError, match=r"^dt takes a number from 0 to inf, not '0.02'$"):
+        Simulator(Mine()).hello()
+
+
 def test_a_mistake_in_a_simulation_is_told_in_one_line_and_it_goes_on(capfd):
     class Mine(CartPole):
         reward = 1.0

@@ -60,7 +60,7 @@ namespace NetMQExample.Tests
             if (NetMQLifetime.Users > 0) throw new Exception($"{NetMQLifetime.Users} users of NetMQ are left");
         }
 
-        // A null for what is sent; and anything after Dispose, which says so at once and opens no socket.
+        // A null for what is sent, or what no server would take; and anything after Dispose, which says so at once and opens no socket.
         private static void Uses()
         {
             const string Endpoint = "tcp://127.0.0.1:5551";
@@ -99,6 +99,10 @@ namespace NetMQExample.Tests
             Client(new MessageDealer(Endpoint, second), "", null, it => it.Send(hi, default),
                 it => it.Receive(second, default));
             Client(new BackgroundClient(Endpoint), "text", it => it.Request(null, null));
+            var tooLong = new string('ä', 32_769);
+            Client(new HelloRequester(Endpoint), "text has more", it => it.Request(tooLong, second));
+            Client(new LazyPirateRequester(Endpoint, second, 1, Quiet), "text has more", it => it.Request(tooLong));
+            Client(new SecureRequester(Endpoint, null, second, 1, Quiet), "text has more", it => it.Request(tooLong));
         }
 
         private static string Name(ParameterInfo parameter) =>
