@@ -72,7 +72,10 @@ class Record:
         exchange = b"" if self.exchange is None else self.exchange
         head = HEAD.pack(self.kind, self.exchange is not None, 0, count, self.id, len(self.options), len(exchange))
         sizes = struct.pack(f"<{2 * count}I", *map(len, self.rows), *map(len, self.infos))
-        return b"".join((head, self.numbers, sizes, self.marks, self.options, exchange, *self.rows, *self.infos))
+        whole = b"".join((head, self.numbers, sizes, self.marks, self.options, exchange, *self.rows, *self.infos))
+        if len(whole) > LIMIT:
+            raise too_big(len(whole))
+        return whole
 
     def frames(self) -> list[bytes]:
         """As a message of lesson 05 has them."""
@@ -92,7 +95,7 @@ def read(kind: int, frame: Any) -> Record:
     """The record in a frame, which is not copied."""
     view = memoryview(frame).cast("B")
     if len(view) > LIMIT:
-        raise MessageError("too-big", f"a step has at most {LIMIT} bytes, not {len(view)}")
+        raise too_big(len(view))
     if len(view) < HEAD.size:
         raise bad("it ends too early")
     found, flags, _, count, id, options, exchange = HEAD.unpack_from(view)
@@ -112,6 +115,10 @@ def read(kind: int, frame: Any) -> Record:
     parts = [view[one:other] for one, other in itertools.pairwise(ends)]
     rows, infos = parts[2 : 2 + count], parts[2 + count :]
     return Record(kind, id, view[HEAD.size : at], marks, rows, infos, parts[0], parts[1] if flags & 1 else None)
+
+
+def too_big(size: int) -> MessageError:
+    return MessageError("too-big", f"a step has at most {LIMIT} bytes, not {size}")
 
 
 def bad(why: str) -> MessageError:

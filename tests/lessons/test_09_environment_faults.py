@@ -287,7 +287,9 @@ def test_a_second_simulator_is_told_that_there_is_one(here):
 
 def test_a_second_trainer_on_one_port_is_told_so():
     socket = bound("tcp://127.0.0.1:*")
-    with pytest.raises(OSError, match=r"cannot listen on tcp://127.0.0.1:\d+: .*; if another trainer has it"):
+    with pytest.raises(
+        OSError, match=r"cannot listen on tcp://127.0.0.1:\d+: .*; close\(\) the environment that has it"
+    ):
         gymnasium.make(ID, endpoint=socket.getsockopt_string(zmq.LAST_ENDPOINT))
     socket.context.destroy()
 

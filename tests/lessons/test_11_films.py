@@ -372,7 +372,7 @@ def test_what_cannot_be_is_named_before_anybody_is_waited_for(make):
 def test_two_that_film_at_one_place_are_told_so(make):
     env = make(render_mode="video")
     endpoint = env.renderer.films.game.endpoint
-    with pytest.raises(OSError, match=f"^cannot listen on {endpoint}: .*; if another program films there, end it, or"):
+    with pytest.raises(OSError, match=rf"^cannot listen on {endpoint}: .*; close\(\) the Films that have it, or"):
         UnityGymEnv("Count", endpoint=steady_endpoint(), wait=0.1, render_mode="video", view_endpoint=endpoint, **ONE)
 
 

@@ -336,7 +336,9 @@ def test_what_cannot_be_done_is_said(films, game, tmp_path):
         time.sleep(0.01)
     assert films.end_render("one").frames
     assert [path.name for path in tmp_path.iterdir()] == ["one_1.gif"], "what was refused left no file"
-    with pytest.raises(OSError, match="if another program films there, end it, or take another port"):
+    with pytest.raises(
+        OSError, match=r"close\(\) the Films that have it, or end the other program, or take another port"
+    ):
         Films(films.game.endpoint)
 
 

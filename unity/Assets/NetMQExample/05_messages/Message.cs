@@ -14,6 +14,7 @@ using System.Globalization;
 using System.IO;
 using System.Linq;
 using System.Runtime.InteropServices;
+using System.Text;
 
 namespace NetMQExample
 {
@@ -104,23 +105,31 @@ namespace NetMQExample
         public List<MessageArray> Arrays { get; } = new List<MessageArray>();
 
         /// <summary>The first frame; the arrays' bytes are the others.</summary>
-        /// <exception cref="MessageException">A value has no place in a header.</exception>
+        /// <exception cref="MessageException">A value has no place in a header, or it is too large.</exception>
         public string Header()
         {
             foreach (var value in Values) Checked(value.Key, value.Value);
             var arrays = Arrays.Select(array =>
                 new Dictionary<string, object> { ["dtype"] = array.Dtype, ["shape"] = array.Shape });
-            return MessageJson.Write(new Dictionary<string, object>
+            var header = MessageJson.Write(new Dictionary<string, object>
             { ["kind"] = Kind, ["version"] = Version, ["id"] = Id, ["values"] = Values, ["arrays"] = arrays });
+            RefuseTooLarge(Encoding.UTF8.GetByteCount(header), Arrays.Sum(array => (long)array.Data.Length));
+            return header;
+        }
+
+        // Also before it is sent: a peer may hang up on it, without a word.
+        private static void RefuseTooLarge(long header, long arrays)
+        {
+            if (header > HeaderLimitBytes || arrays > LimitBytes)
+                throw new MessageException("too-big",
+                    $"a header has at most {HeaderLimitBytes} bytes, all arrays together {LimitBytes}");
         }
 
         /// <summary>The message in the frames that were received, whose arrays are not copied.</summary>
         /// <exception cref="MessageException">They are no message; its text says why.</exception>
         public static Message Read(IReadOnlyList<ReadOnlyMemory<byte>> frames)
         {
-            if (frames[0].Length > HeaderLimitBytes || frames.Skip(1).Sum(frame => (long)frame.Length) > LimitBytes)
-                throw new MessageException("too-big",
-                    $"a header has at most {HeaderLimitBytes} bytes, all arrays together {LimitBytes}");
+            RefuseTooLarge(frames[0].Length, frames.Skip(1).Sum(frame => (long)frame.Length));
             var header = MessageJson.Read(frames[0].Span);
             // The version comes first: another one may have other fields.
             if (Take<long>(header, "version") != Version)
