@@ -138,7 +138,7 @@ def test_csharp_reads_and_writes_the_golden_bytes(messages_program):
 
 
 def test_csharp_writes_no_value_that_the_standard_lacks(messages_program):
-    """NaN, infinity, 2**53, null, a character, a list, a text; 1.0 and 2, which it has; arrays of the limit, and more."""
+    """NaN, infinity, 2**53, null, char, a list, a text; 1.0 and 2, which it has; arrays of the limit and more."""
     done = finished([*messages_program, "write"])
     *wrong, one, two, most, more = done.stdout.splitlines()[1:]
     assert wrong == ["bad-value"] * 3 + ["wrong-type"] * 3 + ["too-big"]
