@@ -18,9 +18,7 @@ import io
 import math
 import os
 import re
-import select
 import signal
-import stat
 import sys
 import threading
 import time
@@ -32,6 +30,7 @@ from typing import Any, TypeVar
 import zmq
 
 from netmq_example import check, interrupts
+from netmq_example.console import unhindered
 from netmq_example.errors import GaveUp
 
 Context = zmq.Context[zmq.Socket[bytes]]
@@ -275,41 +274,6 @@ def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
         sys.exit(f"{error}: this lesson needs {needs}")
     except KeyboardInterrupt:
         sys.exit(stopped)
-
-
-class Lines(io.FileIO):
-    """What a server prints. Whatever becomes of it, the server goes on: on a full disk, in a pipe that is closed, and
-    in one that nobody reads, which would soon hold the server up for ever."""
-
-    patience = 0.5
-
-    def write(self, data: Any) -> int:
-        try:
-            # In pieces: where there is room for anything, a pipe has room for so much.
-            return super().write(data[:4096]) if self.has_room() else len(data)
-        except OSError:
-            return len(data)
-
-    def has_room(self) -> bool:
-        # On Windows only its reader can keep a pipe from being full.
-        if sys.platform == "win32" or not stat.S_ISFIFO(os.fstat(self.fileno()).st_mode):
-            return True
-        _, room, _ = select.select([], [self], [], self.patience)
-        # Once it was waited for in vain, the next lines do not wait.
-        self.patience = Lines.patience if room else 0
-        return bool(room)
-
-
-def unhindered(stream: Any) -> Any:
-    """The same for Lines; a stream that leads to no file is as it was, such as a notebook's, or none at all."""
-    buffer = getattr(stream, "buffer", None)
-    raw = getattr(buffer, "raw", buffer)
-    if not isinstance(raw, io.FileIO) or raw.closed:
-        return stream
-    stream.flush()
-    lines = io.BufferedWriter(Lines(raw.fileno(), "w", closefd=False))
-    at_once = stream.line_buffering or stream.write_through
-    return io.TextIOWrapper(lines, stream.encoding, stream.errors, line_buffering=at_once)
 
 
 def run(main: Callable[[], None], stopped: str | None = None) -> None:

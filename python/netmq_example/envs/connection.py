@@ -22,7 +22,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check, records
-from netmq_example.envs.launch import END_SECONDS, end_program, program, start_program
+from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
@@ -32,8 +32,6 @@ ENDPOINT = "tcp://127.0.0.1:5559"
 FREE_PORT = "tcp://127.0.0.1:*"
 # A request without an answer is sent again after so long.
 RESEND_SECONDS = 1.0
-# Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
-QUIET: dict[str, float] = {}
 # What requests in words are answered with; those of other lessons are not looked at.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
@@ -231,9 +229,8 @@ class Simulators:
             # One that was lost may still be there, and hang.
             self.end()
             self.process = start_program([*self.launch, "--endpoint", endpoint])
-        elif time.monotonic() > QUIET.get(endpoint, 0.0):
-            print(f"waiting for a simulator on {endpoint}: press Play", flush=True)
-            QUIET[endpoint] = time.monotonic() + 1
+        else:
+            say_waiting(endpoint)
         self.connection.wait(self.wait, accept, lambda: self.process.poll() if self.process else None)
         QUIET.pop(endpoint, None)
 

@@ -15,10 +15,20 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 
 # What a program gets to end by itself.
 END_SECONDS = 2
+# Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
+QUIET: dict[str, float] = {}
+
+
+def say_waiting(endpoint: str) -> None:
+    """Where nothing is launched."""
+    if time.monotonic() > QUIET.get(endpoint, 0.0):
+        print(f"waiting for a simulator on {endpoint}: press Play", flush=True)
+        QUIET[endpoint] = time.monotonic() + 1
 
 
 def program(launch: str | os.PathLike[str] | Sequence[str] | None) -> list[str]:
