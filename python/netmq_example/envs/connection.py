@@ -66,8 +66,7 @@ class Connection(OneProcess):
         self.peer = b""
         end = time.monotonic() + limit
         while not self.is_welcomed(accept):
-            code = ended()
-            if code is not None:
+            if (code := ended()) is not None:
                 raise TimeoutError(f"the launched simulator ended with code {code}, and never came to {self.endpoint}")
             if time.monotonic() > end:
                 # Lesson 17's socket knows more.
