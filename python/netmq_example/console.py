@@ -18,6 +18,7 @@ class Lines(io.FileIO):
     in one that nobody reads, which would soon hold the server up for ever."""
 
     patience = 0.5
+    before: Any = None
 
     def write(self, data: Any) -> int:
         try:
@@ -43,6 +44,9 @@ def unhindered(stream: Any) -> Any:
     if not isinstance(raw, io.FileIO) or raw.closed:
         return stream
     stream.flush()
-    lines = io.BufferedWriter(Lines(raw.fileno(), "w", closefd=False))
+    file = Lines(raw.fileno(), "w", closefd=False)
+    # If nobody had it any more, it would close what this writes to.
+    file.before = stream
+    lines = io.BufferedWriter(file)
     at_once = stream.line_buffering or stream.write_through
     return io.TextIOWrapper(lines, stream.encoding, stream.errors, line_buffering=at_once)

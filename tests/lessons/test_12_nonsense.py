@@ -267,7 +267,7 @@ def sending(**words):
         (lambda it: film_writer.open_film("film.gif", it), (*NOTHING, 1001), "fps"),
         (
             lambda it: writing(".gif").add(it, 0.1),
-            (*NOTHING, PIXELS[0], PIXELS[:0], PIXELS / 1),
+            (*NOTHING, PIXELS[0, 0], PIXELS[:0], PIXELS / 1),
             "^picture takes uint8",
         ),
         (lambda it: writing(".png").add(it, 0.1), (PIXELS[:1],), "^picture takes the size of the first one"),

@@ -219,7 +219,7 @@ def opens(path, tried, left):
         tried.wait(LIMIT)
         jobs = [goal.values["job"] for goal, _ in journal.open()]
         if path != left:
-            goal = Message("goal", values={"job": "a", "kind": "count", "count": 1})
+            goal = Message("goal", values={"job": "a", "kind": "count", "count": 1, "text": ""})
             assert journal.add(goal, Message("accepted", values={"job": "a", "seq": 0, "position": 1}))
             for end in ("", "-wal"):
                 shutil.copy(f"{path}{end}", f"{left}{end}")

@@ -134,6 +134,8 @@ class Simulator(SimulatorBase):
         """In which an episode begins; nothing, if it begins by chance."""
         try:
             items = np.asarray(given)
+            if items.dtype.kind not in "biuf":
+                raise MessageError("bad-state", "a state is numbers")
             # Counted before they are converted: a message may have millions.
             if items.size not in (0, self.simulation.size):
                 raise MessageError("bad-state", f"a state is {self.simulation.size} numbers, not {items.size}")
