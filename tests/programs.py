@@ -7,6 +7,7 @@ import json
 import os
 import random
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -76,6 +77,29 @@ def hold(port: int) -> None:
             HELD.append(holder.dup())
     if len(HELD) > 50:
         HELD.popleft().close()
+
+
+# Another /etc/hosts for one program and what it starts.
+HOSTS = """
+import os, subprocess, sys
+subprocess.run(["mount", "--bind", sys.argv[1], "/etc/hosts"], check=True)
+os.execvp(sys.argv[2], sys.argv[2:])
+"""
+
+
+class MovingName:
+    """The name "robot", whose address changes under the programs that `before` stands before, if that works here."""
+
+    def __init__(self, folder: Path) -> None:
+        self.hosts = folder / "hosts"
+        self.before = ["unshare", "-rm", sys.executable, "-c", HOSTS, str(self.hosts)]
+        self.move("127.0.0.2")
+        if not shutil.which("unshare") or subprocess.run([*self.before, "true"], capture_output=True).returncode:
+            pytest.skip("a name cannot be moved here: there is no unshare, or it may not mount")
+
+    def move(self, address: str) -> None:
+        """The same file, since that is what was mounted."""
+        self.hosts.write_text(f"127.0.0.1 localhost\n{address} robot\n", encoding="utf-8")
 
 
 def leaves_nothing_to_collect(cost: str) -> bool:

@@ -16,6 +16,8 @@ namespace NetMQExample
     /// <summary>Listens over a SUB socket. Make it, use it and dispose it on one thread.</summary>
     public sealed class TopicListener : IDisposable
     {
+        private static readonly TimeSpan Silence = TimeSpan.FromSeconds(2);
+        private readonly Stopwatch silent = Stopwatch.StartNew();
         private readonly NetMQConnection connection;
         private readonly string endpoint, topic;
         private bool heard;
@@ -53,7 +55,7 @@ namespace NetMQExample
         public string Receive(TimeSpan timeout, CancellationToken stop = default)
         {
             var waited = Stopwatch.StartNew();
-            var renew = TimeSpan.FromSeconds(2);
+            var renew = Silence;
             foreach (var slice in NetMQConnection.Slices(timeout, stop))
             {
                 if (TryReceive(slice, out var text))
@@ -61,6 +63,7 @@ namespace NetMQExample
                     heard = true;
                     return text;
                 }
+                if (heard && silent.Elapsed >= Silence && connection.Follow()) silent.Restart();
                 if (heard || waited.Elapsed < renew) continue;
                 // Where another program had the port before, libzmq connects no more. On a far line it takes its time.
                 connection.Close();
@@ -94,6 +97,7 @@ namespace NetMQExample
             if (!connection.Socket.TryReceiveFrameString(wait, out text, out var more)) return false;
             // Several frames are one message: its rest must not be taken for the next one.
             while (more) connection.Socket.SkipFrame(out more);
+            silent.Restart();
             connection.Show(false, new[] { text });
             return true;
         }

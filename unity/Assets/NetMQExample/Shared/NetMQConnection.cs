@@ -8,10 +8,12 @@ using System.Collections;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.IO;
+using System.Linq;
 using System.Net;
 using System.Text;
 using System.Text.RegularExpressions;
 using System.Threading;
+using System.Threading.Tasks;
 using NetMQ;
 
 namespace NetMQExample
@@ -25,6 +27,7 @@ namespace NetMQExample
         private readonly Func<NetMQSocket> make;
         private readonly long maxBytes;
         private NetMQSocket socket;
+        private Task<IPAddress[]> lookUp;
         private volatile bool disposed;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
@@ -202,6 +205,25 @@ namespace NetMQExample
         {
             Close(socket);
             socket = null;
+        }
+
+        /// <summary>Looks up the server's name, and closes the socket if that has another address by now. It never
+        /// waits: while nothing comes, call it until it returns true, and some seconds later again.</summary>
+        /// <returns>True once the look-up is over.</returns>
+        public bool Follow()
+        {
+            // NetMQ looks a name up once for each socket. A publisher that is only slow keeps its connection.
+            lookUp ??= Dns.GetHostAddressesAsync(Host(endpoint));
+            if (!lookUp.IsCompleted) return false;
+            // A name that is unknown for a moment has not moved yet.
+            if (socket != null && lookUp.Status == TaskStatus.RanToCompletion)
+            {
+                var old = IPAddress.Parse(new Uri(socket.Options.LastEndpoint).Host);
+                var now = lookUp.Result.Where(address => address.AddressFamily == old.AddressFamily).ToList();
+                if (now.Count > 0 && !now.Contains(old)) Close();
+            }
+            lookUp = null;
+            return true;
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
