@@ -90,10 +90,10 @@ os.execvp(sys.argv[2], sys.argv[2:])
 class MovingName:
     """The name "robot", whose address changes under the programs that `before` stands before, if that works here."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, address: str = "127.0.0.2") -> None:
         self.hosts = folder / "hosts"
         self.before = ["unshare", "-rm", sys.executable, "-c", HOSTS, str(self.hosts)]
-        self.move("127.0.0.2")
+        self.move(address)
         if not shutil.which("unshare") or subprocess.run([*self.before, "true"], capture_output=True).returncode:
             pytest.skip("a name cannot be moved here: there is no unshare, or it may not mount")
 

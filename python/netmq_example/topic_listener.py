@@ -14,8 +14,10 @@ import zmq
 from netmq_example import check
 from netmq_example.program import SLICE_MS, Socket, limit
 
-# A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection if it does not answer.
-HEARTBEAT_MS = 5000
+# A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
+# its name up again, if it does not answer for so long. The two together are less than the 5 s a client waits.
+HEARTBEAT_MS = 1000
+HEARTBEAT_TIMEOUT_MS = 2500
 # The first connection is made anew after so long without a message; on a far line it takes its time.
 RENEW_SECONDS = 2.0
 # So many messages newest() takes at most: a publisher may send faster than its loop takes.
@@ -36,6 +38,7 @@ class TopicListener:
         limit(socket)
         socket.rcvtimeo = SLICE_MS
         socket.heartbeat_ivl = HEARTBEAT_MS
+        socket.heartbeat_timeout = HEARTBEAT_TIMEOUT_MS
         socket.subscribe(topic.encode(errors="replace"))
         socket.connect(endpoint)
 

@@ -187,9 +187,12 @@ class ViewSender:
                 waited = f"nobody films at {self.endpoint} within {self.timeout:g} s"
                 raise TimeoutError(f"{waited}; is the server running? ({why})")
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
-                # Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
+                # Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why,
+                # and why a silent peer is asked.
                 socket.immediate = True
                 socket.reconnect_ivl = -1
+                socket.heartbeat_ivl = 500
+                socket.heartbeat_timeout = 2500
                 limit(socket, LIMIT)
                 socket.sndtimeo = int(1000 * min(TRY_SECONDS, self.timeout))
                 socket.connect(self.endpoint)

@@ -34,11 +34,12 @@ namespace NetMQExample
             this.topic = topic ?? throw new ArgumentException("topic must be a text; an empty one takes all messages");
             connection = new NetMQConnection(endpoint, () =>
             {
-                // A laptop that sleeps tells nobody: a silent publisher is asked every 5 s, and one that does not
-                // answer in 5 more gets a new connection.
+                // A laptop that sleeps tells nobody: a silent publisher is asked every second, and one that does not
+                // answer in 2.5 more gets a new connection.
                 var socket = new SubscriberSocket
                 {
-                    Options = { ReceiveHighWatermark = hwm, HeartbeatInterval = TimeSpan.FromSeconds(5) },
+                    Options = { ReceiveHighWatermark = hwm, HeartbeatInterval = TimeSpan.FromSeconds(1),
+                        HeartbeatTimeout = TimeSpan.FromSeconds(2.5) },
                 };
                 // Without the encoding, NetMQ makes a question mark of every letter that is not ASCII.
                 socket.Subscribe(topic, Encoding.UTF8);

@@ -25,8 +25,10 @@ namespace NetMQExample
             this.timeout = Require.Seconds("timeout", timeout);
             connection = new NetMQConnection(endpoint, () => new DealerSocket
             {
-                // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why.
-                Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan },
+                // Nothing can be sent while there is no connection, and none comes without a hello: lesson 09 says why,
+                // and why a silent peer is asked.
+                Options = { DelayAttachOnConnect = true, ReconnectInterval = Timeout.InfiniteTimeSpan,
+                    HeartbeatInterval = TimeSpan.FromSeconds(1), HeartbeatTimeout = TimeSpan.FromSeconds(2) },
             }, 4 * Message.LimitBytes);
         }
 

@@ -92,6 +92,8 @@ namespace NetMQExample.SideChannels
         {
             // A connection that was refused may never be tried again. So each try has a new socket.
             if (said.IsRunning && !answered) connection.Close();
+            // A server that is there has answered the hello before.
+            if (answered && heard.Elapsed >= 2 * Silence) connection.Follow();
             connection.Socket.TrySendFrameEmpty(TimeSpan.Zero);
             said.Restart();
         }
