@@ -182,8 +182,7 @@ class ClientCarrier(OneProcess):
         limit(self.socket, LARGEST_EXCHANGE_BYTES)
         self.socket.sndtimeo = 0
         # A frozen server closes no connection. After 3 s without an answer libzmq does, and looks the name up again.
-        self.socket.heartbeat_ivl = 500
-        self.socket.heartbeat_timeout = 2500
+        self.socket.heartbeat_ivl, self.socket.heartbeat_timeout = 500, 2500
         self.socket.connect(self.endpoint)
         self.answered = False
         self.greeted_at = 0.0

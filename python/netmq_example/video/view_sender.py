@@ -191,8 +191,7 @@ class ViewSender:
                 # and why a silent peer is asked.
                 socket.immediate = True
                 socket.reconnect_ivl = -1
-                socket.heartbeat_ivl = 500
-                socket.heartbeat_timeout = 2500
+                socket.heartbeat_ivl, socket.heartbeat_timeout = 500, 2500
                 limit(socket, LIMIT)
                 socket.sndtimeo = int(1000 * min(TRY_SECONDS, self.timeout))
                 socket.connect(self.endpoint)
