@@ -28,7 +28,7 @@ from gymnasium import logger
 
 from netmq_example import check
 from netmq_example.envs.common import gives_pictures
-from netmq_example.envs.connection import FREE_PORT, Simulators
+from netmq_example.envs.connection import FREE_PORT, Accept, Simulators
 from netmq_example.envs.take import Take
 from netmq_example.video.game import ENDPOINT, Lost, side
 
@@ -58,6 +58,14 @@ class Rendered:
             simulators.launch += ["--ViewRecorder.endpoint", self.renderer.films.game.endpoint]
         # Also when nobody calls close, and when no simulator comes.
         weakref.finalize(self, self.renderer.close)
+
+    def started(self, simulators: Simulators, accept: Accept) -> "weakref.finalize[[], object]":
+        """What ends the simulator that was found. Where none comes, the port of the views is free at once."""
+        try:
+            return simulators.start(self, accept)
+        except BaseException:
+            self.end_films()
+            raise
 
     def begin_render(self, screen_width: int = -1, screen_height: int = -1, fullscreen: bool = False) -> None:
         """Begin a film of each view, in place of the one before. -1 is the largest size that the game allows.

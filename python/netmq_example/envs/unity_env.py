@@ -66,11 +66,7 @@ class UnityGymEnv(MadeAnew, Rendered, gymnasium.Env[Any, Any]):
         self.agents = Agents(env_name, {self.name: observation_space}, {self.name: action_space}, file_name, **where)
         self.show(self.agents.simulators, render_mode, views, view_endpoint)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
-        try:
-            self.close_once = self.agents.simulators.start(self, self.agents.accept)
-        except BaseException:
-            self.end_films()
-            raise
+        self.close_once = self.started(self.agents.simulators, self.agents.accept)
         self.metadata = {**self.metadata, "render_fps": render_fps or self.agents.fps}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

@@ -46,11 +46,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         self.scene = Agents(env_name, self.observation_spaces, self.action_spaces, file_name, **where)
         self.show(self.scene.simulators, render_mode, views, view_endpoint)
         # Also when nobody calls close: at garbage collection, and at the end of the program. And only once.
-        try:
-            self.close_once = self.scene.simulators.start(self, self.scene.accept)
-        except BaseException:
-            self.end_films()
-            raise
+        self.close_once = self.started(self.scene.simulators, self.scene.accept)
         self.metadata = {
             "name": env_name,
             "render_modes": MODES,
