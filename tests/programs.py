@@ -101,6 +101,9 @@ class MovingName:
         """The same file, since that is what was mounted."""
         self.hosts.write_text(f"127.0.0.1 localhost\n{address} robot\n", encoding="utf-8")
 
+    def vanish(self) -> None:
+        self.hosts.write_text("127.0.0.1 localhost\n", encoding="utf-8")
+
 
 def leaves_nothing_to_collect(cost: str) -> bool:
     """What FrameCost has printed: no garbage that each frame makes. On a busy machine a queue grows now and then."""

@@ -5,6 +5,7 @@
 //     var frames = connection.Receive(timeout, stop);
 using System;
 using System.Collections;
+using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Diagnostics;
 using System.IO;
@@ -22,6 +23,9 @@ namespace NetMQExample
     /// Unity's main thread: to send and to receive is to wait.</summary>
     public sealed class NetMQConnection : IDisposable
     {
+        // The address that each endpoint had when a socket was connected to it.
+        private static readonly ConcurrentDictionary<string, string> Known = new ConcurrentDictionary<string, string>();
+
         private readonly NetMQLifetime lifetime = new NetMQLifetime();
         private readonly string endpoint;
         private readonly Func<NetMQSocket> make;
@@ -261,12 +265,17 @@ namespace NetMQExample
             {
                 // An address such as 127.0.0.1 needs no name server, nor the thread that a look-up takes.
                 if (!IPAddress.TryParse(host, out _)) LookUp(host);
-                socket?.Connect(endpoint);
+                if (socket == null) return;
+                socket.Connect(endpoint);
+                Known[endpoint] = socket.Options.LastEndpoint;
             }
             // A library that is missing, or of another version, is no unknown host.
-            catch (Exception e) when (!(e is TimeoutException || e is IOException || e is TypeLoadException))
+            catch (Exception e) when (!(e is IOException || e is TypeLoadException))
             {
-                throw Bad(endpoint, $"unknown host '{host}'; check its spelling, or ");
+                // A name that was known goes on meaning what it meant while no name server knows it.
+                if (socket != null && Known.TryGetValue(endpoint, out var last)) socket.Connect(last);
+                else if (e is TimeoutException) throw;
+                else throw Bad(endpoint, $"unknown host '{host}'; check its spelling, or ");
             }
         }
 
