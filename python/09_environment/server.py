@@ -16,7 +16,8 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Socket, Trouble, importing, listening, run, server_options
+from netmq_example.program import Socket, importing, listening, run, server_options, show
+from netmq_example.trouble import Trouble
 
 with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it"):
     import gymnasium
@@ -45,7 +46,7 @@ def play(env: gymnasium.Env[Any, Any], policy: Any, number: int) -> str:
 
 def serve(socket: Socket, world: str) -> None:
     """One simulator after the other; what one of them does wrong does not end this program."""
-    trouble = Trouble()
+    trouble = Trouble(show)
     while True:
         try:
             with gymnasium.make(f"NetMQExample/{world}-v0", socket=socket) as env:
@@ -53,7 +54,7 @@ def serve(socket: Socket, world: str) -> None:
                 for number in range(1, EPISODES + 1):
                     print(play(env, policy, number), flush=True)
         except (OSError, MessageError, ValueError, AssertionError) as error:
-            trouble.report(error)
+            trouble(str(error))
 
 
 def main() -> None:

@@ -19,7 +19,8 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Trouble, importing, listening, run, server_options
+from netmq_example.program import importing, listening, run, server_options, show
+from netmq_example.trouble import Trouble
 
 with importing("gymnasium and pettingzoo; kit.py run 10 installs them"):
     import gymnasium
@@ -48,7 +49,7 @@ def main() -> None:
     parser.add_argument("--real-time", action="store_true", help="hunters and rabbits run as fast as one can watch")
     options = parser.parse_args()
     with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket:
-        trouble = Trouble()
+        trouble = Trouble(show)
         while True:
             try:
                 if options.world == "Pursuit":
@@ -60,7 +61,7 @@ def main() -> None:
                     with closing(gymnasium.make_vec(id, options.areas, socket=socket)) as envs:
                         play(envs, Crowd(options.world))
             except (OSError, MessageError, ValueError, LookupError) as error:
-                trouble.report(error)
+                trouble(str(error))
 
 
 if __name__ == "__main__":

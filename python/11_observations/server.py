@@ -15,7 +15,8 @@ from typing import Any
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Trouble, importing, listening, run, server_options
+from netmq_example.program import importing, listening, run, server_options, show
+from netmq_example.trouble import Trouble
 
 with importing("gymnasium; kit.py run 11 installs it"):
     import gymnasium
@@ -34,14 +35,14 @@ def main() -> None:
     spaces: dict[str, Any] = {"observation_space": seen_space(options.wrong_space), "action_space": ACTION}
     with listening(zmq.ROUTER, options, largest=4 * LIMIT) as socket:
         # One simulator after the other; what one of them does wrong does not end this program.
-        trouble = Trouble()
+        trouble = Trouble(show)
         while True:
             try:
                 with gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", socket=socket, **spaces) as env:
                     for number in range(1, EPISODES + 1):
                         print(play(env, number), flush=True)
             except (OSError, MessageError, ValueError, LookupError) as error:
-                trouble.report(error)
+                trouble(str(error))
 
 
 if __name__ == "__main__":

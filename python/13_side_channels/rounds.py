@@ -15,8 +15,8 @@ from netmq_example.side_channel.float_properties_channel import FloatPropertiesC
 from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod
-from netmq_example.side_channel.trouble import Trouble
 from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
+from netmq_example.trouble import Trouble
 
 # What goes wrong on command.
 TROUBLES = ("none", "unknown", "cut", "throw")

@@ -5,7 +5,7 @@ import functools
 from netmq_example.side_channel import IncomingMessage
 from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
 from netmq_example.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.side_channel.trouble import Trouble
+from netmq_example.trouble import Trouble
 
 
 class PrintedStats(StatsSideChannel):

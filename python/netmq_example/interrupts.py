@@ -2,16 +2,20 @@
 
 Python calls a handler between any two steps of the main thread. What it raises while pyzmq makes a socket leaves one
 that nobody closes, for which the end of its context then waits for ever. What it raises in a callback of the
-interpreter's own is dropped, and the program goes on. So there the signal comes again a moment later.
+interpreter's own is dropped, and the program goes on. What it raises in a write of ours has the line written twice. So
+there the signal comes again a moment later.
 """
 
 import _thread
 import signal
+import sys
 import threading
 from pathlib import Path
 from types import FrameType
 
 import zmq
+
+from netmq_example import console
 
 AGAIN_SECONDS = 0.01
 PYZMQ = str(Path(zmq.__file__).parent)
@@ -27,10 +31,18 @@ def listen(*signals: int) -> None:
 
 def interrupt(number: int, frame: FrameType | None) -> None:
     """The handler; `frame` is what it interrupts."""
-    if frame and (is_dropped(frame) or makes_socket(frame)):
-        threading.Timer(AGAIN_SECONDS, _thread.interrupt_main, [number]).start()
+    if frame and (is_dropped(frame) or is_within(frame)):
+        threading.Timer(AGAIN_SECONDS, again, [number]).start()
     else:
         raise KeyboardInterrupt
+
+
+def again(number: int) -> None:
+    # A signal of the system's ends a wait too. On Windows there is none, and the programs' waits are short.
+    if sys.platform == "win32":
+        _thread.interrupt_main(number)
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
 def is_dropped(frame: FrameType) -> bool:
@@ -38,11 +50,13 @@ def is_dropped(frame: FrameType) -> bool:
     return frame.f_code.co_name == "__del__" or frame.f_code.co_qualname.startswith("_get_module_lock")
 
 
-def makes_socket(frame: FrameType | None) -> bool:
-    """Whether pyzmq is making a context or a socket."""
+def is_within(frame: FrameType | None) -> bool:
+    """Whether pyzmq is making a context or a socket, or a line is being written."""
     while frame:
         code = frame.f_code
         if code.co_filename.startswith(PYZMQ) and code.co_name in ("socket", "__init__", "__new__"):
+            return True
+        if code is console.Lines.write.__code__:
             return True
         frame = frame.f_back
     return False

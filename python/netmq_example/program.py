@@ -182,22 +182,6 @@ def show(text: str) -> None:
     print(f"{printable(text, most=1000)}\n", end="", flush=True)
 
 
-class Trouble:
-    """Five lines a second at most: peers that come with a wrong hello fill no disk, and keep nobody waiting."""
-
-    def __init__(self) -> None:
-        self.second = 0
-        self.lines = 0
-
-    def report(self, error: Exception) -> None:
-        second = int(time.monotonic())
-        if second != self.second:
-            self.second, self.lines = second, 0
-        self.lines += 1
-        if self.lines <= 5:
-            print(f"trouble: {str(error)!a:.300}", flush=True)
-
-
 # The types of options
 
 

@@ -24,8 +24,8 @@ from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, MOST_QUEUED_BYTES
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from netmq_example.side_channel.stats_side_channel import StatsSideChannel
-from netmq_example.side_channel.trouble import Trouble
 from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, uniform
+from netmq_example.trouble import Trouble
 from tests.lessons.test_13_side_channels_bytes import (
     LOG,
     STRANGER,

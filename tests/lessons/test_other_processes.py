@@ -228,6 +228,28 @@ def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start):
 
 
 # Its console is IDLE's or a notebook's, it has words of its own, and a loop.
+# It is told to end by the write of its line, between two steps of Python's.
+ENDED_IN_A_WRITE = """
+import os, signal, sys, time
+from netmq_example.program import run
+def end_it(frame, event, called):
+    if event == "c_return" and called.__name__ == "write" and frame.f_code.co_name == "write":
+        sys.setprofile(None)
+        os.kill(os.getpid(), signal.SIGTERM)
+def main():
+    sys.setprofile(end_it)
+    print("once", flush=True)
+    time.sleep(600)
+run(main)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGTERM that a program hears")
+def test_a_line_is_written_once_when_its_write_is_interrupted():
+    program = finished([sys.executable, "-c", ENDED_IN_A_WRITE], cwd=ROOT / "python")
+    assert (program.returncode, program.stdout, program.stderr) == (0, "once\n", "")
+
+
 HOST = """
 import asyncio, io, runpy, sys, threading, zmq
 

@@ -3,7 +3,7 @@
     report = Trouble(print)
     report("unknown channel")                      prints: trouble: unknown channel (and 300 more)
 
-It is the `report` of a manager or a carrier. In C# it is Trouble.cs.
+The servers of lessons 09 to 11 report by it, and so do lesson 13's managers and carriers. In C# it is Trouble.cs.
 """
 
 import time
