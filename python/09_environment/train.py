@@ -24,13 +24,14 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 9 do it", st
 
     import netmq_example.envs  # noqa: F401, it registers the environments.
     from netmq_example.cross_entropy import GOAL, STEPS, play, train
+    from netmq_example.errors import pip_install
     from netmq_example.messages import MessageError
 
 
 def figure(path: str) -> str:
     """Whether it can be drawn is to be known before the training, and not after it."""
     if not importlib.util.find_spec("matplotlib"):
-        raise argparse.ArgumentTypeError(f"it needs matplotlib: {sys.executable} -m pip install matplotlib")
+        raise argparse.ArgumentTypeError(f"it needs matplotlib: {pip_install('matplotlib')}")
     if not Path(path).absolute().parent.is_dir() or Path(path).is_dir():
         raise argparse.ArgumentTypeError(f"cannot write '{path}': give a file in a folder that there is")
     return path

@@ -1,5 +1,9 @@
 """What is raised when something will not be done, though nobody waited too long for it: that is a TimeoutError."""
 
+import shlex
+import subprocess
+import sys
+
 
 class GaveUp(Exception):
     """It was refused or aborted, and the text says by whom and why. A program prints it and ends with code 1."""
@@ -8,3 +12,9 @@ class GaveUp(Exception):
 def tried(count: int) -> str:
     """How often, in words."""
     return "1 try" if count == 1 else f"{count} tries"
+
+
+def pip_install(*words: str) -> str:
+    """The command that installs these for the Python that runs this, as this system's shell takes it."""
+    command = [sys.executable, "-m", "pip", "install", *words]
+    return subprocess.list2cmdline(command) if sys.platform == "win32" else shlex.join(command)

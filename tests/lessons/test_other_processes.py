@@ -10,6 +10,7 @@ import importlib
 import inspect
 import pickle
 import pkgutil
+import shlex
 import subprocess
 import sys
 import threading
@@ -18,6 +19,7 @@ import pytest
 import zmq
 
 import netmq_example
+from netmq_example import errors
 from netmq_example.background_client import BackgroundClient
 from netmq_example.messages import MessageError
 from netmq_example.one_process import OneProcess
@@ -228,6 +230,14 @@ def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start):
 
 
 # Its console is IDLE's or a notebook's, it has words of its own, and a loop.
+def test_a_command_to_paste_is_quoted(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/home/O'Brien/R&D kit/python")
+    words = [sys.executable, "-m", "pip", "install", "mediapipe"]
+    assert shlex.split(errors.pip_install("mediapipe")) == words
+    monkeypatch.setattr(sys, "platform", "win32")
+    assert errors.pip_install("mediapipe") == '"/home/O\'Brien/R&D kit/python" -m pip install mediapipe'
+
+
 # It is told to end by the write of its line, between two steps of Python's.
 ENDED_IN_A_WRITE = """
 import os, signal, sys, time

@@ -9,7 +9,6 @@ Landmarks are as in people.py. MediaPipe's classes are in ai.google.dev/edge/med
 
 import contextlib
 import math
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any
 
 from netmq_example import check
 from netmq_example.body.people import LANDMARKS, Hands, Landmark, People, SourceError
+from netmq_example.errors import pip_install
 
 MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision"
 # Where a person is in the picture, from 0 to 1; None before that is known.
@@ -63,7 +63,7 @@ def starting(name: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        cure = f"{sys.executable} -m pip install mediapipe"
+        cure = pip_install("mediapipe")
         raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
     except (ImportError, OSError) as error:
         raise SourceError(f"{name} does not start: {why(error)}") from None

@@ -14,14 +14,15 @@ agents need pettingzoo. A type checker, which imports nothing, finds each class 
 """
 
 import importlib
-import sys
 from typing import Any
+
+from netmq_example.errors import pip_install
 
 
 def without(error: ImportError) -> ImportError:
     """The same with its cure: the kernel of a notebook has packages of its own."""
     package = str(error.name).partition(".")[0]
-    return ImportError(f"{error}: {sys.executable} -m pip install {package}", name=error.name)
+    return ImportError(f"{error}: {pip_install(package)}", name=error.name)
 
 
 try:

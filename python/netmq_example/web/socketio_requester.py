@@ -7,12 +7,11 @@ It needs python-socketio.
 """
 
 import asyncio
-import sys
 from typing import Any
 
 import socketio
 
-from netmq_example.errors import GaveUp
+from netmq_example.errors import GaveUp, pip_install
 from netmq_example.web.requester import REFUSED, WebRequester
 
 
@@ -40,7 +39,7 @@ class SocketIORequester(WebRequester):
         except AttributeError as error:
             # The newest python-engineio needs aiohttp 3.11, and does not say so.
             why = f"aiohttp is too old for this python-socketio ({error})"
-            raise GaveUp(f"{why}: {sys.executable} -m pip install --upgrade aiohttp") from None
+            raise GaveUp(f"{why}: {pip_install('--upgrade', 'aiohttp')}") from None
 
     async def ask(self, *texts: str) -> Any:
         asked = asyncio.create_task(self.client.call(self.name, texts, timeout=self.timeout))
