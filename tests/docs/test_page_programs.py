@@ -315,6 +315,21 @@ def test_a_script_of_yours_plays(pages, serve):
     assert 2 <= len(heard) <= 31
 
 
+def test_a_listener_of_yours_goes_on(console, start, serve, tmp_path):
+    """The script that lesson 03 gives, through an outage that is longer than its timeout."""
+    (mine,) = (block.body for block in CSHARP if "test_a_listener_of_yours_goes_on" in block.source)
+    (tmp_path / "NewsReader.cs").write_text(mine, encoding="utf-8")
+    server, endpoint = serve("03_publish_subscribe")
+    words = ["--endpoint", endpoint, "--timeout", "0.5", "--seconds", "300"]
+    player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "NewsReader.cs", *words)
+    player.wait_for("^NewsReader reads news/ the cube has made ")
+    server.kill()
+    player.wait_for("^trouble: nothing from ", start=len(player.lines))
+    serve("03_publish_subscribe", endpoint=endpoint)
+    player.wait_for("^NewsReader reads news/ ", start=len(player.lines))
+    player.stop()
+
+
 def test_a_picture_of_pythons_is_seen(pages, tmp_path, start):
     """The page's `answer`, in a copy of the lesson's server, and its component: upright, with red above."""
     (mine,) = (block.body for block in BLOCKS if "runs it with the component below" in block.source)

@@ -298,6 +298,13 @@ def test_python_programs_say_why_they_end(key, run, serve, tmp_path, monkeypatch
         assert limits and all(0 < int(largest) < 2**30 and int(linger) >= 0 for largest, linger in limits), ended
 
 
+LISTENERS = {
+    "03_publish_subscribe": "^received pose/",
+    "07_catch_up": "^[0-9]+: at ",
+    "20_body_tracking": "^person 0: ",
+}
+
+
 @each_lesson
 def test_csharp_clients_say_why_they_end(key, run, serve, tmp_path):
     """What they share is asked for everything once."""
@@ -308,8 +315,29 @@ def test_csharp_clients_say_why_they_end(key, run, serve, tmp_path):
         client.refuses()
         wrong = [*BAD, *NO_HOST] if key == KEYS[0] and kind == "csharp" else [BAD[2]]
         client.names_bad_endpoints(wrong, code, "write it like tcp://127.0.0.1:PORT")
-        client.prints_what_it_is_sent(serve)
-        client.gives_up()
+        # A component that listens waits on.
+        if not (kind == "unity" and key in LISTENERS):
+            client.prints_what_it_is_sent(serve)
+            client.gives_up()
+
+
+@pytest.mark.parametrize("key", LISTENERS)
+def test_a_component_that_listens_goes_on_after_an_outage(key, serve, start, client_command):
+    """Of any length, which is here a second: it is logged once."""
+    heard = LISTENERS[key]
+    server, endpoint = serve(key)
+    words = ["--count", "100000", "--every", "1", "--timeout", "0.4"]
+    player = start(*client_command("unity", key, endpoint, *words))
+    player.wait_for(heard)
+    server.kill()
+    player.wait_for("^trouble: ", start=len(player.lines))
+    away = len(player.lines)
+    # Another program may take the port meanwhile: it listens, and accepts nobody.
+    with socket.create_server(("127.0.0.1", port_of(endpoint))) as nobody:
+        nobody.accept()
+    serve(key, endpoint=endpoint)
+    player.wait_for(heard, limit=60, start=away)
+    assert not any(line.startswith("trouble: ") for line in player.lines[away:-1]), player.output
 
 
 # A server goes on, and ends

@@ -38,11 +38,13 @@ namespace NetMQExample
         {
             Log($"listening to 'pose/' from {endpoint}");
             using var listener = new TopicListener(endpoint, "pose/");
-            for (var i = 0; i < count; i++)
+            for (var i = 0; i < count;)
             {
-                var message = listener.Newest(Seconds(timeout), stop);
+                // A publisher that is away ends nothing: the cube stands still until it is back.
+                if (!TryReceive(() => listener.Newest(Seconds(timeout), stop), out var message)) continue;
                 if (Parse(message) is float[] pose) newest = pose;
                 if (every > 0 && i % every == 0) Log($"received {LogText.Printable(message)}");
+                i++;
             }
             Log($"done: received {count}");
         }

@@ -45,7 +45,7 @@ namespace NetMQExample
             using var subscriber = new PoseSubscriber(endpoint, snapshots, Log);
             while (subscriber.Received < count && time.Elapsed.TotalSeconds < seconds)
             {
-                var news = subscriber.Receive(Seconds(timeout), stop);
+                if (!TryReceive(() => subscriber.Receive(Seconds(timeout), stop), out var news)) continue;
                 var pose = subscriber.Pose;
                 if (news) newest = pose;
                 var p = pose.Position;

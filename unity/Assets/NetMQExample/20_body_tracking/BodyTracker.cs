@@ -19,7 +19,6 @@ namespace NetMQExample
         [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 25;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float timeout = 5;
-        [SerializeField, Min(1), Tooltip("Times in a row to wait without a pose")] private int tries = 20;
         [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<BodyPose> tracked = new();
 
         private OneEuroFilter filter;
@@ -61,18 +60,14 @@ namespace NetMQExample
         {
             using var listener = new BodyListener(endpoint, person, hand);
             Log($"listening to '{listener.Topic}' from {endpoint}");
-            for (int i = 0, lost = 0; i < count || count == 0;)
+            for (var i = 0; i < count || count == 0;)
             {
-                try
-                {
-                    newest = listener.Receive(Seconds(timeout), stop);
-                    if (listener.Restarted) Log($"{listener.Name}: the server was started again");
-                    if (every > 0 && i % every == 0) Log(listener.Line(newest));
-                    i++;
-                    lost = 0;
-                }
                 // The body stands still meanwhile.
-                catch (TimeoutException e) when (++lost < tries) { Log($"trouble: {e.Message}"); }
+                if (!TryReceive(() => listener.Receive(Seconds(timeout), stop), out var pose)) continue;
+                newest = pose;
+                if (listener.Restarted) Log($"{listener.Name}: the server was started again");
+                if (every > 0 && i % every == 0) Log(listener.Line(pose));
+                i++;
             }
             Log($"done: {count} poses, {listener.Skipped} skipped");
         }

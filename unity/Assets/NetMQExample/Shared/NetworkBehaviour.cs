@@ -28,6 +28,7 @@ namespace NetMQExample
         [ThreadStatic] private static Run own;
 
         private Run run;
+        private bool silent;
 
         /// <inheritdoc/>
         public override bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
@@ -86,6 +87,29 @@ namespace NetMQExample
             // Unlike Wait it throws nothing of the task's, and GetResult throws that unwrapped.
             Task.WaitAny(new Task[] { task }, (own ?? run)?.Stop.Token ?? default);
             return task.GetAwaiter().GetResult();
+        }
+
+        /// <summary>Receives, for the network thread. An outage ends nothing: it is logged once, until something comes.
+        /// </summary>
+        /// <param name="receive">What throws a TimeoutException if nothing comes.</param>
+        /// <param name="received">What came.</param>
+        /// <typeparam name="T">Its type.</typeparam>
+        /// <returns>False if nothing came.</returns>
+        protected bool TryReceive<T>(Func<T> receive, out T received)
+        {
+            try
+            {
+                received = receive();
+                silent = false;
+                return true;
+            }
+            catch (TimeoutException e)
+            {
+                if (!silent) Log($"trouble: {e.Message}");
+                silent = true;
+                received = default;
+                return false;
+            }
         }
 
         /// <summary>Starts the thread.</summary>
