@@ -69,7 +69,9 @@ namespace UnityPlayer
             // Converters wrap what goes wrong in a plain Exception, differently on each runtime.
             catch (Exception e) when (!(e is OutOfMemoryException))
             {
-                throw new ArgumentException($"--{field.Name}: '{text}' is no {field.FieldType.Name}");
+                var type = field.FieldType;
+                var wanted = type == typeof(float) ? "number" : type == typeof(int) ? "whole number" : type.Name;
+                throw new ArgumentException($"--{field.Name}: '{text}' is no {wanted}");
             }
             // The inspector of Unity does not let one type anything else.
             if (field.GetCustomAttribute<MinAttribute>() is MinAttribute least && !(Convert.ToSingle(value, CultureInfo.InvariantCulture) >= least.min))
