@@ -178,8 +178,8 @@ def test_wrong_usage_is_one_line_and_code_2(runs: Callable[..., list[Run]]) -> N
     table = {
         "--set nope=3": "unknown: --nope; the fields that a script has here: endpoint count timeout",
         "--MyClient.count 3": "unknown: --MyClient.count; the fields that a script has here",
-        "--set count=three": "'three' is no Int32",
-        "--count three": "--count: 'three' is no Int32",
+        "--set count=three": "'three' is no whole number",
+        "--count three": "--count: 'three' is no whole number",
         "--count -1": "--count: it must be at least 0, not -1",
         "--timeout NaN": "--timeout: it must be at least 0.01, not NaN",
         "--help": "--endpoint tcp://127.0.0.1:5551  --count 10  --timeout 2.5",
