@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
+from netmq_example.check import regular_file
 from netmq_example.program import importing, run, whole
 
 with importing("numpy and Pillow: pip install numpy pillow, or let kit.py run 8 do it", stopped="stopped"):
@@ -32,6 +33,8 @@ ROWS = 12
 COLUMNS = 32
 # How much large weights are held back: without it a few pixels that happened to fit would decide.
 RIDGE = 5.0
+# Of the file of weights, which has 10 KB. Packed as zip packs, a larger one could become a thousand times as large.
+LARGEST_BYTES = 64 * 1024
 
 
 def features(picture: Any) -> Any:
@@ -61,7 +64,8 @@ def steering(weights: Any, seen: Any) -> float:
 def load(path: str) -> Callable[[dict[str, Any], dict[str, Any]], tuple[float, float, float]]:
     """What train.py has learned, as a driver."""
     try:
-        weights = np.load(path)["weights"]
+        # Without pickle, which would run what is in it: numpy's own default, too.
+        weights = np.load(regular_file(Path(path), LARGEST_BYTES), allow_pickle=False)["weights"]
         if weights.shape != (ROWS * COLUMNS * 3 + 1,) or not np.isfinite(weights).all():
             raise ValueError("these are no weights of this lesson")
     # numpy raises whatever it meets in a file that is not its own.

@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -95,7 +96,17 @@ def test_what_cannot_be_read_is_said_and_left_out(how, recording, capsys):
     )
 
 
-MODELS = {"empty": b"", "text": b"weights", "half a zip": b"PK\x03\x04half"}
+MODELS = {"empty": b"", "text": b"weights", "half a zip": b"PK\x03\x04half", "large": bytes(64 * 1024 + 1)}
+
+
+class Evil:
+    """It does what it likes with whoever unpacks it."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return Path.touch, (self.path,)
 
 
 def test_what_is_no_model_ends_the_server_in_one_line(tmp_path, runs):
@@ -105,11 +116,16 @@ def test_what_is_no_model_ends_the_server_in_one_line(tmp_path, runs):
         (tmp_path / name).write_bytes(content)
     for name, weights in {"short": np.zeros(5), "nan": np.full(size, np.nan), "words": np.array(["a"] * size)}.items():
         np.savez(tmp_path / name, weights=weights)
+    np.savez(tmp_path / "pickled", weights=np.array([Evil(tmp_path / "was run")], object))
+    if sys.platform != "win32":
+        os.mkfifo(tmp_path / "pipe")
     paths = [*tmp_path.iterdir()]
     words = ["--endpoint", "tcp://127.0.0.1:0", "--model"]
     for path, (code, lines) in zip(paths, runs("server", KEY, [[*words, str(path)] for path in paths]), strict=True):
         assert (code, len(lines)) == (1, 1), lines
         assert lines[0].startswith(f"no model in {path}: ")
+        assert path.name not in ("large", "pipe") or "must be a regular file of at most 65536 bytes" in lines[0]
+    assert not (tmp_path / "was run").exists()
 
 
 def test_a_picture_that_cannot_be_used_is_refused_and_the_others_recorded(tmp_path, serve, context):

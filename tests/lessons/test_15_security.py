@@ -9,6 +9,7 @@ import os
 import re
 import shutil
 import socket
+import sys
 import threading
 import time
 from pathlib import Path
@@ -360,6 +361,25 @@ def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):
     for run, (to, said) in zip(gates, elsewhere.items(), strict=True):
         assert run.code == (1 if said == "no key in " else 2) and said in run.lines[-1]
         assert said == "no key in " or f"'{to}': write it like" in run.lines[-1]
+
+
+@each_side
+def test_a_file_that_holds_no_key_of_a_clients_is_not_read(side, folder, runs):
+    """A pipe would never end, and what is large would fill the memory."""
+    always = ["--endpoint", "tcp://127.0.0.1:1", "--timeout", "0.3", "--tries", "1", "--keys"]
+    key = (folder / "server.key").read_bytes()
+    for how in ("large", *(["pipe", "device"] if sys.platform != "win32" else [])):
+        (folder / "server.key").unlink()
+        if how == "large":
+            # There is one in it.
+            (folder / "server.key").write_bytes(key.ljust(4097))
+        elif how == "pipe":
+            os.mkfifo(folder / "server.key")
+        elif side == "python":
+            # C# of .NET Standard 2.1 does not tell where a link leads.
+            (folder / "server.key").symlink_to("/dev/zero")
+        for run in runs(side, KEY, [words(kind, *always, str(folder)) for kind in kinds(side)]):
+            assert f"no key in {folder / 'server.key'}; {NO_KEY}" in "\n".join(run.lines)
 
 
 # A gate in front of a server that knows nothing of keys

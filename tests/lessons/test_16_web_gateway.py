@@ -634,6 +634,18 @@ def test_a_million_frames_are_too_many(gateway):
     by_socketio(endpoint, events)
 
 
+def test_a_text_that_no_server_of_texts_takes_is_answered_with_the_limit(serve):
+    """Such a server hangs up. What is longer than 64 KB may be for another one, so it was sent."""
+    _, behind = serve("01_request_reply")
+
+    async def talk(browser):
+        said = (await asked(browser, "x" * 65_537))["error"]
+        assert said.endswith("is the server running? One of texts takes 65536 bytes, not 65537")
+
+    with opened("--hello", behind, "--timeout", "0.5") as (_, endpoint):
+        in_browser(endpoint, talk)
+
+
 def test_an_event_has_a_limit_however_many_bytes_follow_it(gateway):
     """Socket.IO has one for each of them alone."""
     program, endpoint = gateway

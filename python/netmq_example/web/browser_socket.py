@@ -15,7 +15,7 @@ import contextlib
 import zmq
 import zmq.asyncio
 
-from netmq_example import check
+from netmq_example import check, program
 
 # A peer that announces a larger message is disconnected before it is in memory.
 LARGEST_BYTES = 4 * 1024 * 1024
@@ -47,6 +47,9 @@ class Requester:
             # A REQ socket that waits for a reply refuses to send. A new one may, on a new connection.
             self.close()
             why = f"no reply from {self.endpoint} within {self.timeout:g} s; is the server running?"
+            # A server of texts hangs up without a word. One with arrays takes more, and only it knows.
+            if (longest := max(map(len, frames), default=0)) > program.LARGEST_BYTES:
+                why += f" One of texts takes {program.LARGEST_BYTES} bytes, not {longest}"
             raise TimeoutError(why) from None
 
     def close(self) -> None:

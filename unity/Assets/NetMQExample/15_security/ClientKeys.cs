@@ -21,6 +21,7 @@ namespace NetMQExample
     {
         // What keys are written with: Z85, which has no quotation mark.
         private const string Key = @"([!#-~]{40})";
+        private const int LargestBytes = 4096;
         private readonly NetMQCertificate server, own;
 
         /// <summary>Reads them, and makes this client's pair where there is none.</summary>
@@ -88,7 +89,10 @@ namespace NetMQExample
         private static string Read(string path, string kind)
         {
             var line = $"(?m)^\\s*{kind}-key *= *[\"']{Key}[\"']";
-            var found = Regex.Match(File.Exists(path) ? File.ReadAllText(path) : "", line);
+            var file = new FileInfo(path);
+            // A pipe or a device, which may have no end, has no length.
+            var readable = file.Exists && file.Length > 0 && file.Length <= LargestBytes;
+            var found = Regex.Match(readable ? File.ReadAllText(path) : "", line);
             return found.Success ? found.Groups[1].Value : throw NoKey(path);
         }
 

@@ -1,0 +1,214 @@
+"""Memory has a limit, whoever sends: rows of SECURITY.md's table for which nothing large needs to be sent. Some numbers
+are lowered, and those of sockets are looked at.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import pytest
+import zmq
+
+from kitlib.lessons import Lesson
+from netmq_example import check, records
+from netmq_example.body import people
+from netmq_example.camera import recording
+from netmq_example.fleet import hub, trainers
+from netmq_example.fleet.hub import Hub
+from netmq_example.messages import Array, Message
+from netmq_example.records import ANSWERS, ASKS, Record
+from netmq_example.security import keys
+from netmq_example.side_channel import carrier
+from netmq_example.side_channel.side_channel_manager import SideChannelManager
+from tests.lessons.test_contract import KEYS, secrets
+
+KILOBYTE, MEGABYTE = 1024, 1024 * 1024
+
+# A server ends where it would begin to listen.
+LOOKED_AT = """
+import zmq
+class LookedAt(zmq.Socket):
+    def bind(self, endpoint):
+        if not endpoint.startswith("tcp://"):
+            return super().bind(endpoint)
+        print(self.maxmsgsize, self.rcvhwm, self.sndhwm, flush=True)
+        raise SystemExit(0)
+zmq.Context._socket_class = LookedAt
+"""
+# The largest frame, and how many messages wait to be read and to be sent. Of large ones two.
+TEXTS, ARRAYS = (64 * KILOBYTE, 1000, 1000), (256 * MEGABYTE, 2, 1000)
+SOCKETS = {
+    # A subscription is short.
+    **dict.fromkeys(["03_publish_subscribe", "20_body_tracking"], (1000, 1000, 1000)),
+    "05_messages": (256 * MEGABYTE, 2, 10),
+    "13_side_channels": (16 * MEGABYTE, 4, 1000),
+    "14_long_jobs": (64 * KILOBYTE, 1000, 10),
+    "17_many_machines": (256 * MEGABYTE, 2, 2),
+    "21_talking_character": (64 * KILOBYTE, 1000, 10),
+    **dict.fromkeys(["08_see_and_steer", "09_environment", "10_many_agents", "11_observations", "12_video"], ARRAYS),
+}
+
+
+@pytest.mark.parametrize("key", [key for key in KEYS if Lesson(key).scheme == "tcp"])
+def test_what_a_servers_socket_takes_and_keeps(key, run, tmp_path, monkeypatch):
+    (tmp_path / "sitecustomize.py").write_text(LOOKED_AT, encoding="utf-8")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    found = run("server", key, "--endpoint", Lesson(key).anywhere, *secrets(key, tmp_path))
+    assert " ".join(map(str, SOCKETS.get(key, TEXTS))) in found.lines, found
+
+
+class Hears:
+    """The hub's socket: what it has sent to whom."""
+
+    def __init__(self):
+        self.sent = {}
+
+    def send_multipart(self, frames, flags=0):
+        peer, *message = frames
+        self.sent[peer] = records.read_frames(message[0][0], message)
+
+    def code(self, peer):
+        said = self.sent.get(peer)
+        return said.values["code"] if isinstance(said, Message) and said.kind == "error" else None
+
+
+@pytest.fixture
+def fleet():
+    """fleet(peer, message): a hub takes this; the code of the error that it says to that peer, if it does."""
+    socket = Hears()
+    one = Hub(socket, report=lambda line: None)
+
+    def take(peer, message):
+        socket.sent.pop(peer, None)
+        one.take(peer, message.frames())
+        one.ticked = 0
+        one.tick()
+        return socket.code(peer)
+
+    take.sent = socket.sent
+    return take
+
+
+def hello(name, size=1):
+    return Message("hello", 0, {"name": name, "dt": 0.02}, [Array("uint8", (size,), bytes(size))])
+
+
+def asks(id, order, size, areas=1):
+    return Record(ASKS, id, bytes(8 * areas), [order] * areas, [bytes(size)] * areas)
+
+
+def test_the_hellos_of_all_names_have_a_limit(fleet, monkeypatch):
+    monkeypatch.setattr(hub, "MOST_HELLO_BYTES", 10_000)
+    codes = [fleet(b"%d" % number, hello(f"World {number}", 3000)) for number in range(4)]
+    assert codes == [None, None, "too-many-worlds", "too-many-worlds"]
+    # Another one of a name that is here takes no more room.
+    assert fleet(b"5", hello("World 0", 3000)) is None
+
+
+def begun(fleet, peer, areas=1):
+    """A trainer of a name of its own whose first request is to come, and its simulators."""
+    simulators = [b"%s %d" % (peer, number) for number in range(areas)]
+    for each in simulators:
+        assert fleet(each, hello(peer.decode())) is None
+    assert fleet(peer, Message("join", 0, {"name": peer.decode(), "areas": areas})) is None
+    assert fleet.sent[peer].kind == "hello"
+    return simulators
+
+
+def test_the_episodes_of_all_trainers_have_a_limit(fleet, monkeypatch):
+    monkeypatch.setattr(hub, "MOST_BYTES", 10_000)
+    for peer in b"one", b"two", b"three":
+        begun(fleet, peer)
+    codes = [fleet(peer, asks(1, records.RESET, 4000)) for peer in (b"one", b"two", b"three")]
+    assert codes == [None, None, "too-much"]
+    # What a trainer that leaves had is free again.
+    fleet(b"one", Message("close", 2))
+    assert fleet(b"three", asks(2, records.RESET, 4000)) is None
+
+
+def test_an_areas_answer_has_its_part_of_a_message(fleet, monkeypatch):
+    monkeypatch.setattr(trainers, "LIMIT", 10_000)
+    for size, code in (4000, None), (6000, "too-big"):
+        peer = b"trainer %d" % size
+        simulators = begun(fleet, peer, areas=2)
+        fleet(peer, asks(1, records.RESET, 0, areas=2))
+        for each in simulators:
+            fleet(each, Record(ANSWERS, fleet.sent[each].id, bytes(8), [0], [bytes(size)]))
+        assert fleet.sent[peer].id == 1
+        said = fleet.sent[peer]
+        assert (said.values["code"] if isinstance(said, Message) else None) == code
+
+
+@pytest.fixture
+def one_simulator(context):
+    """(carrier, reports, socket): lesson 13's server with no channels, and a simulator that reads nothing."""
+    reports = []
+    with context.socket(zmq.ROUTER) as ours, context.socket(zmq.DEALER) as its:
+        ours.linger = its.linger = 0
+        ours.rcvtimeo = 20_000
+        # What the system's own buffers do not take waits in the carrier.
+        ours.sndhwm = its.rcvhwm = 1
+        its.connect(f"tcp://127.0.0.1:{ours.bind_to_random_port('tcp://127.0.0.1')}")
+        yield carrier.Carrier(ours, lambda: SideChannelManager([]), reports.append), reports, its
+
+
+def test_what_waits_of_a_simulator_has_a_limit(one_simulator, monkeypatch):
+    server, reports, simulator = one_simulator
+    monkeypatch.setattr(carrier, "MOST_UNREAD_BYTES", 100_000)
+    simulator.send(bytes(100_001))
+    server.exchange()
+    assert reports == ["a simulator sends faster than this side reads, and was forgotten"] and not server.peers
+
+
+def test_what_waits_for_a_simulator_has_a_limit(one_simulator, monkeypatch):
+    server, reports, simulator = one_simulator
+    monkeypatch.setattr(carrier, "MOST_UNSENT_BYTES", 100_000)
+    simulator.send(b"")
+    server.exchange()
+    (peer,) = server.peers.values()
+    peer.unsent += [bytes(50_000)] * 1000
+    server.send()
+    assert reports == ["a simulator does not read what is sent, and was forgotten"] and not server.peers
+
+
+# Files
+
+
+READERS = {
+    "key": (keys, "LARGEST_FILE_BYTES", "server.key", keys.load, ValueError),
+    "recording": (recording, "LARGEST_BYTES", "metadata.csv", lambda path: [*recording.recorded(path.parent)], OSError),
+    "poses": (people, "LARGEST_BYTES", "poses.csv", people.read, ValueError),
+}
+
+
+def no_file(path, how, most):
+    if how == "large":
+        path.write_bytes(bytes(most + 1))
+    elif how == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to("/dev/zero")
+
+
+@pytest.mark.timeout(20)
+@pytest.mark.parametrize("how", ["large", *(["pipe", "device"] if sys.platform != "win32" else [])])
+@pytest.mark.parametrize("what", READERS)
+def test_a_file_is_a_regular_one_and_has_a_limit(what, how, tmp_path, monkeypatch):
+    module, limit, name, reads, error = READERS[what]
+    monkeypatch.setattr(module, limit, 1000)
+    no_file(tmp_path / name, how, 1000)
+    why = "no key in" if what == "key" else f"{name}' must be a regular file of at most 1000 bytes"
+    with pytest.raises(error, match=why):
+        reads(tmp_path / name)
+
+
+def test_a_file_of_the_most_bytes_is_one(tmp_path):
+    (tmp_path / "file").write_bytes(bytes(1000))
+    assert check.regular_file(tmp_path / "file", 1000) == tmp_path / "file"
+    for wrong in tmp_path / "file", tmp_path:
+        with pytest.raises(OSError, match="must be a regular file of at most 999 bytes"):
+            check.regular_file(wrong, 999)
+    with pytest.raises(FileNotFoundError):
+        check.regular_file(tmp_path / "none", 1000)
