@@ -478,6 +478,23 @@ def test_a_forgotten_environment_ends_its_simulator(launch):
     assert running.poll() == 0, "it was asked to end, and did"
 
 
+def test_an_environment_that_an_interrupted_cell_has_left_ends_before_the_next_is_launched(make, launch):
+    """Nobody can close it any more: the traceback holds it, and itself."""
+    env = gymnasium.make(ID, launch=launch("python"))
+    env.reset()
+    running = process(env)
+    running.wait = lambda limit=None: subprocess.Popen.wait(running, LIMIT)
+    gc.disable()
+    try:
+        env.unwrapped.traceback = [env]
+        del env
+        assert running.poll() is None
+        make(launch=launch("python"))
+        assert running.poll() == 0
+    finally:
+        gc.enable()
+
+
 @posix
 def test_a_second_ctrl_c_while_it_closes_leaves_no_simulator(make, launch, monkeypatch):
     env = make(launch=launch("python"))

@@ -763,6 +763,18 @@ def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):
         time.sleep(0.05)
 
 
+def test_who_has_too_many_requests_at_once_is_told_so_and_let_go(echo):
+    """Before the end: what comes after it no client of Socket.IO hears."""
+
+    async def talk(browser, _):
+        for number in range(65):
+            await browser.send_str(f'42{number}["background","Hello"]')
+        return [await browser.receive_str(timeout=LIMIT) for _ in range(2)]
+
+    with opened("--hello", echo, *ABSENT[2:]) as (_, endpoint):
+        assert by_socketio(endpoint, talk) == ['4364[{"error":"too many requests at once"}]', "41"]
+
+
 def test_a_flood_of_requests_holds_up_no_end(echo):
     async def talk(browser, _):
         with contextlib.suppress(ConnectionError):

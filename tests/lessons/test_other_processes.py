@@ -305,6 +305,39 @@ def test_a_server_in_a_thread_of_another_program():
     assert done.returncode == 1
 
 
+@pytest.mark.parametrize(
+    ("package", "code"),
+    [("gymnasium", "import netmq_example.envs"), ("pettingzoo", "from netmq_example.envs import ZmqParallelEnv")],
+)
+def test_a_notebook_without_a_package_is_told_how_its_own_python_gets_it(package, code):
+    """By an ImportError: an end of the program would be one of the kernel."""
+    pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
+    lacking = f"import sys; sys.path[:0] = [{str(ROOT / 'python')!r}]; sys.modules[{package!r}] = None; {code}"
+    done = finished([PYTHON, "-c", lacking])
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("ImportError: ") and last.endswith(f": {PYTHON} -m pip install {package}"), done
+
+
+CELL = """
+import sys
+sys.path[:0] = [{python!r}]
+from netmq_example.jobs.work import Kind, Step
+from netmq_example.jobs.workers import check_kinds
+
+def mine(total, finished, text):
+    yield Step(1, 1)
+
+check_kinds({{"mine": Kind(mine, 10)}})
+"""
+
+
+def test_a_kind_of_a_cell_is_refused_in_words():
+    """No worker would find it: a notebook has no file to make it from."""
+    done = finished([PYTHON, "-c", CELL.format(python=str(ROOT / "python"))])
+    cure = "make it a function of a module, or functools.partial of one"
+    assert done.stderr.splitlines()[-1:] == [f"TypeError: kind 'mine' cannot be handed to a worker: {cure}"], done
+
+
 # A limit is said by the side that meets it
 
 TOO_LONG = "ValueError('a text of 100000 bytes, more than 65536: lesson 05 carries more')"

@@ -90,6 +90,11 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         if sid in browsers:
             browsers.pop(sid).close()
 
+    async def let_go(sid: str, browser: Browser) -> None:
+        """Behind the answer that says why, and before what waits is cut off: no client hears what comes after its end."""
+        await server.disconnect(sid)
+        browser.close()
+
     async def ask(name: str, sid: str, *frames: Any) -> Any:
         # What it asked before it left may be read after that.
         if sid not in browsers:
@@ -98,9 +103,8 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         unread = server.eio.sockets[server.manager.eio_sid_from_sid(sid, "/")].queue.qsize()
         if unread > MOST_WAITING or browser.waiting == MOST_WAITING:
             print(f"let a browser go: {MOST_WAITING} of its requests, or answers for it, wait", flush=True)
-            # At once, so that this is printed once.
-            await leave(sid)
-            await server.disconnect(sid)
+            # Out of the dictionary at once, so that this is printed once.
+            server.start_background_task(let_go, sid, browsers.pop(sid))
             return {"error": "too many requests at once"}
         if name not in names:
             return {"error": f"behind the gateway there are {', '.join(names)}, no {name!r:.40}"}
