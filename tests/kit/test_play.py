@@ -44,12 +44,13 @@ using UnityEngine;
 
 public class Threads : NetworkBehaviour
 {
+    private readonly Thread unity = Thread.CurrentThread;
     private int heard;
     private bool first = true;
 
     protected override void Talk(CancellationToken stop)
     {
-        InUpdate(() => heard++);
+        InUpdate(Hear);
         stop.WaitHandle.WaitOne();
     }
 
@@ -59,14 +60,19 @@ public class Threads : NetworkBehaviour
         {
             first = false;
             // More than may wait for it.
-            for (var i = 0; i < 100; i++) InUpdate(() => heard++);
+            for (var i = 0; i < 100; i++) InUpdate(Hear);
             Log($"at once: {heard >= 100}");
-            Task.Run(() => InUpdate(() => heard++));
+            Task.Run(() => InUpdate(Hear));
         }
         base.Update();
         if (heard < 102) return;
         Log("all");
         Application.Quit();
+    }
+
+    private void Hear()
+    {
+        if (Thread.CurrentThread == unity) heard++;
     }
 }
 """

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
 
 import pytest
 import zmq
@@ -18,14 +19,14 @@ from netmq_example.fleet import hub, trainers
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import Array, Message
 from netmq_example.records import ANSWERS, ASKS, Record
-from netmq_example.security import keys
 from netmq_example.side_channel import carrier
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 from tests.lessons.test_contract import KEYS, secrets
+from tests.programs import python_runs
 
 KILOBYTE, MEGABYTE = 1024, 1024 * 1024
 
-# A server ends where it would begin to listen.
+# A program ends where its socket would listen or connect.
 LOOKED_AT = """
 import zmq
 class LookedAt(zmq.Socket):
@@ -34,6 +35,7 @@ class LookedAt(zmq.Socket):
             return super().bind(endpoint)
         print(self.maxmsgsize, self.rcvhwm, self.sndhwm, flush=True)
         raise SystemExit(0)
+    connect = bind
 zmq.Context._socket_class = LookedAt
 """
 # The largest frame, and how many messages wait to be read and to be sent. Of large ones two.
@@ -50,13 +52,31 @@ SOCKETS = {
 }
 
 
-@pytest.mark.parametrize("key", [key for key in KEYS if Lesson(key).scheme == "tcp"])
-def test_what_a_servers_socket_takes_and_keeps(key, run, tmp_path, monkeypatch):
+@pytest.fixture
+def looked_at(tmp_path, monkeypatch):
+    """The programs of this test are."""
     (tmp_path / "sitecustomize.py").write_text(LOOKED_AT, encoding="utf-8")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    # For their journals.
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("key", [key for key in KEYS if Lesson(key).scheme == "tcp"])
+def test_what_a_servers_socket_takes_and_keeps(key, run, tmp_path, looked_at):
     found = run("server", key, "--endpoint", Lesson(key).anywhere, *secrets(key, tmp_path))
     assert " ".join(map(str, SOCKETS.get(key, TEXTS))) in found.lines, found
+
+
+@pytest.mark.parametrize("key", ["14_long_jobs", "21_talking_character"])
+def test_what_the_client_of_a_job_takes(key, run, looked_at):
+    found = run("python", key, "--endpoint", "tcp://127.0.0.1:9")
+    assert "67108864 2 1000" in found.lines, found
+
+
+def test_what_the_gate_takes(tmp_path, looked_at):
+    words = ["--to", "tcp://127.0.0.1:9", "--endpoint", "tcp://127.0.0.1:0", *secrets("15_security", tmp_path)]
+    (found,) = python_runs("python/15_security/gate.py", [words])
+    assert "67108864 2 1000" in found.lines, found
 
 
 class Hears:
@@ -177,29 +197,22 @@ def test_what_waits_for_a_simulator_has_a_limit(one_simulator, monkeypatch):
 
 
 READERS = {
-    "key": (keys, "LARGEST_FILE_BYTES", "server.key", keys.load, ValueError),
     "recording": (recording, "LARGEST_BYTES", "metadata.csv", lambda path: [*recording.recorded(path.parent)], OSError),
     "poses": (people, "LARGEST_BYTES", "poses.csv", people.read, ValueError),
 }
 
 
-def no_file(path, how, most):
-    if how == "large":
-        path.write_bytes(bytes(most + 1))
-    elif how == "pipe":
-        os.mkfifo(path)
-    else:
-        path.symlink_to("/dev/zero")
-
-
 @pytest.mark.timeout(20)
-@pytest.mark.parametrize("how", ["large", *(["pipe", "device"] if sys.platform != "win32" else [])])
+@pytest.mark.parametrize("how", ["large", *(["pipe"] if sys.platform != "win32" else [])])
 @pytest.mark.parametrize("what", READERS)
 def test_a_file_is_a_regular_one_and_has_a_limit(what, how, tmp_path, monkeypatch):
     module, limit, name, reads, error = READERS[what]
     monkeypatch.setattr(module, limit, 1000)
-    no_file(tmp_path / name, how, 1000)
-    why = "no key in" if what == "key" else f"{name}' must be a regular file of at most 1000 bytes"
+    if how == "large":
+        (tmp_path / name).write_bytes(bytes(1001))
+    else:
+        os.mkfifo(tmp_path / name)
+    why = f"{name}' must be a regular file of at most 1000 bytes"
     with pytest.raises(error, match=why):
         reads(tmp_path / name)
 
@@ -207,7 +220,7 @@ def test_a_file_is_a_regular_one_and_has_a_limit(what, how, tmp_path, monkeypatc
 def test_a_file_of_the_most_bytes_is_one(tmp_path):
     (tmp_path / "file").write_bytes(bytes(1000))
     assert check.regular_file(tmp_path / "file", 1000) == tmp_path / "file"
-    for wrong in tmp_path / "file", tmp_path:
+    for wrong in tmp_path / "file", tmp_path, Path(os.devnull):
         with pytest.raises(OSError, match="must be a regular file of at most 999 bytes"):
             check.regular_file(wrong, 999)
     with pytest.raises(FileNotFoundError):

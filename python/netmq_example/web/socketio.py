@@ -91,7 +91,7 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
             browsers.pop(sid).close()
 
     async def let_go(sid: str, browser: Browser) -> None:
-        """Behind the answer that says why, and before what waits is cut off: no client hears what comes after its end."""
+        """Behind the answer that says why: no client hears what comes after its end."""
         await server.disconnect(sid)
         browser.close()
 
