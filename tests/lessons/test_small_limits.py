@@ -79,15 +79,24 @@ def test_what_the_gate_takes(tmp_path, looked_at):
     assert "67108864 2 1000" in found.lines, found
 
 
-class Hears:
-    """The hub's socket: what it has sent to whom."""
+class Fleet:
+    """A hub, its socket, and what it has sent to whom."""
 
     def __init__(self):
         self.sent = {}
+        self.hub = Hub(self, report=lambda line: None)
 
     def send_multipart(self, frames, flags=0):
         peer, *message = frames
         self.sent[peer] = records.read_frames(message[0][0], message)
+
+    def takes(self, peer, message):
+        """The code of the error that it says to this peer now, if it does."""
+        self.sent.pop(peer, None)
+        self.hub.take(peer, message.frames())
+        self.hub.ticked = 0
+        self.hub.tick()
+        return self.code(peer)
 
     def code(self, peer):
         said = self.sent.get(peer)
@@ -96,19 +105,7 @@ class Hears:
 
 @pytest.fixture
 def fleet():
-    """fleet(peer, message): a hub takes this; the code of the error that it says to that peer, if it does."""
-    socket = Hears()
-    one = Hub(socket, report=lambda line: None)
-
-    def take(peer, message):
-        socket.sent.pop(peer, None)
-        one.take(peer, message.frames())
-        one.ticked = 0
-        one.tick()
-        return socket.code(peer)
-
-    take.sent = socket.sent
-    return take
+    return Fleet()
 
 
 def hello(name, size=1):
@@ -121,18 +118,18 @@ def asks(id, order, size, areas=1):
 
 def test_the_hellos_of_all_names_have_a_limit(fleet, monkeypatch):
     monkeypatch.setattr(hub, "MOST_HELLO_BYTES", 10_000)
-    codes = [fleet(b"%d" % number, hello(f"World {number}", 3000)) for number in range(4)]
+    codes = [fleet.takes(b"%d" % number, hello(f"World {number}", 3000)) for number in range(4)]
     assert codes == [None, None, "too-many-worlds", "too-many-worlds"]
     # Another one of a name that is here takes no more room.
-    assert fleet(b"5", hello("World 0", 3000)) is None
+    assert fleet.takes(b"5", hello("World 0", 3000)) is None
 
 
 def begun(fleet, peer, areas=1):
     """A trainer of a name of its own whose first request is to come, and its simulators."""
     simulators = [b"%s %d" % (peer, number) for number in range(areas)]
     for each in simulators:
-        assert fleet(each, hello(peer.decode())) is None
-    assert fleet(peer, Message("join", 0, {"name": peer.decode(), "areas": areas})) is None
+        assert fleet.takes(each, hello(peer.decode())) is None
+    assert fleet.takes(peer, Message("join", 0, {"name": peer.decode(), "areas": areas})) is None
     assert fleet.sent[peer].kind == "hello"
     return simulators
 
@@ -141,11 +138,11 @@ def test_the_episodes_of_all_trainers_have_a_limit(fleet, monkeypatch):
     monkeypatch.setattr(hub, "MOST_BYTES", 10_000)
     for peer in b"one", b"two", b"three":
         begun(fleet, peer)
-    codes = [fleet(peer, asks(1, records.RESET, 4000)) for peer in (b"one", b"two", b"three")]
+    codes = [fleet.takes(peer, asks(1, records.RESET, 4000)) for peer in (b"one", b"two", b"three")]
     assert codes == [None, None, "too-much"]
     # What a trainer that leaves had is free again.
-    fleet(b"one", Message("close", 2))
-    assert fleet(b"three", asks(2, records.RESET, 4000)) is None
+    fleet.takes(b"one", Message("close", 2))
+    assert fleet.takes(b"three", asks(2, records.RESET, 4000)) is None
 
 
 def test_an_areas_answer_has_its_part_of_a_message(fleet, monkeypatch):
@@ -153,12 +150,11 @@ def test_an_areas_answer_has_its_part_of_a_message(fleet, monkeypatch):
     for size, code in (4000, None), (6000, "too-big"):
         peer = b"trainer %d" % size
         simulators = begun(fleet, peer, areas=2)
-        fleet(peer, asks(1, records.RESET, 0, areas=2))
+        fleet.takes(peer, asks(1, records.RESET, 0, areas=2))
         for each in simulators:
-            fleet(each, Record(ANSWERS, fleet.sent[each].id, bytes(8), [0], [bytes(size)]))
+            fleet.takes(each, Record(ANSWERS, fleet.sent[each].id, bytes(8), [0], [bytes(size)]))
         assert fleet.sent[peer].id == 1
-        said = fleet.sent[peer]
-        assert (said.values["code"] if isinstance(said, Message) else None) == code
+        assert fleet.code(peer) == code
 
 
 @pytest.fixture
