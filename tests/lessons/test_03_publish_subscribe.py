@@ -143,7 +143,7 @@ def test_a_line_that_breaks_silently_is_left_for_another(kind, mode, fake, liste
 def test_a_publisher_that_is_only_slow_keeps_its_listener(fake, start, client_command, tmp_path):
     name = MovingName(tmp_path, "127.0.0.1")
     endpoint = where(fake).replace("127.0.0.1", "robot")
-    client = start(*name.before, *client_command("csharp", KEY, endpoint, "--count", "2"))
+    client = start(*name.before, *client_command("csharp", KEY, endpoint, "--count", "2", "--timeout", str(LIMIT)))
     subscribed(fake)
     fake.send(b"pose/ 1")
     client.wait_for("^received pose/ 1$")
