@@ -32,7 +32,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from netmq_example import messages
-from netmq_example.messages import LIMIT, MessageError
+from netmq_example.messages import EXACT, LIMIT, MessageError
 
 ASKS, ANSWERS = 1, 2
 NOTHING, STEP, RESET = 0, 1, 2
@@ -99,7 +99,8 @@ def read(kind: int, frame: Any) -> Record:
     if len(view) < HEAD.size:
         raise bad("it ends too early")
     found, flags, _, count, id, options, exchange = HEAD.unpack_from(view)
-    if found != kind or not 0 < count <= len(view) // EACH or id < 0:
+    # An id beyond EXACT could not be named in an error, which is a message.
+    if found != kind or not 0 < count <= len(view) // EACH or not 0 <= id < EXACT:
         raise bad(f"kind {found}, id {id} and {count} rows cannot be")
     at = HEAD.size + 8 * count
     begin = HEAD.size + EACH * count

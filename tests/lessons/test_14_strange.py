@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -118,6 +119,15 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits another process, as Linux does")
+def test_an_id_that_grows_when_it_is_written_anew_is_refused(jobs_server, peer):
+    """Sent back, each of its letters becomes six bytes."""
+    _, endpoint = jobs_server()
+    header = {"kind": "status", "version": 1, "id": 0, "values": {"job": "é" * 20_000}, "arrays": []}
+    stranger = peer(endpoint)
+    stranger.socket.send(json.dumps(header, ensure_ascii=False).encode())
+    assert stranger.hear("rejected").values["code"] == "bad-job"
+
+
 def test_a_worker_that_cannot_be_started_is_waited_for(serve, peer):
     import resource
 

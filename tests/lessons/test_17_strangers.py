@@ -202,6 +202,13 @@ def test_bytes_that_are_no_record_are_named_and_the_hub_stays(hub, peer):
     trainer.hear("state")
 
 
+def test_an_id_that_no_error_could_name_is_refused(hub, peer):
+    """The hub of everybody would end of one frame of a stranger."""
+    stranger = peer(hub)
+    stranger.say(RESET, 2**53)
+    assert stranger.hear("error").values["code"] == "bad-record"
+
+
 def test_simulators_of_one_name_have_the_same_spaces_as_long_as_one_is_here(hub, peer):
     stranger, begin = peer(hub), len(hub.lines)
     for values, arrays, why in [
@@ -396,6 +403,29 @@ def test_the_table_has_a_row_for_each_of_the_first_simulators():
     *rows, last = rows_of(hub)
     assert len(rows) == MOST_ROWS and last == "  and 2 more"
     assert re.fullmatch(r"  simulator 1: 'World', free, heard \d+\.\d s ago", rows[0])
+
+
+def test_a_row_is_cut_by_its_letters_and_so_each_of_them_takes_one_column():
+    hub = Hub(Silent())
+    hub.take(b"1", Message("hello", 0, {"name": "車" * 30, "dt": 0.02}, [SPACES]).frames())
+    assert rows_of(hub)[0].isascii()
+
+
+def test_for_episodes_that_wait_a_simulator_is_sought_once():
+    hub, count = Hub(Silent()), 5
+    for number in range(count):
+        hub.take(b"%d" % number, Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES]).frames())
+    hub.take(b"trainer", Message("join", 0, {"name": "World", "areas": count}).frames())
+    hub.tick()
+    request = asks(*[records.RESET] * count)
+    request.id = 1
+    hub.take(b"trainer", request.frames())
+    for number in range(count):
+        hub.lose(b"%d" % number, "")
+    sought = []
+    hub.free = sought.append
+    hub.take(b"stranger", Message("whatever").frames())
+    assert sought == ["World"]
 
 
 class Silent:

@@ -84,9 +84,10 @@ class Board:
 
 def rows_of(hub: Hub) -> list[str]:
     rows = []
+    # In ASCII: a row is cut by its letters, and a terminal takes some of the others for two columns.
     for member in list(hub.members.values())[:MOST_ROWS]:
         doing = f"step {member.done} of an episode" if member.episode else "free"
-        rows.append(f"  simulator {member.number}: {member.name[:20]!r}, {doing}, heard {member.silence():.1f} s ago")
+        rows.append(f"  simulator {member.number}: {member.name[:20]!a}, {doing}, heard {member.silence():.1f} s ago")
     if len(hub.members) > MOST_ROWS:
         rows.append(f"  and {len(hub.members) - MOST_ROWS} more")
     return rows

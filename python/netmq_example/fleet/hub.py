@@ -135,10 +135,15 @@ class Hub:
         """A simulator for each episode that has none."""
         for trainer in self.trainers.values():
             for episode in trainer.under_way():
-                if not episode.runs and (free := self.free(trainer.name)):
-                    if episode.leased:
-                        self.count["begun anew"] += 1
-                    free.lease(episode)
+                if episode.runs:
+                    continue
+                free = self.free(trainer.name)
+                if not free:
+                    # All of them want one of the same name: to look again for each would take the hub's time.
+                    break
+                if episode.leased:
+                    self.count["begun anew"] += 1
+                free.lease(episode)
 
     def free(self, name: str) -> Member | None:
         """The one that has been free for longest."""

@@ -108,7 +108,8 @@ class Jobs:
             request = read(frames)
             reply = self.do(request)
         except MessageError as error:
-            job = request.values.get("job", "")
+            # A longer text is no id, and written anew it might not fit in a header any more.
+            job = str(request.values.get("job", ""))[:64]
             reply = Message("rejected", values={"job": job, "code": error.code, "text": error.text})
         self.outbox.append((client, reply))
         if reply.kind != "rejected" and reply.values["job"] in self.live:

@@ -77,7 +77,7 @@ namespace NetMQExample
             var count = BitConverter.ToUInt32(bytes.Slice(4));
             Id = BitConverter.ToInt64(bytes.Slice(8));
             HasExchange = (ByteOf(bytes.Slice(1)) & 1) != 0;
-            if (count == 0 || Head + (long)Each * count > bytes.Length || Id < 0)
+            if (count == 0 || Head + (long)Each * count > bytes.Length || Id >> 53 != 0)
                 throw Bad($"id {Id} and {count} rows cannot be");
             Count = (int)count;
             if (begins.Length < Count + 1) begins = new int[Count + 1];
