@@ -27,7 +27,7 @@ LESSON = ROOT / "python" / KEY
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs.connection import bound  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, RESET, STEP, TERMINATED, Record, read_frames, rewards, seeds  # noqa: E402
+from netmq_example.records import ABSENT, ANSWERS, ASKS, RESET, STEP, TERMINATED, Record, read_frames, rewards, seeds  # noqa: E402
 from netmq_example.simulation.simulator import EnvironmentClient, Simulator  # noqa: E402
 from netmq_example.space_bytes import Bytes  # noqa: E402
 from netmq_example.spaces import described  # noqa: E402
@@ -453,6 +453,12 @@ def test_a_step_beyond_the_end_is_refused(here):
         assert env.step(0)[2]
         with pytest.raises(gymnasium.error.ResetNeeded, match=r"^no episode is under way: call reset before step$"):
             env.unwrapped.step(0)
+
+
+def test_a_world_that_is_not_there_any_more_is_over(here):
+    env, _ = here(lambda request: state(request, mark=ABSENT if is_step(request) else 0))
+    env.reset()
+    assert env.step(0)[2:4] == (False, True)
 
 
 def test_a_closed_environment_says_so(here):

@@ -37,7 +37,7 @@ from netmq_example.envs.common import (
 )
 from netmq_example.envs.connection import Lost, Simulators
 from netmq_example.messages import Message, MessageError
-from netmq_example.records import ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
+from netmq_example.records import ABSENT, ASKS, RESET, STEP, TERMINATED, TRUNCATED, Record, rewards_in, seeds
 from netmq_example.space_bytes import Bytes
 from netmq_example.space_numbers import shown
 
@@ -96,7 +96,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
         if ends:
             # Steps beyond the end would be of no episode, and seldom in the space.
             self.seen = None
-        return seen, reward, bool(ends & TERMINATED), bool(ends & TRUNCATED), info_in(state.infos[0])
+        return seen, reward, bool(ends & TERMINATED), bool(ends & (TRUNCATED | ABSENT)), info_in(state.infos[0])
 
     def look(self, state: Record) -> Any:
         seen = self.observations.read(state.rows[0])
