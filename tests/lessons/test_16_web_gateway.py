@@ -613,6 +613,47 @@ def test_a_name_that_nobody_has_is_answered_too(gateway):
     by_socketio(endpoint, talk)
 
 
+def test_events_and_packets_that_are_none_make_no_noise(gateway):
+    program, endpoint = gateway
+    begin = len(program.lines)
+
+    async def talk(browser, _):
+        for name in '{"a":1}', '["a"]', '"*"':
+            await browser.send_str(f'42[{name},"Hello"]')
+        await browser.send_str('429["hello","Hello"]')
+        assert await browser.receive_str(timeout=LIMIT) == '439["World"]'
+        # Engine.IO's packets begin with a digit.
+        await browser.send_str("x")
+        while (await browser.receive(timeout=LIMIT)).type == aiohttp.WSMsgType.TEXT:
+            pass
+
+    by_socketio(endpoint, talk)
+    program.wait_for(r"^browser \d+ left$", start=begin)
+    assert in_browser(endpoint, lambda browser: asked(browser, "Hello")) == ["World"]
+    assert not [line for line in program.lines[begin:] if not line.startswith("browser ")]
+
+
+def test_of_packets_by_the_thousand_in_one_request_none_is_looked_at(door):
+    """They would keep all others waiting, and are read before anybody has asked for the token."""
+    (_, endpoint), _ = door
+
+    async def run():
+        address = f"{endpoint}/socket.io/?EIO=4&transport=polling"
+        async with aiohttp.ClientSession() as session:
+
+            async def ask(method, **body):
+                async with session.request(method, address, **body) as answer:
+                    return await answer.text()
+
+            address += "&sid=" + json.loads((await ask("GET"))[1:])["sid"]
+            await ask("POST", data="\x1e".join(["40/nobody,"] * 5000))
+            await ask("POST", data="40")
+            return await ask("GET")
+
+    said = asyncio.run(run())
+    assert said.startswith('44{"message":"the token is missing') and "nobody" not in said
+
+
 def test_a_million_frames_are_too_many(gateway):
     """Each is nothing, and all of them together would keep the server behind busy for seconds."""
     _, endpoint = gateway

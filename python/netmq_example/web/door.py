@@ -24,6 +24,7 @@ import signal
 import sys
 import threading
 import time
+import traceback
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from typing import Any
 
@@ -227,7 +228,8 @@ def run_until_killed(serve: Coroutine[Any, Any, None]) -> None:
 
 
 def is_our_own(record: logging.LogRecord) -> bool:
-    """Strangers speak no HTTP, leave in the middle of a word, or send Engine.IO's empty packet."""
+    """Strangers speak no HTTP, leave in the middle of a word, or send packets that are none to Engine.IO."""
     error = record.exc_info[1] if record.exc_info else None
-    noise = any(words in str(error) for words in ("empty packet", "Transport is closing"))
+    calls = [frame.f_globals["__name__"] for frame, _ in traceback.walk_tb(error.__traceback__)] if error else [""]
+    noise = calls[-1].startswith("engineio.") or "Transport is closing" in str(error)
     return not noise and not isinstance(error, HttpProcessingError | ConnectionError)

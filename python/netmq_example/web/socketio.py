@@ -36,6 +36,9 @@ class BoundedPacket(Packet):  # type: ignore[misc, unused-ignore]  # It has no t
         count = int(super().decode(encoded_packet))
         if count > MOST_FRAMES:
             raise ValueError(f"{count} attachments")
+        # Socket.IO would look up what cannot be looked up, or take its own sign for all names for one of them.
+        if isinstance(self.data, list) and self.data and (isinstance(self.data[0], list | dict) or self.data[0] == "*"):
+            raise ValueError("no name of an event")
         return count
 
     def add_attachment(self, attachment: Any) -> bool:
@@ -59,8 +62,9 @@ class Browser:
 
 def attach(app: web.Application, door: Door, names: list[str], opened: Callable[[str], BrowserSocket]) -> None:
     """Browsers may ask for these names, and each gets sockets of its own from `opened`."""
-    # With more than 16 requests at once by HTTP, python-socketio would drop them all without a word.
-    Payload.max_decode_packets = LARGEST_BYTES
+    # With more requests at once by HTTP, python-socketio drops them all without a word: its own 16 are few. A million
+    # would keep all others waiting, and are read before anybody has asked for the token.
+    Payload.max_decode_packets = 2 * MOST_FRAMES
     # What it reports are the mistakes of strangers, each with a traceback.
     noise = logging.getLogger("noise")
     noise.setLevel(logging.CRITICAL)
