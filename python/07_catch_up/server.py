@@ -61,7 +61,8 @@ def main() -> None:
     except ValueError as error:
         parser.error(f"{error}; give --snapshots")
     with (
-        listening(zmq.PUB, options, word="") as stream,
+        # What listeners send are subscriptions, and those are short.
+        listening(zmq.PUB, options, largest=1000, word="") as stream,
         listening(zmq.REP, options, endpoint=second, word="snapshots") as snapshots,
     ):
         # Not before both do.

@@ -105,6 +105,7 @@ def threaded(do, **options):
         {"sizes": [[8000, 8000]]},
         {"names": "one,one", "sizes": [[8, 8], [8, 8]]},
         {"sizes": [8, 8]},
+        {"names": ",".join(map(str, range(65))), "sizes": [[8, 8]] * 65},
     ],
 )
 def test_views_that_cannot_be_are_not_welcome(hello, peer):

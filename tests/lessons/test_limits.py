@@ -122,6 +122,21 @@ def test_what_waits_to_be_read(peer):
         server.kill()
 
 
+def test_what_is_subscribed_to():
+    """ZeroMQ keeps each letter of it by itself."""
+    words = "--endpoint", "tcp://127.0.0.1:0", "--snapshots", "tcp://127.0.0.1:0"
+    with limited("07_catch_up", *words, megabytes=100) as endpoint, zmq.Context() as context:
+        with context.socket(zmq.XSUB) as greedy:
+            greedy.linger, greedy.sndtimeo = 0, 300
+            greedy.connect(endpoint)
+            floods(greedy, [[b"\1" + number.to_bytes(2, "big") * 25_000] for number in range(100)])
+        with context.socket(zmq.SUB) as honest:
+            honest.linger, honest.rcvtimeo = 0, int(LIMIT * 1000)
+            honest.subscribe("pose/")
+            honest.connect(endpoint)
+            assert honest.recv().startswith(b"pose/")
+
+
 def test_a_state_that_is_no_state(peer):
     """As numbers of Python it would have taken a hundred times its bytes."""
     np = pytest.importorskip("numpy")

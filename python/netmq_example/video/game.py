@@ -25,6 +25,8 @@ ENDPOINT = "tcp://127.0.0.1:5562"
 SILENCE_SECONDS = 1.0
 # A view's name becomes the name of a file.
 NAME = re.compile(r"[A-Za-z0-9_ -]{1,40}")
+# Each may become a file that is open.
+MOST_VIEWS = 64
 
 
 class Lost(ConnectionError):
@@ -101,6 +103,8 @@ class Game:
             raise MessageError("bad-views", "a hello has 'views', names of letters and digits, and their sizes [n, 2]")
         sizes = hello.arrays[0].numpy().tolist()
         views = {name: (width, height) for name, (width, height) in zip(names, sizes, strict=True)}
+        if len(names) > MOST_VIEWS:
+            raise MessageError("bad-views", f"a game has at most {MOST_VIEWS} views, not {len(names)}")
         if len(views) < len(names) or not all(min(one) > 0 and 3 * math.prod(one) <= LIMIT for one in views.values()):
             raise MessageError("bad-views", "each view has a name of its own, and pictures that a message can hold")
         self.forget()
