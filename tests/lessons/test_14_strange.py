@@ -19,6 +19,7 @@ import pytest
 import zmq
 
 from kitlib.docs import guide
+from netmq_example.jobs import workers
 from netmq_example.jobs.client import JobClient
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
@@ -126,6 +127,16 @@ def test_an_id_that_grows_when_it_is_written_anew_is_refused(jobs_server, peer):
     stranger = peer(endpoint)
     stranger.socket.send(json.dumps(header, ensure_ascii=False).encode())
     assert stranger.hear("rejected").values["code"] == "bad-job"
+
+
+def test_a_worker_whose_server_is_gone_ends_without_a_word(monkeypatch, capsys):
+    ours, its = workers.SPAWN.Pipe()
+    ours.close()
+    monkeypatch.setattr(workers.os, "_exit", sys.exit)
+    goal = Message("goal", values={"job": "a", "done": 0, "count": 1, "text": ""})
+    with pytest.raises(SystemExit):
+        workers.perform(its, goal, Kind(lambda *_: [Step(1, 1)], 1), threading.Event())
+    assert capsys.readouterr() == ("", "")
 
 
 def test_a_worker_that_cannot_be_started_is_waited_for(serve, peer):

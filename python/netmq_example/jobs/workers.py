@@ -80,11 +80,15 @@ def run_worker(pipe: Connection, kinds: dict[str, Kind]) -> None:
     threading.Thread(target=listen, daemon=True).start()
     while True:
         goal = goals.get()
-        try:
-            send(pipe, perform(pipe, goal, kinds[goal.values["kind"]], cancel))
-        except OSError:
-            # Nobody reads it.
-            os._exit(1)
+        tell(pipe, perform(pipe, goal, kinds[goal.values["kind"]], cancel))
+
+
+def tell(pipe: Connection, message: Message) -> None:
+    try:
+        send(pipe, message)
+    except OSError:
+        # Nobody reads it. That is no mistake of the work, which may be in the middle of it.
+        os._exit(1)
 
 
 def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event) -> Message:
@@ -103,7 +107,7 @@ def perform(pipe: Connection, goal: Message, kind: Kind, cancel: threading.Event
                 return about(goal, step, "result", status="canceled")
             if time.monotonic() >= told_at + FEEDBACK_SECONDS:
                 told_at = time.monotonic()
-                send(pipe, about(goal, step, "feedback"))
+                tell(pipe, about(goal, step, "feedback"))
         if new is None and step.done < step.total:
             raise WorkError("the work ended without a step: nothing was done")
         return about(goal, step, "result", status="succeeded")
