@@ -132,7 +132,7 @@ def test_an_id_that_grows_when_it_is_written_anew_is_refused(jobs_server, peer):
 def test_a_worker_whose_server_is_gone_ends_without_a_word(monkeypatch, capsys):
     ours, its = workers.SPAWN.Pipe()
     ours.close()
-    monkeypatch.setattr(workers.os, "_exit", sys.exit)
+    monkeypatch.setattr(os, "_exit", sys.exit)
     goal = Message("goal", values={"job": "a", "done": 0, "count": 1, "text": ""})
     with pytest.raises(SystemExit):
         workers.perform(its, goal, Kind(lambda *_: [Step(1, 1)], 1), threading.Event())
