@@ -75,7 +75,7 @@ def read(path: Path) -> Source:
         for child in ast.iter_child_nodes(node):
             visit(child, function)
 
-    visit(ast.parse(path.read_text(encoding="utf-8")), "")
+    visit(ast.parse(path.read_text(encoding="utf-8"), str(path)), "")
     return source
 
 

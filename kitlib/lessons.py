@@ -105,7 +105,8 @@ class Lesson:
     @property
     def header(self) -> str:
         """What stands at the top of the server."""
-        return ast.get_docstring(ast.parse((self.python / "server.py").read_text(encoding="utf-8"))) or self.key
+        path = self.python / "server.py"
+        return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"), str(path))) or self.key
 
     @property
     def title(self) -> str:

@@ -42,6 +42,11 @@ def guarded(work: Callable[[], int]) -> int:
     except KitError as error:
         print(coloured("kit    |", "error", sys.stderr), error, file=sys.stderr)
         return error.code
+    except SyntaxError as error:
+        # Of a lesson's program, which is read for what it needs.
+        where = f"{error.filename}, line {error.lineno}: {error.msg}; mend it, and try again"
+        print(coloured("kit    |", "error", sys.stderr), where, file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:

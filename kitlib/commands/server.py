@@ -5,13 +5,19 @@ import socket
 import sys
 
 from kitlib.commands.run import add_folder, behind, own_options, run, server_command
-from kitlib.lessons import find
+from kitlib.imports import PACKAGE, PYTHON
+from kitlib.lessons import ROOT, find
 from kitlib.programs import run_in_terminal
+from kitlib.reload import run_reloading
 from kitlib.setup import python_setup
 from kitlib.terminal import say
 
 ABOUT = "Runs a lesson's server in this terminal, until Ctrl-C. Other words are its own options: `server 2 --help`."
-EXAMPLES = ["server 1", "server 2 --drop 3   it loses reply 3"]
+EXAMPLES = [
+    "server 1",
+    "server 2 --drop 3   it loses reply 3",
+    "server 2 --reload   change its answer and save: it is started anew, and its clients go on",
+]
 PASSES_ON = True
 # The commands that show a machine's addresses.
 SHOWS = {"win32": "ipconfig", "linux": "hostname -I"}
@@ -20,6 +26,7 @@ SHOWS = {"win32": "ipconfig", "linux": "hostname -I"}
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON", help="its number or its name")
     add_folder(parser)
+    parser.add_argument("--reload", action="store_true", help="start it anew when a Python file of it is saved")
 
 
 def program_help(lesson: str) -> str:
@@ -28,6 +35,10 @@ def program_help(lesson: str) -> str:
 
 def do(options: argparse.Namespace) -> int:
     lesson = find(options.lesson)
+    if options.reload:
+        where = ["--folder", str(options.folder)] if options.folder else []
+        again = [sys.executable, str(ROOT / "kit.py"), "server", lesson.key, *where, "--", *options.words]
+        return run_reloading(again, [lesson.python, *(other.python for _, other in lesson.behind), PYTHON / PACKAGE])
     python = python_setup.interpreter(lesson.key)
     if any("0.0.0.0" in word for word in options.words):
         say(f"0.0.0.0 stands for every network that this machine is in; other machines connect to {address()}")

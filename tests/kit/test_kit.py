@@ -32,7 +32,7 @@ from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, finished, python_runs
+from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, finished, python_runs, steady_endpoint
 
 KIT = ROOT / "kit.py"
 # For the client: its first reply may take seconds on a busy machine.
@@ -674,6 +674,40 @@ def test_server_and_client_are_the_halves_of_run(kind, request, start):
     server.stop(signal.SIGINT)
     assert "Traceback" not in server.output
     assert mark.processes() == {}
+
+
+@finds_processes
+def test_a_saved_answer_reaches_the_clients_that_run(prepared, start, serve):
+    """After a mistake, too; and Ctrl-C leaves nothing."""
+    path, endpoint = prepared / "python" / "04_background_client" / "server.py", steady_endpoint()
+    text, mark = path.read_text(encoding="utf-8"), Mark()
+    words = ["server", "4", "--reload", "--endpoint", endpoint]
+    kit = start(PYTHON, prepared / "kit.py", *words, **mark.environment)
+    kit.wait_for("^listening on")
+    client = start(PYTHON, path.with_name("client.py"), "--endpoint", endpoint, "--count", "1000000")
+    client.wait_for("received world$")
+    path.write_text(text.replace("def answer", "def def answer"), encoding="utf-8")
+    ended = "kit    | the server has ended; the next save starts it again, Ctrl-C ends this"
+    kit.wait_for(f"^{re.escape(ended)}$")
+    for word in ("moon", "sun"):
+        # As many an editor saves: another file takes the old one's place.
+        new = path.with_name("server.py.new")
+        new.write_text(text.replace('"world"', f'"{word}"'), encoding="utf-8")
+        new.replace(path)
+        client.wait_for(f"received {word}$")
+    client.kill()
+    assert kit.stop(signal.SIGINT) == 130
+    anew, ready, mistake = (
+        "kit    | server.py saved: starting anew",
+        f"listening on {endpoint}",
+        f"kit    | {path}, line ",
+    )
+    story = (anew, ready, ended, mistake)
+    said = [next((each for each in story if line.startswith(each)), "") for line in kit.lines]
+    assert [each for each in said if each] == [ready, anew, mistake, ended, anew, ready, anew, ready], kit.output
+    assert "Traceback" not in kit.output
+    assert mark.processes() == {}
+    serve("04_background_client", endpoint=endpoint)
 
 
 @finds_processes
