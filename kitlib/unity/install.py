@@ -56,7 +56,7 @@ LIBRARIES = (
     ("System.Security.Principal.Windows", "5.0.0", f"{DOTNET}Security.Principal.Windows.dll"),
 )
 ALONE = "the scripts alone: they need NetMQ.dll and the DLLs that it needs"
-# Unity's own package of Newtonsoft.Json, which lesson 05 reads its headers with.
+# Unity's own package of Newtonsoft.Json, with which lessons 04 and 05 read JSON.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
 NUGET = "https://api.nuget.org/v3-flatcontainer"
 PLUGINS = f"{TARGET}/Plugins"

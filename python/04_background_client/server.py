@@ -19,7 +19,8 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import listening, receive, reply_to, run, server_options, whole
+from netmq_example.program import listening, receive, run, server_options, whole
+from netmq_example.replies import reply_to
 
 
 def answer(text: str) -> str:

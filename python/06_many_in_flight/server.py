@@ -20,7 +20,7 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import listening, reply_to, run, server_options
+from netmq_example.program import listening, run, server_options
 from netmq_example.worker_threads import WorkerThreads
 
 # So many may be at work or wait for a worker, and a quarter of them may be one client's. More are refused at once: to
@@ -62,7 +62,7 @@ def main() -> None:
                         # Frame by frame: recv_multipart and send_multipart would make it take twice as long here.
                         socket.send(client, zmq.SNDMORE)
                         socket.send(request_id, zmq.SNDMORE)
-                        socket.send(reply_to(answer, text))
+                        socket.send(workers.at_once(text))
                     elif (client, request_id) not in at_work:
                         if len(at_work) < MOST and sum(peer == client for peer, _ in at_work) < MOST // 4:
                             at_work.add((client, request_id))

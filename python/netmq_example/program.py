@@ -22,7 +22,6 @@ import signal
 import sys
 import threading
 import time
-import traceback
 from collections.abc import Callable, Iterator
 from socket import getaddrinfo
 from typing import Any, TypeVar
@@ -160,15 +159,6 @@ def encoded(text: str, errors: str = "replace") -> bytes:
     if len(data) > LARGEST_BYTES:
         raise ValueError(f"a text of {len(data)} bytes, more than {LARGEST_BYTES}: lesson 05 carries more")
     return data
-
-
-def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
-    """What `answer` makes of a request. A mistake in it is reported to both sides, and ends neither."""
-    try:
-        return encoded(answer(request.decode(errors="replace")), "strict")
-    except Exception as error:
-        traceback.print_exc()
-        return f"error: {error!r}".encode()
 
 
 def printable(text: str, most: int = 200) -> str:

@@ -25,6 +25,7 @@ FIRST = [
     block.body for block in guide.blocks(ROOT / "docs" / "guide" / "01_request_reply.md") if block.kind == "by hand"
 ]
 NAKED_SERVER, NAKED_CLIENT = FIRST[:2]
+(INNKEEPER,) = (block.body for block in BLOCKS if "runs it with the script above" in block.source)
 OWN = "tcp://127.0.0.1:5551"
 # The component for whoever comes from HelloRequester.cs, and a part of it that goes on after a restart.
 HELLO, AGAIN = (block.body for block in CSHARP if "test_the_way_from_the_old_hello" in block.source)
@@ -118,8 +119,9 @@ NAKED
     {
         var player = new Player(typeof(MyClient).Assembly);
         DrivenBehaviour car = null;
-        var (answers, least) = (0, which == "paths" ? 3 : 2);
-        var wanted = new[] { "where to?", "it says 3.5", "echo 2: 2", "echo 3: 3", "sleep 0.5: slept 0.5" };
+        var (answers, least) = (0, which == "paths" || which == "innkeeper" ? 3 : 2);
+        var wanted = new[] { "where to?", "it says 3.5", "echo 2: 2", "echo 3: 3", "sleep 0.5: slept 0.5",
+            "Welcome, Ada!", "Welcome, Bo!", "Good to see you again, Ada!" };
         Application.logMessageReceived += (line, _, _) => answers += wanted.Contains(line) ? 1 : 0;
         player.Begin(() =>
         {
@@ -128,6 +130,7 @@ NAKED
             var types = which == "client" ? new[] { typeof(MyClient) }
                 : which == "asker" ? new[] { typeof(Asker) }
                 : which == "paths" ? new[] { typeof(Paths) }
+                : which == "innkeeper" ? new[] { typeof(Innkeeper) }
                 : new[] { which == "eye" ? typeof(MyEye) : typeof(MyCar), typeof(CameraSender), typeof(RoadScene) };
             var scripts = types.Select(type => (MonoBehaviour)thing.AddComponent(type)).ToArray();
             Inspector.Set(scripts, "endpoint", endpoint);
@@ -265,6 +268,20 @@ def pages(tmp_path_factory, console):
 
 
 @pytest.fixture
+def serve_own(start, tmp_path):
+    """serve_own("05_messages", old, new): where a copy of the lesson's server listens that has this text replaced."""
+
+    def serve_own(key, old, new):
+        for folder in ("netmq_example", key):
+            shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
+        path = tmp_path / key / "server.py"
+        path.write_text(path.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+        return start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0").wait_for(r"^listening on (\S+)")[1]
+
+    return serve_own
+
+
+@pytest.fixture
 def naked_server(start, tmp_path):
     """Where the first page's Python listens."""
     endpoint = steady_endpoint()
@@ -293,11 +310,11 @@ def test_a_server_that_a_game_starts(pages):
     assert finished([*pages, "started", PYTHON, words, endpoint]).stdout == "all heard: True\n"
 
 
-def test_a_script_of_yours_plays(pages, serve):
+def test_a_script_of_yours_plays(pages, serve, serve_own):
     """The components that lessons 04, 05, 06 and 08 give a Unity developer to begin with, each against its server."""
 
-    def play(which, lesson):
-        done = finished([*pages, which, serve(lesson)[1]])
+    def play(which, lesson="", endpoint=""):
+        done = finished([*pages, which, endpoint or serve(lesson)[1]])
         return (done.stdout + done.stderr).splitlines()
 
     assert play("car", "08_see_and_steer")[-1] == "drives: True"
@@ -313,6 +330,9 @@ def test_a_script_of_yours_plays(pages, serve):
     heard = [line for line in said if line != "the client was disposed"]
     assert heard == ["where to?"] * len(heard), said
     assert 2 <= len(heard) <= 31
+    own = guide.excerpt("python/04_background_client/server.py answer")
+    heard = play("innkeeper", endpoint=serve_own("04_background_client", own, INNKEEPER))
+    assert heard == ["Welcome, Ada!", "Welcome, Bo!", "Good to see you again, Ada!"]
 
 
 def test_a_listener_of_yours_goes_on(console, start, serve, tmp_path):
@@ -330,15 +350,10 @@ def test_a_listener_of_yours_goes_on(console, start, serve, tmp_path):
     player.stop()
 
 
-def test_a_picture_of_pythons_is_seen(pages, tmp_path, start):
+def test_a_picture_of_pythons_is_seen(pages, serve_own):
     """The page's `answer`, in a copy of the lesson's server, and its component: upright, with red above."""
     (mine,) = (block.body for block in BLOCKS if "runs it with the component below" in block.source)
-    for folder in ("netmq_example", "05_messages"):
-        shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
-    path = tmp_path / "05_messages" / "server.py"
-    path.write_text(path.read_text(encoding="utf-8").replace("if __name__", f"{mine}\n\nif __name__"), encoding="utf-8")
-    server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0")
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
+    endpoint = serve_own("05_messages", "if __name__", f"{mine}\n\nif __name__")
     assert finished([*pages, "picture", endpoint]).stdout.splitlines() == ["320 x 240 0 255"]
 
 

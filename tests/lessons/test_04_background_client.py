@@ -396,6 +396,9 @@ def test_in_code_with_a_server(serve, check):
     assert program.lines[-1] == "forgotten: ok"
 
 
+NOBODY = ("pairs", "refusal", "cancelled", "ask-cancelled", "stop", "asleep", "listener-stops")
+
+
 def test_in_code_with_nobody_who_answers(serve, check, context):
     """The first try of the second request is not answered, and the other one when its state was seen."""
     with contextlib.ExitStack() as stack:
@@ -406,7 +409,7 @@ def test_in_code_with_nobody_who_answers(serve, check, context):
         program = check(
             "state",
             f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}",
-            *(f"{each}={nobody}" for each in ("pairs", "refusal", "cancelled", "stop", "asleep", "listener-stops")),
+            *(f"{each}={nobody}" for each in NOBODY),
             f"stop={steady_endpoint()}",
             f"in-vain={','.join(strangers)}",
             f"answered={stack.enter_context(stranger(answer_and_break))},{far.endpoint}",

@@ -37,6 +37,8 @@ namespace NetMQExample.Tests
                 ["forgotten"] = Forgotten,
                 ["many"] = Many,
                 ["await"] = Await,
+                ["ask"] = Ask,
+                ["ask-cancelled"] = AskCancelled,
                 ["throwing"] = Throwing,
                 ["nested"] = Nested,
                 ["cleanup"] = Cleanup,
@@ -351,6 +353,79 @@ namespace NetMQExample.Tests
         }
 
         // An exception of a callback comes out of Poll, and keeps no other callback from running: not in Poll, not in Dispose.
+        public sealed class Wish
+        {
+            public string reply;
+            public UnityEngine.Vector3 place;
+            public UnityEngine.Vector3? none = null;
+            [NonSerialized] public int secret;
+        }
+
+        public sealed class Order
+        {
+            public string say = "nothing";
+            public int times = 7;
+            public List<UnityEngine.Vector3> way = null;
+            public float Speed { get; set; }
+        }
+
+        // The server replies with what it is told to. `the state` is a request for the state itself.
+        private static void Ask(string endpoint)
+        {
+            using var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(20));
+            string Show(Order order) => FormattableString.Invariant(
+                $"{order.say} {order.times} {order.Speed} {(order.way == null ? "-" : string.Join(" ", order.way))}");
+            foreach (var (reply, wanted) in new[]
+            {
+                (@"{""say"":""hi"",""times"":2,""Speed"":0.5,""way"":[{""x"":1,""y"":-2,""z"":0.5}]}", "hi 2 0.5 (1.00, -2.00, 0.50)"),
+                (@"{""SAY"":""grün ✓""}", "grün ✓ 7 0 -"),
+                ("{}", "nothing 7 0 -"),
+                ("error: no 'guest'", "! error: no 'guest'"),
+                (@"{""sya"":1}", "! the reply {\"sya\":1} is no Order: Could not find member 'sya' on object of type 'Order'. Path 'sya', line 1, position 7."),
+                (@"{""times"":""two""}", "! the reply {\"times\":\"two\"} is no Order: Could not convert string to integer: two. Path 'times', line 1, position 14."),
+                (@"{""way"":[{""w"":1}]}", "! the reply {\"way\":[{\"w\":1}]} is no Order: Could not find member 'w' on object of type 'Vector3'. Path 'way[0].w', line 1, position 13."),
+                ("null", "! the reply null is no Order: It is no object."),
+                ("", "! the reply  is no Order: It is no object."),
+                ("wo\nrld", "! the reply wo?rld is no Order: Unexpected character encountered while parsing value: w. Path '', line 0, position 0."),
+                (@"{""$type"":""System.IO.FileInfo"",""say"":""x""}", "x 7 0 -"),
+            })
+            {
+                var (got, wish) = ("", new Wish { reply = reply });
+                Check(client.Ask<Wish, Order>(wish, order => got += Show(order), why => got += $"! {why}"), "refused");
+                Until(() => got != "", client);
+                Equal(wanted, got);
+                var task = client.AskAsync<Wish, Order>(wish);
+                Until(() => task.IsCompleted, client);
+                Equal(wanted, task.IsFaulted ? $"! {((GaveUpException)task.Exception.InnerException).Message}" : Show(task.Result));
+            }
+            var state = new Wish { reply = "the state", place = new UnityEngine.Vector3(1, 2.5f, -3), secret = 1 };
+            string sent = null;
+            Check(client.Ask<Wish, Order>(state, order => sent = order.say, why => sent = why), "refused");
+            Until(() => sent != null, client);
+            Equal(@"{""reply"":""the state"",""place"":{""x"":1.0,""y"":2.5,""z"":-3.0},""none"":null}", sent);
+            try
+            {
+                client.Ask<Wish, Order>(new Wish { reply = new string('x', 70_000) }, null, null);
+                Check(false, "a state that is too long was taken");
+            }
+            catch (ArgumentException) { /* As of Request. */ }
+        }
+
+        // The server does not answer.
+        private static void AskCancelled(string endpoint)
+        {
+            using var destroyed = new CancellationTokenSource();
+            var client = new BackgroundClient(endpoint);
+            var task = client.AskAsync<Wish, Order>(new Wish(), destroyed.Token);
+            var why = "";
+            client.Ask<Wish, Order>(new Wish(), order => why += "a reply", error => why += error);
+            destroyed.Cancel();
+            Check(task.IsCanceled, "it waits");
+            client.Dispose();
+            Equal("the client was disposed", why);
+            Check(!client.Ask<Wish, Order>(new Wish(), null, null), "taken after Dispose");
+        }
+
         private static void Throwing(string endpoint)
         {
             int thrown = 0, ran = 0;

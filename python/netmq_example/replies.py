@@ -1,0 +1,78 @@
+"""What a server makes of a request: text in, text out; with `json_answer` a dict in, a dict out.
+
+    @json_answer
+    def answer(state: dict) -> dict:
+        return {"say": f"Hello, {state['name']}!"}
+
+A mistake ends no server: `error: …` is the reply.
+"""
+
+import functools
+import json
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from netmq_example.program import encoded, printable, show
+
+
+def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
+    """What `answer` makes of a request. A mistake in it is reported to both sides, and ends neither."""
+    try:
+        return encoded(answer(request.decode(errors="replace")), "strict")
+    except Exception as error:
+        traceback.print_exc()
+        return f"error: {error!r}".encode()
+
+
+class Misfit(KeyError):
+    """A request or a reply is not what was agreed: one line for both sides, and no traceback."""
+
+    # A KeyError's own shows its argument between quotation marks.
+    __str__ = Exception.__str__
+
+
+class Fields(dict[str, Any]):
+    """A JSON object. A key that it lacks is a KeyError which names those that it has."""
+
+    def __missing__(self, key: str) -> Any:
+        raise Misfit(f"the request has no {key!r}; it has {', '.join(map(repr, self)) or 'nothing'}")
+
+
+def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[[str], str]:
+    """Write @json_answer above `answer(state: dict) -> dict`: both are JSON objects on the wire.
+
+    A request that is none or lacks a key, and a result that cannot be written as one, become the reply `error: …`. The
+    server prints that line, too.
+    """
+
+    @functools.wraps(answer)
+    def in_json(text: str) -> str:
+        try:
+            return write(answer(read(text)))
+        except Misfit as error:
+            line = f"error: {error}"
+            show(line)
+            return line
+
+    return in_json
+
+
+def read(text: str) -> Fields:
+    try:
+        state = json.loads(text, object_hook=Fields)
+    except (ValueError, RecursionError) as error:
+        raise Misfit(f"the request {printable(text, 80)!r} is no JSON: {error}") from None
+    if not isinstance(state, Fields):
+        raise Misfit(f"the request {printable(text, 80)!r} is no JSON object: send a class with fields")
+    return state
+
+
+def write(order: object) -> str:
+    if not isinstance(order, dict):
+        raise Misfit(f"answer returned {printable(repr(order), 80)}: return a dict")
+    try:
+        # NaN and Infinity are no JSON.
+        return json.dumps(order, allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise Misfit(f"answer returned what JSON cannot have: {error}") from None

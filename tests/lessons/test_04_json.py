@@ -1,0 +1,101 @@
+"""Lesson 04 with JSON: objects of one's own both ways, and what does not fit named on both sides."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+import zmq
+
+from kitlib.docs import guide
+from kitlib.setup import dotnet
+from tests.conftest import PYTHON
+from tests.programs import LIMIT, ROOT
+
+KEY = "04_background_client"
+OWN = guide.excerpt(f"python/{KEY}/server.py answer")
+
+
+@pytest.fixture
+def serve_own(start, tmp_path):
+    """serve_own(answer) starts a copy of the lesson's server with an answer of one's own: (program, endpoint)."""
+
+    def serve_own(answer):
+        for folder in ("netmq_example", KEY):
+            shutil.copytree(ROOT / "python" / folder, tmp_path / folder)
+        path = tmp_path / KEY / "server.py"
+        path.write_text(path.read_text(encoding="utf-8").replace(OWN, answer), encoding="utf-8")
+        server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0")
+        return server, server.wait_for(r"^listening on (\S+)")[1]
+
+    return serve_own
+
+
+TOLD = """
+def answer(text):
+    import json
+    reply = json.loads(text)["reply"]
+    return json.dumps({"say": text}) if reply == "the state" else reply
+"""
+
+
+def test_classes_of_ones_own_in_csharp(serve_own, start, netmq):
+    dll = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
+    program = start("dotnet", dll, "background", f"ask={serve_own(TOLD)[1]}")
+    assert program.wait() == 0, program.output
+    assert program.lines == ["ask: ok"]
+
+
+JSON = """
+from netmq_example.replies import json_answer
+
+seen = []
+
+
+@json_answer
+def answer(state: dict) -> dict:
+    seen.append(state["guest"])
+    if state.get("mistake"):
+        return {}["mine"]
+    if "result" in state:
+        return {"nan": {"x": float("nan")}, "set": {"x": {1}}, "list": [], "key": {(1, 2): 1}}[state["result"]]
+    return {"seen": seen, "x": state["place"]["x"]}
+"""
+ASKED = {
+    '{"guest": "Ada", "place": {"x": 1}}': '{"seen": ["Ada"], "x": 1}',
+    '{"guset": "Ada", "place": {"x": 1}}': "error: the request has no 'guest'; it has 'guset', 'place'",
+    '{"guest": "Bo", "place": {}}': "error: the request has no 'x'; it has nothing",
+    "{}": "error: the request has no 'guest'; it has nothing",
+    "[1]": "error: the request '[1]' is no JSON object: send a class with fields",
+    "null": "error: the request 'null' is no JSON object: send a class with fields",
+    "hello\n": "error: the request 'hello?' is no JSON: Expecting value: line 1 column 1 (char 0)",
+    "[" * 60_000: f"error: the request '{'[' * 80}…' is no JSON: maximum recursion depth exceeded",
+    '{"guest": "Cy", "result": "list"}': "error: answer returned []: return a dict",
+    '{"guest": "Cy", "result": "nan"}': "error: answer returned what JSON cannot have: Out of range float values",
+    '{"guest": "Cy", "result": "set"}': "error: answer returned what JSON cannot have: Object of type set is not JSON",
+    '{"guest": "Cy", "result": "key"}': "error: answer returned what JSON cannot have: keys must be str",
+    '{"guest": "Cy", "mistake": true}': "error: KeyError('mine')",
+}
+
+
+def test_a_dict_in_and_a_dict_out_in_python(serve_own, context):
+    server, endpoint = serve_own(JSON)
+    with context.socket(zmq.REQ) as asker:
+        asker.linger = 0
+        asker.connect(endpoint)
+        for id, (request, wanted) in enumerate(ASKED.items()):
+            # Asked twice, as by a retry.
+            for _ in range(2):
+                asker.send_multipart([b"%d" % id, request.encode()])
+                assert asker.poll(LIMIT * 1000), request
+                reply = asker.recv_multipart()[1].decode()
+                assert reply.startswith(wanted), reply
+                if reply[0] == "{":
+                    assert json.loads(reply) == json.loads(wanted)
+    server.wait_for(r"KeyError: 'mine'")
+    # Each once, in one line; only a mistake that is the answer's own has a traceback.
+    said = [line for line in server.lines if line.startswith("error: ")]
+    wanted = [line for line in ASKED.values() if line.startswith("error: ") and "KeyError" not in line]
+    assert len(said) == len(wanted) and all(map(str.startswith, said, wanted)), said
+    assert server.output.count("Traceback") == 1

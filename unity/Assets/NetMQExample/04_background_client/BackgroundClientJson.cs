@@ -1,0 +1,86 @@
+// Lesson 04 with your own classes: client.Ask<State, Order>(state, order => Debug.Log(order.say), Debug.LogWarning);
+//
+// State and Order are classes with public fields, and JSON on the wire. In Python: @json_answer of replies.py.
+// new() has a build keep the constructor of Order, which only JSON calls.
+// It needs Newtonsoft.Json, in Unity the package com.unity.nuget.newtonsoft-json; without it delete this file.
+using System;
+using System.Collections.Generic;
+using System.Reflection;
+using System.Threading;
+using System.Threading.Tasks;
+using Newtonsoft.Json;
+using Newtonsoft.Json.Serialization;
+
+namespace NetMQExample
+{
+    /// <summary>Requests and replies that are objects instead of texts.</summary>
+    public static class BackgroundClientJson
+    {
+        // A misspelt key is an error, a missing one leaves its field as it is. No reply may name the class to make.
+        private static readonly JsonSerializerSettings Rules = new JsonSerializerSettings
+        {
+            ContractResolver = new UnityFields(),
+            MissingMemberHandling = MissingMemberHandling.Error,
+            TypeNameHandling = TypeNameHandling.None,
+        };
+
+        /// <summary>Sends a state, and has one of the two callbacks run once in a later Poll.</summary>
+        /// <param name="client">The client.</param>
+        /// <param name="state">Its public fields and properties are sent, as JSON of at most 65,536 bytes.</param>
+        /// <param name="reply">Gets what the server has answered.</param>
+        /// <param name="error">Gets the reason why there is no such answer: also a text that begins with
+        /// <c>error:</c>, and a reply that does not fit TOrder.</param>
+        /// <exception cref="ArgumentException">The state is too long.</exception>
+        /// <exception cref="JsonException">The state cannot be written as JSON.</exception>
+        /// <returns>False if refused: neither callback will run.</returns>
+        public static bool Ask<TState, TOrder>(this BackgroundClient client, TState state, Action<TOrder> reply,
+            Action<string> error) where TOrder : new()
+        {
+            return client.Request(JsonConvert.SerializeObject(state, Rules), text =>
+            {
+                TOrder order;
+                try { order = Read<TOrder>(text); }
+                catch (GaveUpException e)
+                {
+                    error?.Invoke(e.Message);
+                    return;
+                }
+                reply?.Invoke(order);
+            }, error);
+        }
+
+        /// <summary>The same to await: <c>await client.AskAsync&lt;State, Order&gt;(state,
+        /// destroyCancellationToken)</c>. What awaits it goes on inside Poll.</summary>
+        /// <exception cref="GaveUpException">There is no such answer; the message has the reason.</exception>
+        public static async Task<TOrder> AskAsync<TState, TOrder>(this BackgroundClient client, TState state,
+            CancellationToken cancel = default) where TOrder : new() =>
+            Read<TOrder>(await client.RequestAsync(JsonConvert.SerializeObject(state, Rules), cancel));
+
+        private static TOrder Read<TOrder>(string text)
+        {
+            if (text.StartsWith("error:", StringComparison.Ordinal)) throw new GaveUpException(text);
+            try
+            {
+                // Of null and of an empty text Newtonsoft makes null.
+                var order = JsonConvert.DeserializeObject<TOrder>(text, Rules);
+                return order is null ? throw new JsonSerializationException("It is no object.") : order;
+            }
+            catch (Exception e)
+            {
+                var why = $"the reply {LogText.Printable(text, 80)} is no {typeof(TOrder).Name}: {e.Message}";
+                throw new GaveUpException(LogText.Printable(why, 400));
+            }
+        }
+
+        // A Vector3 is its x, y and z: its property `normalized` is a Vector3, which has such a property again.
+        private sealed class UnityFields : DefaultContractResolver
+        {
+            protected override List<MemberInfo> GetSerializableMembers(Type type)
+            {
+                var all = base.GetSerializableMembers(type);
+                var fields = all.FindAll(each => each is FieldInfo);
+                return type.Namespace == "UnityEngine" && fields.Count > 0 ? fields : all;
+            }
+        }
+    }
+}
