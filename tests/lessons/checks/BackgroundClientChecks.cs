@@ -372,6 +372,11 @@ namespace NetMQExample.Tests
         // The server replies with what it is told to. `the state` is a request for the state itself.
         private static void Ask(string endpoint)
         {
+            // A game's own rules, which let who writes the JSON choose the class.
+            Newtonsoft.Json.JsonConvert.DefaultSettings = () => new Newtonsoft.Json.JsonSerializerSettings
+            {
+                TypeNameHandling = Newtonsoft.Json.TypeNameHandling.All,
+            };
             using var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(20));
             string Show(Order order) => FormattableString.Invariant(
                 $"{order.say} {order.times} {order.Speed} {(order.way == null ? "-" : string.Join(" ", order.way))}");
