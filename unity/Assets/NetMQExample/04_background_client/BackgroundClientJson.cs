@@ -40,11 +40,7 @@ namespace NetMQExample
             {
                 TOrder order;
                 try { order = Read<TOrder>(text); }
-                catch (GaveUpException e)
-                {
-                    error?.Invoke(e.Message);
-                    return;
-                }
+                catch (GaveUpException e) { error?.Invoke(e.Message); return; }
                 reply?.Invoke(order);
             }, error);
         }
