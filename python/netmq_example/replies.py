@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any
 
 from netmq_example.program import encoded, printable, show
+from netmq_example.trouble import Trouble
 
 
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
@@ -43,17 +44,18 @@ def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[
     """Write @json_answer above `answer(state: dict) -> dict`: both are JSON objects on the wire.
 
     A request that is none or lacks a key, and a result that cannot be written as one, become the reply `error: …`. The
-    server prints that line, too.
+    server prints the reason too, a line a second at most.
     """
+
+    report = Trouble(show)
 
     @functools.wraps(answer)
     def in_json(text: str) -> str:
         try:
             return write(answer(read(text)))
         except Misfit as error:
-            line = f"error: {error}"
-            show(line)
-            return line
+            report(str(error))
+            return f"error: {error}"
 
     return in_json
 

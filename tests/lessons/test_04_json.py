@@ -94,8 +94,6 @@ def test_a_dict_in_and_a_dict_out_in_python(serve_own, context):
                 if reply[0] == "{":
                     assert json.loads(reply) == json.loads(wanted)
     server.wait_for(r"KeyError: 'mine'")
-    # Each once, in one line; only a mistake that is the answer's own has a traceback.
-    said = [line for line in server.lines if line.startswith("error: ")]
-    wanted = [line for line in ASKED.values() if line.startswith("error: ") and "KeyError" not in line]
-    assert len(said) == len(wanted) and all(map(str.startswith, said, wanted)), said
+    # In one line, and how many there were meanwhile; only a mistake that is the answer's own has a traceback.
+    assert "trouble: the request has no 'guest'; it has 'guset', 'place'" in server.lines
     assert server.output.count("Traceback") == 1
