@@ -40,7 +40,7 @@ zmq.Context._socket_class = LookedAt
 TEXTS, ARRAYS = (64 * KILOBYTE, 1000, 1000), (256 * MEGABYTE, 2, 1000)
 SOCKETS = {
     # A subscription is short.
-    **dict.fromkeys(["03_publish_subscribe", "20_body_tracking"], (1000, 1000, 1000)),
+    **dict.fromkeys(["03_publish_subscribe", "07_catch_up", "20_body_tracking"], (1000, 1000, 1000)),
     "05_messages": (256 * MEGABYTE, 2, 10),
     "13_side_channels": (16 * MEGABYTE, 4, 1000),
     "14_long_jobs": (64 * KILOBYTE, 1000, 10),
