@@ -101,6 +101,9 @@ namespace UnityPlayer
             Input.Down.Clear();
             Input.Down.UnionWith(keys);
             Input.Down.ExceptWith(Input.Pressed);
+            Input.Up.Clear();
+            Input.Up.UnionWith(Input.Pressed);
+            Input.Up.ExceptWith(keys);
             Input.Pressed.Clear();
             Input.Pressed.UnionWith(keys);
         }
@@ -137,7 +140,7 @@ namespace UnityPlayer
             contextBefore = SynchronizationContext.Current;
             SynchronizationContext.SetSynchronizationContext(context);
             errorsBefore = Debug.Errors;
-            fixedTime = clockBefore = Time.Now = Time.Elapsed = Time.Frames = 0;
+            fixedTime = clockBefore = Time.Now = Time.Unscaled = Time.Elapsed = Time.Frames = 0;
             Time.Clock = () => clock.Elapsed.TotalSeconds;
             Time.BackToNormal();
             Application.QuitAsked = false;
@@ -157,7 +160,7 @@ namespace UnityPlayer
             Time.Frames++;
             SceneManager.Change();
             Time.Elapsed = clock.Elapsed.TotalSeconds - clockBefore;
-            clockBefore += Time.Elapsed;
+            Time.Unscaled = clockBefore += Time.Elapsed;
             // Capped: after a long frame the game's time is behind, and FixedUpdate does not have to catch up for ever.
             Time.Now += Time.deltaTime;
             AsyncGPUReadback.NextFrame();
@@ -166,15 +169,19 @@ namespace UnityPlayer
             {
                 Time.Fixed = fixedTime;
                 ForEach(script => script.Tick("FixedUpdate"));
+                Coroutine.Run(typeof(WaitForFixedUpdate));
             }
             Time.Fixed = null;
             ForEach(script => script.Tick("Update"));
+            Coroutine.Run(null);
             context.Run();
             // What was made in an Update starts in the same frame.
             ForEach(script => script.BeginFrame());
             ForEach(script => script.Tick("LateUpdate"));
             ForEach(script => script.Tick("OnGUI"));
+            Coroutine.Run(typeof(WaitForEndOfFrame));
             Input.Down.Clear();
+            Input.Up.Clear();
             LoadedScene.RemoveDestroyed();
         }
 

@@ -5,27 +5,8 @@ namespace UnityEngine
 {
     public enum HumanBodyBones
     {
-        Hips = 0,
-        LeftUpperLeg = 1,
-        RightUpperLeg = 2,
-        LeftLowerLeg = 3,
-        RightLowerLeg = 4,
-        LeftFoot = 5,
-        RightFoot = 6,
-        Spine = 7,
-        Chest = 8,
-        Neck = 9,
-        Head = 10,
-        LeftShoulder = 11,
-        RightShoulder = 12,
-        LeftUpperArm = 13,
-        RightUpperArm = 14,
-        LeftLowerArm = 15,
-        RightLowerArm = 16,
-        LeftHand = 17,
-        RightHand = 18,
-        LeftToes = 19,
-        RightToes = 20,
+        Hips, LeftUpperLeg, RightUpperLeg, LeftLowerLeg, RightLowerLeg, LeftFoot, RightFoot, Spine, Chest, Neck, Head, LeftShoulder, RightShoulder,
+        LeftUpperArm, RightUpperArm, LeftLowerArm, RightLowerArm, LeftHand, RightHand, LeftToes, RightToes,
     }
 
     public class Animator : Behaviour

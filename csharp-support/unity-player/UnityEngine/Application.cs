@@ -16,14 +16,7 @@ namespace UnityEditor
 
 namespace UnityEngine
 {
-    public enum LogType
-    {
-        Error,
-        Assert,
-        Warning,
-        Log,
-        Exception,
-    }
+    public enum LogType { Error, Assert, Warning, Log, Exception }
 
     public class Application
     {
@@ -37,15 +30,11 @@ namespace UnityEngine
         public static event Action quitting;
 
         internal static bool QuitAsked { get; set; }
-
         internal static bool Playing { get; set; }
-
         internal static bool Mobile { get; set; }
-
         internal static bool Editor { get; set; }
 
         public static bool isEditor => Editor;
-
         public static bool isMobilePlatform => Mobile;
 
         public static bool isPlaying
@@ -85,40 +74,33 @@ namespace UnityEngine
 
     public class Time
     {
+        private static float step = 0.02f;
+
         internal static double Now { get; set; }
-
         internal static double Elapsed { get; set; }
-
+        internal static double Unscaled { get; set; }
         internal static double? Fixed { get; set; }
-
         internal static int Frames { get; set; }
-
         internal static Func<double> Clock { get; set; } = () => 0;
 
         public static float timeScale { get; set; } = 1;
-
         // More than 0: so many frames make a second of the game's time.
         public static int captureFramerate { get; set; }
 
         // In FixedUpdate both are those of the step.
         public static float time => (float)Checked("get_time", Fixed ?? Now);
-
-        public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? OfThisFrame * timeScale : 0.02);
-
+        public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? OfThisFrame * timeScale : step);
+        public static float unscaledTime => (float)Checked("get_unscaledTime", Unscaled);
         public static float unscaledDeltaTime => (float)Checked("get_unscaledDeltaTime", Elapsed);
-
         // What a new project has: a third of a second.
         public static float maximumDeltaTime => (float)Checked("get_maximumDeltaTime", 1 / 3.0);
-
-        public static float fixedDeltaTime => (float)Checked("get_fixedDeltaTime", 0.02);
-
+        public static float fixedDeltaTime { get => (float)Checked("get_fixedDeltaTime", step); set => step = value; }
         public static float realtimeSinceStartup => (float)Checked("get_realtimeSinceStartup", Clock());
-
         public static int frameCount => (int)Checked("get_frameCount", Frames);
 
         private static double OfThisFrame => captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);
 
-        internal static void BackToNormal() => (timeScale, captureFramerate, Application.targetFrameRate, QualitySettings.VSyncs) = (1, 0, -1, 1);
+        internal static void BackToNormal() => (timeScale, captureFramerate, step, Application.targetFrameRate, QualitySettings.VSyncs) = (1, 0, 0.02f, -1, 1);
 
         private static double Checked(string api, double value)
         {
@@ -129,7 +111,9 @@ namespace UnityEngine
 
     public sealed class Screen
     {
-        // There is no window here.
+        // There is no window here: a small one is imagined.
+        public static int width => 640;
+        public static int height => 480;
         public static void SetResolution(int width, int height, bool fullscreen) => MainThread.Only(nameof(SetResolution));
     }
 
@@ -162,24 +146,36 @@ namespace UnityEngine
         internal static TimeSpan Cost { get; set; }
 
         public static void Log(object message) => Write(Console.Out, message, LogType.Log);
-
         public static void Log(object message, Object context) => Log(message);
-
+        public static void LogFormat(string format, params object[] args) => Log(Formatted(format, args));
         public static void LogWarning(object message) => Write(Console.Error, message, LogType.Warning);
-
         public static void LogWarning(object message, Object context) => LogWarning(message);
+        public static void LogWarningFormat(string format, params object[] args) => LogWarning(Formatted(format, args));
+        public static void LogError(object message) => Fail(message, LogType.Error);
+        public static void LogError(object message, Object context) => LogError(message);
+        public static void LogErrorFormat(string format, params object[] args) => LogError(Formatted(format, args));
+        public static void LogException(Exception exception) => LogError(exception);
+        public static void LogException(Exception exception, Object context) => LogError(exception);
+        public static void Assert(bool condition) => Assert(condition, "Assertion failed");
 
-        public static void LogError(object message)
+        public static void Assert(bool condition, string message)
         {
-            Interlocked.Increment(ref errors);
-            Write(Console.Error, message, LogType.Error);
+            if (!condition) Fail(message, LogType.Assert);
         }
 
-        public static void LogError(object message, Object context) => LogError(message);
+        // Nobody sees a line here.
+        public static void DrawLine(Vector3 start, Vector3 end) { }
+        public static void DrawLine(Vector3 start, Vector3 end, Color color) { }
+        public static void DrawRay(Vector3 start, Vector3 dir) { }
+        public static void DrawRay(Vector3 start, Vector3 dir, Color color) { }
 
-        public static void LogException(Exception exception) => LogError(exception);
+        private static string Formatted(string format, object[] args) => string.Format(System.Globalization.CultureInfo.InvariantCulture, format, args);
 
-        public static void LogException(Exception exception, Object context) => LogError(exception);
+        private static void Fail(object message, LogType type)
+        {
+            Interlocked.Increment(ref errors);
+            Write(Console.Error, message, type);
+        }
 
         private static void Write(System.IO.TextWriter where, object message, LogType type)
         {

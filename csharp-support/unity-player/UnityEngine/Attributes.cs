@@ -1,4 +1,4 @@
-// What scripts say to the inspector and to the engine. The player heeds RequireComponent and
+// What scripts say to the inspector and to the engine. The player heeds RequireComponent, DisallowMultipleComponent, Min and
 // RuntimeInitializeOnLoadMethod; the others only have to compile.
 using System;
 
@@ -8,6 +8,8 @@ namespace UnityEngine
     public sealed class SerializeField : Attribute { }
 
     public abstract class PropertyAttribute : Attribute { }
+
+    public sealed class HideInInspector : Attribute { }
 
     [AttributeUsage(AttributeTargets.All)]
     public class TooltipAttribute : PropertyAttribute
@@ -26,17 +28,32 @@ namespace UnityEngine
         public HeaderAttribute(string header) => this.header = header;
     }
 
+    [AttributeUsage(AttributeTargets.Field, AllowMultiple = true)]
+    public class SpaceAttribute : PropertyAttribute
+    {
+        public readonly float height;
+
+        public SpaceAttribute() : this(8) { }
+
+        public SpaceAttribute(float height) => this.height = height;
+    }
+
+    [AttributeUsage(AttributeTargets.Field)]
+    public sealed class TextAreaAttribute : PropertyAttribute
+    {
+        public readonly int minLines, maxLines;
+
+        public TextAreaAttribute() : this(3, 3) { }
+
+        public TextAreaAttribute(int minLines, int maxLines) => (this.minLines, this.maxLines) = (minLines, maxLines);
+    }
+
     [AttributeUsage(AttributeTargets.Field)]
     public sealed class RangeAttribute : PropertyAttribute
     {
-        public readonly float min;
-        public readonly float max;
+        public readonly float min, max;
 
-        public RangeAttribute(float min, float max)
-        {
-            this.min = min;
-            this.max = max;
-        }
+        public RangeAttribute(float min, float max) => (this.min, this.max) = (min, max);
     }
 
     [AttributeUsage(AttributeTargets.Field)]
@@ -62,17 +79,26 @@ namespace UnityEngine
         public string componentMenu { get; }
     }
 
+    [AttributeUsage(AttributeTargets.Method, AllowMultiple = true)]
+    public sealed class ContextMenu : Attribute
+    {
+        public readonly string menuItem;
+
+        public ContextMenu(string itemName) => menuItem = itemName;
+    }
+
+    [AttributeUsage(AttributeTargets.Class, Inherited = false)]
+    public sealed class CreateAssetMenuAttribute : Attribute
+    {
+        public string menuName { get; set; }
+        public string fileName { get; set; }
+        public int order { get; set; }
+    }
+
     [AttributeUsage(AttributeTargets.Class, Inherited = false)]
     public sealed class DisallowMultipleComponent : Attribute { }
 
-    public enum RuntimeInitializeLoadType
-    {
-        AfterSceneLoad,
-        BeforeSceneLoad,
-        AfterAssembliesLoaded,
-        BeforeSplashScreen,
-        SubsystemRegistration,
-    }
+    public enum RuntimeInitializeLoadType { AfterSceneLoad, BeforeSceneLoad, AfterAssembliesLoaded, BeforeSplashScreen, SubsystemRegistration }
 
     [AttributeUsage(AttributeTargets.Method)]
     public class RuntimeInitializeOnLoadMethodAttribute : Scripting.PreserveAttribute

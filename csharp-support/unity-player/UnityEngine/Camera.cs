@@ -3,11 +3,7 @@ using System;
 
 namespace UnityEngine.Rendering
 {
-    public enum GraphicsDeviceType
-    {
-        Null = 4,
-        OpenGLCore = 17,
-    }
+    public enum GraphicsDeviceType { Null = 4, OpenGLCore = 17 }
 
     public abstract class RenderPipelineAsset : ScriptableObject { }
 
@@ -22,76 +18,13 @@ namespace UnityEngine
 {
     using UnityEngine.Rendering;
 
-    public enum PrimitiveType
-    {
-        Sphere = 0,
-        Cube = 3,
-    }
+    public enum PrimitiveType { Sphere = 0, Cube = 3 }
 
-    public enum CameraClearFlags
-    {
-        Skybox = 1,
-        Color = 2,
-        SolidColor = 2,
-        Depth = 3,
-        Nothing = 4,
-    }
+    public enum CameraClearFlags { Skybox = 1, Color = 2, SolidColor = 2, Depth = 3, Nothing = 4 }
 
-    public enum RenderTextureFormat
-    {
-        ARGB32 = 0,
-    }
+    public enum RenderTextureFormat { ARGB32 = 0 }
 
-    public enum RenderTextureReadWrite
-    {
-        sRGB = 2,
-    }
-
-    public struct Color
-    {
-        public float r;
-        public float g;
-        public float b;
-        public float a;
-
-        public Color(float r, float g, float b, float a)
-        {
-            this.r = r;
-            this.g = g;
-            this.b = b;
-            this.a = a;
-        }
-
-        public Color(float r, float g, float b) : this(r, g, b, 1) { }
-
-        public static Color red => new Color(1, 0, 0);
-
-        public static Color green => new Color(0, 1, 0);
-
-        public static Color blue => new Color(0, 0, 1);
-
-        public static Color white => new Color(1, 1, 1);
-
-        public static Color black => new Color(0, 0, 0);
-    }
-
-    public struct Color32
-    {
-        public byte r;
-        public byte g;
-        public byte b;
-        public byte a;
-
-        public Color32(byte r, byte g, byte b, byte a)
-        {
-            this.r = r;
-            this.g = g;
-            this.b = b;
-            this.a = a;
-        }
-
-        public static implicit operator Color(Color32 c) => new Color(c.r / 255f, c.g / 255f, c.b / 255f, c.a / 255f);
-    }
+    public enum RenderTextureReadWrite { sRGB = 2 }
 
     public sealed class Shader : Object
     {
@@ -146,9 +79,7 @@ namespace UnityEngine
         }
     }
 
-    public class MeshRenderer : Renderer
-    {
-    }
+    public class MeshRenderer : Renderer { }
 
     public class RenderTexture : Texture
     {
@@ -180,23 +111,17 @@ namespace UnityEngine
             {
                 MainThread.Only("get_main");
                 foreach (var thing in LoadedScene.Objects)
-                    if (thing.tag == "MainCamera" && thing.activeSelf && thing.GetComponent<Camera>() is Camera camera && camera.enabled) return camera;
+                    if (thing.tag == "MainCamera" && thing.GetComponent<Camera>() is Camera camera && camera.isActiveAndEnabled) return camera;
                 return null;
             }
         }
 
         public float fieldOfView { get; set; } = 60;
-
         public float nearClipPlane { get; set; } = 0.3f;
-
         public float farClipPlane { get; set; } = 1000;
-
         public CameraClearFlags clearFlags { get; set; } = CameraClearFlags.Skybox;
-
         public Color backgroundColor { get; set; } = new Color(0.19215686f, 0.3019608f, 0.4745098f, 0);
-
         public RenderTexture targetTexture { get; set; }
-
         // A bit for each layer.
         public int cullingMask { get; set; } = -1;
 

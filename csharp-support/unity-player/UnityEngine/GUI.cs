@@ -1,41 +1,59 @@
-// What a text is drawn with. A terminal has no place for it: it is only kept.
+// What OnGUI draws with. A terminal has no place for it: the last text and picture are kept, and nobody clicks or types.
 namespace UnityEngine
 {
     public struct Rect
     {
-        public Rect(float x, float y, float width, float height)
-        {
-            this.x = x;
-            this.y = y;
-            this.width = width;
-            this.height = height;
-        }
+        public Rect(float x, float y, float width, float height) => (this.x, this.y, this.width, this.height) = (x, y, width, height);
 
         public float x { get; set; }
-
         public float y { get; set; }
-
         public float width { get; set; }
-
         public float height { get; set; }
     }
 
     public class GUI
     {
         internal static string Drawn { get; private set; } = "";
-
         internal static Texture Picture { get; private set; }
 
+        public static Color color { get; set; } = Color.white;
         public static void Label(Rect position, string text) => Drawn = text;
-
+        public static void Box(Rect position, string text) => Drawn = text;
         public static void DrawTexture(Rect position, Texture image) => Picture = image;
-
-        // Nobody clicks in a terminal.
         public static bool Button(Rect position, string text) => false;
+        public static bool Toggle(Rect position, bool value, string text) => value;
+        public static string TextField(Rect position, string text) => text;
+        public static float HorizontalSlider(Rect position, float value, float leftValue, float rightValue) => value;
+    }
+
+    public sealed class GUILayoutOption
+    {
+        internal GUILayoutOption() { }
+    }
+
+    public class GUILayout
+    {
+        public static void BeginArea(Rect screenRect) { }
+        public static void EndArea() { }
+        public static void BeginHorizontal(params GUILayoutOption[] options) { }
+        public static void EndHorizontal() { }
+        public static void BeginVertical(params GUILayoutOption[] options) { }
+        public static void EndVertical() { }
+        public static void Space(float pixels) { }
+        public static void FlexibleSpace() { }
+        public static GUILayoutOption Width(float width) => new GUILayoutOption();
+        public static GUILayoutOption Height(float height) => new GUILayoutOption();
+        public static void Label(string text, params GUILayoutOption[] options) => GUI.Label(default, text);
+        public static void Box(string text, params GUILayoutOption[] options) => GUI.Label(default, text);
+        public static bool Button(string text, params GUILayoutOption[] options) => false;
+        public static bool Toggle(bool value, string text, params GUILayoutOption[] options) => value;
+        public static string TextField(string text, params GUILayoutOption[] options) => text;
+        public static float HorizontalSlider(float value, float leftValue, float rightValue, params GUILayoutOption[] options) => value;
     }
 
     public sealed class TextMesh : Component
     {
         public string text { get; set; } = "";
+        public Color color { get; set; } = Color.white;
     }
 }

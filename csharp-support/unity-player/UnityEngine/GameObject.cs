@@ -1,9 +1,8 @@
-// Game objects and their components, with the life of a MonoBehaviour in the order that Unity documents.
+// Game objects and their components.
 using System;
 using System.Collections.Generic;
 using System.Linq;
 using System.Reflection;
-using System.Threading;
 
 namespace UnityEngine
 {
@@ -13,20 +12,40 @@ namespace UnityEngine
 
         public GameObject() : this("New Game Object") { }
 
-        public GameObject(string name)
+        public GameObject(string name) : this(name, true) { }
+
+        internal GameObject(string name, bool active)
         {
-            this.name = name;
+            (this.name, this.active) = (name, active);
             transform = AddComponent<Transform>();
             LoadedScene.Objects.Add(this);
         }
 
         internal List<Component> Components { get; } = new List<Component>();
 
+        public GameObject gameObject => this;
+        public Transform transform { get; }
         public string tag { get; set; } = "Untagged";
-
         public int layer { get; set; }
-
+        public bool activeSelf => active;
+        public bool activeInHierarchy => active && (transform?.Above == null || transform.Above.Owner.activeInHierarchy);
         public bool CompareTag(string tag) => this.tag == tag;
+
+        /// <summary>An active one, by its name or by the names above it as well, such as Arm/Hand, and with / before those of a root.</summary>
+        public static GameObject Find(string name)
+        {
+            MainThread.Only(nameof(Find));
+            return LoadedScene.Active.FirstOrDefault(one => name.StartsWith("/", StringComparison.Ordinal) ? one.Path == name
+                : one.Path.EndsWith($"/{name}", StringComparison.Ordinal));
+        }
+
+        public static GameObject FindWithTag(string tag) => FindGameObjectsWithTag(tag).FirstOrDefault();
+        public static GameObject FindGameObjectWithTag(string tag) => FindWithTag(tag);
+        public static GameObject[] FindGameObjectsWithTag(string tag)
+        {
+            MainThread.Only(nameof(FindGameObjectsWithTag));
+            return LoadedScene.Active.Where(one => one.tag == tag).ToArray();
+        }
 
         /// <summary>A thing that is seen, and that rays meet.</summary>
         public static GameObject CreatePrimitive(PrimitiveType type)
@@ -42,16 +61,12 @@ namespace UnityEngine
             return thing;
         }
 
-        public Transform transform { get; }
-
-        public bool activeSelf => active;
-
         public void SetActive(bool value)
         {
             MainThread.Only(nameof(SetActive));
             if (active == value) return;
             active = value;
-            for (var i = 0; i < Components.Count; i++) (Components[i] as MonoBehaviour)?.Refresh();
+            Refresh();
         }
 
         public T AddComponent<T>() where T : Component => (T)AddComponent(typeof(T));
@@ -76,15 +91,35 @@ namespace UnityEngine
         // By index: in Unity what is found costs no memory.
         public T GetComponent<T>()
         {
+            MainThread.Only(nameof(GetComponent));
             for (var i = 0; i < Components.Count; i++)
                 if (Components[i] is T found) return found;
             return default;
         }
 
-        public T[] GetComponentsInChildren<T>(bool includeInactive) => Components.OfType<T>()
-            .Concat(LoadedScene.Objects.Where(one => one.transform.IsPartOf(this)).SelectMany(one => one.GetComponentsInChildren<T>(true))).ToArray();
-
         public Component GetComponent(Type type) => Components.FirstOrDefault(type.IsInstanceOfType);
+        public bool TryGetComponent<T>(out T component) => (component = GetComponent<T>()) != null;
+        public T[] GetComponents<T>() => Components.OfType<T>().ToArray();
+        public T GetComponentInChildren<T>() => GetComponentsInChildren<T>().FirstOrDefault();
+        public T[] GetComponentsInChildren<T>() => GetComponentsInChildren<T>(false);
+        public T[] GetComponentsInChildren<T>(bool includeInactive) => transform.All
+            .Where(one => includeInactive || one.Owner.activeInHierarchy).SelectMany(one => one.Owner.Components).OfType<T>().ToArray();
+
+        public T GetComponentInParent<T>()
+        {
+            for (var here = transform; here != null; here = here.parent)
+                if (here.Owner.GetComponent<T>() is T found) return found;
+            return default;
+        }
+
+        internal string Path => $"{transform.Above?.Owner.Path}/{Title}";
+
+        /// <summary>What has changed with this object's place among others, or with a switch of its own or above it.</summary>
+        internal void Refresh()
+        {
+            for (var i = 0; i < Components.Count; i++) (Components[i] as MonoBehaviour)?.Refresh();
+            foreach (var child in transform.Children.ToArray()) child.Owner.Refresh();
+        }
     }
 
     public class Component : Object
@@ -108,28 +143,14 @@ namespace UnityEngine
         }
 
         public string tag { get => Owner.tag; set => Owner.tag = value; }
-
         public bool CompareTag(string tag) => Owner.CompareTag(tag);
-
-        public T GetComponent<T>()
-        {
-            MainThread.Only(nameof(GetComponent));
-            return Owner.GetComponent<T>();
-        }
-
-        public T GetComponentInParent<T>()
-        {
-            for (var here = transform; here != null; here = here.parent)
-                if (here.Owner.GetComponent<T>() is T found) return found;
-            return default;
-        }
-
-        public T[] GetComponentsInChildren<T>()
-        {
-            MainThread.Only(nameof(GetComponentsInChildren));
-            // Inactive ones are left out, as in Unity.
-            return LoadedScene.Objects.Where(thing => thing.activeSelf && thing.transform.IsBelow(transform)).SelectMany(thing => thing.Components).OfType<T>().ToArray();
-        }
+        public T GetComponent<T>() => Owner.GetComponent<T>();
+        public bool TryGetComponent<T>(out T component) => Owner.TryGetComponent(out component);
+        public T[] GetComponents<T>() => Owner.GetComponents<T>();
+        public T GetComponentInChildren<T>() => Owner.GetComponentInChildren<T>();
+        public T GetComponentInParent<T>() => Owner.GetComponentInParent<T>();
+        public T[] GetComponentsInChildren<T>() => Owner.GetComponentsInChildren<T>();
+        public T[] GetComponentsInChildren<T>(bool includeInactive) => Owner.GetComponentsInChildren<T>(includeInactive);
     }
 
     public class Behaviour : Component
@@ -149,100 +170,7 @@ namespace UnityEngine
 
         public bool isActiveAndEnabled
         {
-            get { MainThread.Only("get_isActiveAndEnabled"); return !Destroyed && on && Owner.activeSelf; }
-        }
-    }
-
-    public class MonoBehaviour : Behaviour
-    {
-        private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
-        private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
-        private bool argument;
-        private bool awoken;
-        private bool running;
-        private bool started;
-
-        public bool useGUILayout { get; set; } = true;
-
-        public CancellationToken destroyCancellationToken => destroyed.Token;
-
-        public static void print(object message) => Debug.Log(message);
-
-        /// <summary>Awake once, then OnEnable or OnDisable as this component is switched on or off.</summary>
-        internal void Refresh()
-        {
-            if (!Destroyed && !awoken && Owner.activeSelf)
-            {
-                awoken = true;
-                // In the editor alone, where a scene is loaded or a field changed.
-                Send("OnValidate");
-                Send("Awake");
-            }
-            if (!awoken || running == isActiveAndEnabled) return;
-            running = !running;
-            Send(running ? "OnEnable" : "OnDisable");
-        }
-
-        internal void BeginFrame()
-        {
-            if (!running || started) return;
-            started = true;
-            Send("Start");
-        }
-
-        /// <summary>A message of the frame: only a component that is on, and has started, gets it.</summary>
-        internal void Tick(string message)
-        {
-            if (running && started) Send(message);
-        }
-
-        internal void End()
-        {
-            // As with a message: what a callback throws is logged.
-            try { destroyed.Cancel(); }
-            catch (AggregateException e) { Debug.LogException(e, this); }
-            if (awoken) Send("OnDestroy");
-        }
-
-        /// <summary>A message to a component that is on, such as OnApplicationPause(true).</summary>
-        internal void Tell(string message, bool value)
-        {
-            argument = value;
-            if (running) Send(message);
-        }
-
-        /// <summary>Calls a message by its name, whatever its access. What it throws is logged and the Play goes on.</summary>
-        internal void Send(string message)
-        {
-            if (!messages.TryGetValue(message, out var call)) messages[message] = call = Find(message);
-            if (call == null) return;
-            try
-            {
-                call();
-            }
-            catch (Exception e)
-            {
-                Debug.LogException(e, this);
-            }
-        }
-
-        private Action Find(string message)
-        {
-            const BindingFlags any = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
-            for (var type = GetType(); type != typeof(MonoBehaviour); type = type.BaseType)
-            {
-                var method = type.GetMethod(message, any, null, Type.EmptyTypes, null) ?? type.GetMethod(message, any, null, new[] { typeof(bool) }, null);
-                if (method == null) continue;
-                if (method.ReturnType != typeof(void))
-                {
-                    Debug.LogError($"{type.Name}.{message} returns {method.ReturnType.Name}: it is left out, because the player runs no coroutines");
-                    return null;
-                }
-                if (method.GetParameters().Length == 0) return (Action)method.CreateDelegate(typeof(Action), this);
-                var told = (Action<bool>)method.CreateDelegate(typeof(Action<bool>), this);
-                return () => told(argument);
-            }
-            return null;
+            get { MainThread.Only("get_isActiveAndEnabled"); return !Destroyed && on && Owner.activeInHierarchy; }
         }
     }
 
@@ -251,7 +179,10 @@ namespace UnityEngine
     {
         public static List<GameObject> Objects { get; } = new List<GameObject>();
 
-        public static List<Object> Destroyed { get; } = new List<Object>();
+        public static IEnumerable<GameObject> Active => Objects.Where(one => one.activeInHierarchy);
+
+        /// <summary>What is to go, and at which of the game's times.</summary>
+        public static List<(Object Thing, double Due)> Destroyed { get; } = new List<(Object, double)>();
 
         /// <summary>What stays when a scene is left.</summary>
         public static HashSet<GameObject> Kept { get; } = new HashSet<GameObject>();
@@ -264,7 +195,8 @@ namespace UnityEngine
             if (thing is GameObject whole)
             {
                 whole.SetActive(false);
-                foreach (var child in Objects.Where(one => one.transform.IsPartOf(whole)).ToArray()) Remove(child);
+                foreach (var child in whole.transform.Children.ToArray()) Remove(child.Owner);
+                whole.transform.Above?.Children.Remove(whole.transform);
                 foreach (var part in whole.Components.ToArray()) Remove(part);
                 Objects.Remove(whole);
             }
@@ -283,8 +215,8 @@ namespace UnityEngine
         {
             // By index: what OnDestroy destroys is removed as well.
             for (var i = 0; i < Destroyed.Count; i++)
-                if (Destroyed[i] != null) Remove(Destroyed[i]);
-            Destroyed.Clear();
+                if (Destroyed[i].Due <= Time.Now && Destroyed[i].Thing != null) Remove(Destroyed[i].Thing);
+            Destroyed.RemoveAll(one => one.Thing == null);
         }
     }
 }

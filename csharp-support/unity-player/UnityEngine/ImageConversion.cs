@@ -6,11 +6,7 @@ using UnityEngine.Experimental.Rendering;
 
 namespace UnityEngine.Experimental.Rendering
 {
-    public enum GraphicsFormat
-    {
-        R8G8B8_SRGB = 3,
-        R8G8B8A8_SRGB = 4,
-    }
+    public enum GraphicsFormat { R8G8B8_SRGB = 3, R8G8B8A8_SRGB = 4 }
 }
 
 namespace UnityEngine

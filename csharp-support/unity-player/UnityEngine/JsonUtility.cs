@@ -14,35 +14,60 @@ namespace UnityEngine
         // So deep Unity looks into classes, which may hold one another.
         private const int Deepest = 10;
 
-        // As in Unity: a list, a text or a number that is in no class is nothing, without a word.
-        public static string ToJson(object obj) =>
-            obj == null ? "" : Item(obj.GetType()) != null || obj is string || obj.GetType().IsPrimitive ? "{}" : Written(obj, obj.GetType());
+        public static string ToJson(object obj) => ToJson(obj, false);
 
-        public static T FromJson<T>(string json)
+        // As in Unity: a list, a text or a number that is in no class is nothing, without a word.
+        public static string ToJson(object obj, bool prettyPrint)
         {
-            var values = Values(json);
-            // A structure stays in this one box.
-            object made = Activator.CreateInstance<T>();
-            Fill(made, values);
-            return (T)made;
+            if (obj == null) return "";
+            if (IsEngines(obj)) throw new ArgumentException("JsonUtility.ToJson does not support engine types.");
+            var end = prettyPrint ? "\n" : null;
+            return Item(obj.GetType()) != null || obj is string || obj.GetType().IsPrimitive ? "{}" : Written(obj, obj.GetType(), end);
         }
 
-        public static void FromJsonOverwrite(string json, object objectToOverwrite) => Fill(objectToOverwrite, Values(json));
+        public static T FromJson<T>(string json) => (T)FromJson(json, typeof(T));
+
+        public static object FromJson(string json, Type type)
+        {
+            if (string.IsNullOrEmpty(json)) return null;
+            if (type.IsAbstract || typeof(Object).IsAssignableFrom(type)) throw new ArgumentException($"Cannot deserialize JSON to new instances of type '{type.Name}.'");
+            var made = Activator.CreateInstance(type);
+            Fill(made, Values(json));
+            return made;
+        }
+
+        public static void FromJsonOverwrite(string json, object objectToOverwrite)
+        {
+            if (string.IsNullOrEmpty(json)) return;
+            if (IsEngines(objectToOverwrite ?? throw new ArgumentNullException(nameof(objectToOverwrite))))
+                throw new ArgumentException("Engine types cannot be overwritten from JSON outside of the Editor.");
+            Fill(objectToOverwrite, Values(json));
+        }
+
+        private static bool IsEngines(object obj) => obj is Object && !(obj is MonoBehaviour) && !(obj is ScriptableObject);
 
         private static Dictionary<string, object> Values(string json) =>
             Reader.Read(json) as Dictionary<string, object> ?? throw new ArgumentException("JSON must represent an object type.");
 
-        private static string Written(object value, Type type, int depth = 0)
+        // Each item on a line of its own begins with `end`, as do the brackets around them; null: all in one line.
+        private static string Written(object value, Type type, string end, int depth = 0)
         {
             if (type == typeof(string)) return $"\"{Regex.Replace((string)value ?? "", "[\\p{Cc}\"\\\\]", Escaped)}\"";
             if (type == typeof(bool)) return (bool)value ? "true" : "false";
             if (type.IsEnum) return Convert.ToInt64(value).ToString(CultureInfo.InvariantCulture);
-            if (type.IsPrimitive) return ((IFormattable)value).ToString(type == typeof(float) || type == typeof(double) ? "R" : "D", CultureInfo.InvariantCulture);
-            if (Item(type) is Type item) return $"[{string.Join(",", ((IEnumerable)value ?? Array.Empty<object>()).Cast<object>().Select(each => Written(each, item, depth)))}]";
+            if (type == typeof(float) || type == typeof(double)) return Regex.Replace(((IFormattable)value).ToString("R", CultureInfo.InvariantCulture), "^-?\\d+$", "$0.0");
+            if (type.IsPrimitive) return ((IFormattable)value).ToString("D", CultureInfo.InvariantCulture);
+            var next = end == null ? null : $"{end}    ";
+            if (Item(type) is Type item)
+                return Brackets("[]", end, ((IEnumerable)value ?? Array.Empty<object>()).Cast<object>().Select(each => Written(each, item, next, depth)));
             value ??= Activator.CreateInstance(type);
             var fields = depth < Deepest ? Fields(type) : new FieldInfo[0];
-            return $"{{{string.Join(",", fields.Select(field => $"\"{field.Name}\":{Written(field.GetValue(value), field.FieldType, depth + 1)}"))}}}";
+            return Brackets("{}", end, fields.Select(field =>
+                $"\"{field.Name}\":{(end == null ? "" : " ")}{Written(field.GetValue(value), field.FieldType, next, depth + 1)}"));
         }
+
+        private static string Brackets(string pair, string end, IEnumerable<string> items) => end == null || !items.Any()
+            ? $"{pair[0]}{string.Join(",", items)}{pair[1]}" : $"{pair[0]}{end}    {string.Join($",{end}    ", items)}{end}{pair[1]}";
 
         private static string Escaped(Match sign) => sign.Value switch
         {

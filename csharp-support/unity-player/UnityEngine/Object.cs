@@ -1,5 +1,6 @@
 // What every thing in a scene has: a name, and an end after which it equals null.
 using System;
+using System.Linq;
 
 namespace UnityEngine
 {
@@ -16,11 +17,13 @@ namespace UnityEngine
             set { MainThread.Only("SetName"); Title = value; }
         }
 
-        /// <summary>Takes effect at the end of the frame.</summary>
-        public static void Destroy(Object obj)
+        public static void Destroy(Object obj) => Destroy(obj, 0);
+
+        /// <summary>Takes effect at the end of the frame, or so many seconds later.</summary>
+        public static void Destroy(Object obj, float t)
         {
             MainThread.Only(nameof(Destroy));
-            if (obj != null && !LoadedScene.Destroyed.Contains(obj)) LoadedScene.Destroyed.Add(obj);
+            if (obj != null) LoadedScene.Destroyed.Add((obj, Time.Now + t));
         }
 
         public static void DestroyImmediate(Object obj)
@@ -33,6 +36,38 @@ namespace UnityEngine
         {
             MainThread.Only(nameof(DontDestroyOnLoad));
             LoadedScene.Kept.Add((target as Component)?.gameObject ?? (GameObject)target);
+        }
+
+        public static T Instantiate<T>(T original) where T : Object => Copies.Of(original);
+        public static T Instantiate<T>(T original, Transform parent) where T : Object => Instantiate(original, parent, false);
+
+        public static T Instantiate<T>(T original, Transform parent, bool worldPositionStays) where T : Object =>
+            Copies.Of(original, one => one.SetParent(parent, worldPositionStays));
+
+        public static T Instantiate<T>(T original, Vector3 position, Quaternion rotation) where T : Object =>
+            Copies.Of(original, one => one.SetPositionAndRotation(position, rotation));
+
+        public static T Instantiate<T>(T original, Vector3 position, Quaternion rotation, Transform parent) where T : Object =>
+            Copies.Of(original, one =>
+            {
+                one.SetParent(parent);
+                one.SetPositionAndRotation(position, rotation);
+            });
+
+        public static T FindObjectOfType<T>() where T : Object => FindAnyObjectByType<T>();
+        public static T FindFirstObjectByType<T>() where T : Object => FindAnyObjectByType<T>();
+        public static T FindAnyObjectByType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude).FirstOrDefault();
+        public static T[] FindObjectsOfType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
+        public static T[] FindObjectsByType<T>() where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
+        public static T[] FindObjectsByType<T>(FindObjectsSortMode sortMode) where T : Object => FindObjectsByType<T>(FindObjectsInactive.Exclude);
+        public static T[] FindObjectsByType<T>(FindObjectsInactive findObjectsInactive, FindObjectsSortMode sortMode) where T : Object =>
+            FindObjectsByType<T>(findObjectsInactive);
+
+        public static T[] FindObjectsByType<T>(FindObjectsInactive findObjectsInactive) where T : Object
+        {
+            MainThread.Only(nameof(FindObjectsByType));
+            return LoadedScene.Objects.Where(one => findObjectsInactive == FindObjectsInactive.Include || one.activeInHierarchy)
+                .SelectMany(one => one.Components.Prepend<Object>(one)).OfType<T>().ToArray();
         }
 
         public static implicit operator bool(Object exists) => exists != null;
@@ -50,6 +85,10 @@ namespace UnityEngine
 
         private static bool IsGone(Object thing) => thing is null || thing.Destroyed;
     }
+
+    public enum FindObjectsInactive { Exclude, Include }
+
+    public enum FindObjectsSortMode { None, InstanceID }
 
     public class UnityException : SystemException
     {

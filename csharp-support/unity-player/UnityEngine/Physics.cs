@@ -6,12 +6,7 @@ using System.Linq;
 
 namespace UnityEngine
 {
-    public enum SimulationMode
-    {
-        FixedUpdate,
-        Update,
-        Script,
-    }
+    public enum SimulationMode { FixedUpdate, Update, Script }
 
     // Only those of cubes and spheres are met.
     public class Collider : Component
@@ -46,9 +41,7 @@ namespace UnityEngine
         internal Collider Met { get; set; }
 
         public Collider collider => Met;
-
         public float distance { get; set; }
-
         public Vector3 point { get; set; }
     }
 
@@ -99,7 +92,7 @@ namespace UnityEngine
             MainThread.Only(nameof(Raycast));
             var way = direction.normalized;
             // As in Unity, what holds the origin is not met.
-            var open = LoadedScene.Objects.Where(thing => thing.activeSelf && (layers & (1 << thing.layer)) != 0)
+            var open = LoadedScene.Active.Where(thing => (layers & (1 << thing.layer)) != 0)
                 .SelectMany(thing => thing.Components).OfType<Collider>()
                 .Where(collider => collider.Distance(origin) > radius).ToList();
             hit = default;

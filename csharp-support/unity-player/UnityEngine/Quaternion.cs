@@ -3,28 +3,18 @@ using System;
 
 namespace UnityEngine
 {
-    public struct Quaternion
+    public struct Quaternion : IEquatable<Quaternion>
     {
-        public float x;
-        public float y;
-        public float z;
-        public float w;
+        private const float Same = 1 - 1e-6f;
 
-        public Quaternion(float x, float y, float z, float w)
-        {
-            this.x = x;
-            this.y = y;
-            this.z = z;
-            this.w = w;
-        }
+        public float x, y, z, w;
+
+        public Quaternion(float x, float y, float z, float w) => (this.x, this.y, this.z, this.w) = (x, y, z, w);
 
         public static Quaternion identity => new Quaternion(0, 0, 0, 1);
-
         // First around z, then x, then y.
         public static Quaternion Euler(float x, float y, float z) => About(Vector3.up, y) * About(Vector3.right, x) * About(Vector3.forward, z);
-
         public static Quaternion Euler(Vector3 euler) => Euler(euler.x, euler.y, euler.z);
-
         // An axis of any length; none at all turns nothing.
         public static Quaternion AngleAxis(float angle, Vector3 axis) =>
             axis.sqrMagnitude == 0 ? identity : About(axis / axis.magnitude, angle);
@@ -71,6 +61,27 @@ namespace UnityEngine
         }
 
         public static Quaternion Inverse(Quaternion rotation) => rotation.Back;
+        public static float Dot(Quaternion a, Quaternion b) => (a.x * b.x) + (a.y * b.y) + (a.z * b.z) + (a.w * b.w);
+        public static float Angle(Quaternion a, Quaternion b) => Mathf.Abs(Dot(a, b)) > Same ? 0 : 2 * Mathf.Rad2Deg * Half(a, b);
+
+        // Both take the shorter of the two ways.
+        public static Quaternion Lerp(Quaternion a, Quaternion b, float t) => Mixed(a, 1 - Mathf.Clamp01(t), b, Mathf.Clamp01(t) * Mathf.Sign(Dot(a, b)));
+
+        public static Quaternion Slerp(Quaternion a, Quaternion b, float t)
+        {
+            var (half, part) = (Half(a, b), Mathf.Clamp01(t));
+            return half < 0.001f ? Lerp(a, b, t) : Mixed(a, Mathf.Sin((1 - part) * half), b, Mathf.Sin(part * half) * Mathf.Sign(Dot(a, b)));
+        }
+
+        public static Quaternion RotateTowards(Quaternion from, Quaternion to, float maxDegreesDelta) =>
+            Angle(from, to) == 0 ? to : Slerp(from, to, maxDegreesDelta / Angle(from, to));
+
+        public static bool operator ==(Quaternion lhs, Quaternion rhs) => Dot(lhs, rhs) > Same;
+        public static bool operator !=(Quaternion lhs, Quaternion rhs) => !(lhs == rhs);
+        public bool Equals(Quaternion other) => (x, y, z, w).Equals((other.x, other.y, other.z, other.w));
+        public override bool Equals(object other) => other is Quaternion turn && Equals(turn);
+        public override int GetHashCode() => HashCode.Combine(x, y, z, w);
+        public override string ToString() => Vector3.Written("F5", null, x, y, z, w);
 
         public static Quaternion operator *(Quaternion lhs, Quaternion rhs) => new Quaternion(
             (lhs.w * rhs.x) + (lhs.x * rhs.w) + (lhs.y * rhs.z) - (lhs.z * rhs.y),
@@ -96,6 +107,15 @@ namespace UnityEngine
             if (w < 1e-7 * lengths) (half, w) = (axis, 0);
             var length = Math.Sqrt((double)half.sqrMagnitude + (w * w));
             return new Quaternion((float)(half.x / length), (float)(half.y / length), (float)(half.z / length), (float)(w / length));
+        }
+
+        private static float Half(Quaternion a, Quaternion b) => Mathf.Acos(Mathf.Min(Mathf.Abs(Dot(a, b)), 1));
+
+        private static Quaternion Mixed(Quaternion a, float from, Quaternion b, float to)
+        {
+            var mix = new Quaternion((a.x * from) + (b.x * to), (a.y * from) + (b.y * to), (a.z * from) + (b.z * to), (a.w * from) + (b.w * to));
+            var length = Mathf.Sqrt(Dot(mix, mix));
+            return new Quaternion(mix.x / length, mix.y / length, mix.z / length, mix.w / length);
         }
 
         // How far it looks below the horizon.

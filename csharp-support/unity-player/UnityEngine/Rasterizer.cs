@@ -25,9 +25,9 @@ namespace UnityEngine
             for (var i = 0; i < LoadedScene.Objects.Count; i++)
             {
                 var thing = LoadedScene.Objects[i];
-                if (!thing.activeSelf || !(thing.GetComponent<Renderer>() is Renderer shape) || !shape.enabled
+                if (!thing.activeInHierarchy || !(thing.GetComponent<Renderer>() is Renderer shape) || !shape.enabled
                     || (camera.cullingMask >> thing.layer & 1) == 0) continue;
-                var (turn, half) = (back * thing.transform.rotation, thing.transform.localScale * 0.5f);
+                var (turn, half) = (back * thing.transform.rotation, thing.transform.lossyScale * 0.5f);
                 Cube(back * (thing.transform.position - eye), turn * new Vector3(half.x, 0, 0), turn * new Vector3(0, half.y, 0),
                     turn * new Vector3(0, 0, half.z), camera, Packed(shape.sharedMaterial.color));
             }
@@ -36,11 +36,7 @@ namespace UnityEngine
                 Buffer.BlockCopy(colours, row * width * 4, target.Pixels, (SystemInfo.TopRowFirst ? height - 1 - row : row) * width * 4, width * 4);
         }
 
-        private static int Packed(Color color) => Byte(color.r) | Byte(color.g) << 8 | Byte(color.b) << 16 | 255 << 24;
-
-        private static int Byte(float part) => (int)Math.Round(Math.Min(Math.Max(part, 0), 1) * 255);
-
-        private static float Dot(Vector3 a, Vector3 b) => (a.x * b.x) + (a.y * b.y) + (a.z * b.z);
+        private static int Packed(Color color) => Color32.Byte(color.r) | Color32.Byte(color.g) << 8 | Color32.Byte(color.b) << 16 | 255 << 24;
 
         // All as the camera sees it: x to the right, y up, z ahead.
         private void Cube(Vector3 middle, Vector3 a, Vector3 b, Vector3 c, Camera camera, int colour)
@@ -61,7 +57,7 @@ namespace UnityEngine
         private void Face(Vector3 middle, Vector3 outwards, Vector3 a, Vector3 b, float near, int colour)
         {
             var centre = middle + outwards;
-            var distance = Dot(outwards, centre);
+            var distance = Vector3.Dot(outwards, centre);
             // From behind a face is not seen.
             if (distance >= 0) return;
             (corners[0], corners[1], corners[2], corners[3]) = (centre - a - b, centre - a + b, centre + a + b, centre + a - b);

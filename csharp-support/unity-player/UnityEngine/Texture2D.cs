@@ -17,10 +17,7 @@ namespace Unity.Collections
             set => items[index] = value;
         }
 
-        public void CopyTo(T[] array)
-        {
-            Copy(this, array);
-        }
+        public void CopyTo(T[] array) => Copy(this, array);
 
         public static void Copy(NativeArray<T> src, T[] dst)
         {
@@ -37,16 +34,11 @@ namespace UnityEngine
 {
     using Unity.Collections;
 
-    public enum TextureFormat
-    {
-        RGB24 = 3,
-        RGBA32 = 4,
-    }
+    public enum TextureFormat { RGB24 = 3, RGBA32 = 4 }
 
     public class Texture : Object
     {
         public virtual int width { get; set; }
-
         public virtual int height { get; set; }
     }
 
