@@ -11,7 +11,6 @@ namespace UnityPlayer
         private readonly ConcurrentQueue<(SendOrPostCallback Call, object State)> queue = new ConcurrentQueue<(SendOrPostCallback, object)>();
 
         public override void Post(SendOrPostCallback d, object state) => queue.Enqueue((d, state));
-
         public override SynchronizationContext CreateCopy() => this;
 
         public void Run()

@@ -32,27 +32,14 @@ namespace UnityPlayer
 
         /// <param name="assemblies">Those with the scripts, whose RuntimeInitializeOnLoadMethods are called.</param>
         public Player(params Assembly[] assemblies) => this.assemblies = assemblies;
-
         /// <summary>How often something called Debug.LogError or threw in this Play.</summary>
         public int Errors => Debug.Errors - errorsBefore;
-
         /// <summary>What each message in the log costs the thread that writes it.</summary>
-        public static TimeSpan LogCost
-        {
-            set => Debug.Cost = value;
-        }
-
+        public static TimeSpan LogCost { set => Debug.Cost = value; }
         /// <summary>Whether the scripts are to think that this is a phone.</summary>
-        public static bool Mobile
-        {
-            set => Application.Mobile = value;
-        }
-
+        public static bool Mobile { set => Application.Mobile = value; }
         /// <summary>Whether the scripts are to think that this is the editor.</summary>
-        public static bool Editor
-        {
-            set => Application.Editor = value;
-        }
+        public static bool Editor { set => Application.Editor = value; }
 
         /// <summary>The shaders of a game that URP draws; null: the built-in pipeline draws it.</summary>
         public static string[] UrpShaders
@@ -66,31 +53,14 @@ namespace UnityPlayer
 
         /// <summary>The shader that draws a thing.</summary>
         public static string ShaderOf(Renderer thing) => thing.sharedMaterial.Drawn;
-
         /// <summary>No graphics card, as with -nographics.</summary>
-        public static bool NoGraphics
-        {
-            set => SystemInfo.NoGraphics = value;
-        }
-
+        public static bool NoGraphics { set => SystemInfo.NoGraphics = value; }
         /// <summary>A graphics card that does not read back behind the frames' back.</summary>
-        public static bool NoReadback
-        {
-            set => SystemInfo.NoReadback = value;
-        }
-
+        public static bool NoReadback { set => SystemInfo.NoReadback = value; }
         /// <summary>A graphics card that has its pictures' highest row first.</summary>
-        public static bool TopRowFirst
-        {
-            set => SystemInfo.TopRowFirst = value;
-        }
-
+        public static bool TopRowFirst { set => SystemInfo.TopRowFirst = value; }
         /// <summary>So many of the next readbacks end with an error.</summary>
-        public static int ReadbacksToFail
-        {
-            set => AsyncGPUReadback.ToFail = value;
-        }
-
+        public static int ReadbacksToFail { set => AsyncGPUReadback.ToFail = value; }
         /// <summary>How long this thread has done what in Unity the graphics card does.</summary>
         public static TimeSpan Rendering => Camera.Rendering.Elapsed;
 
@@ -117,7 +87,6 @@ namespace UnityPlayer
 
         /// <summary>The text that OnGUI has drawn last.</summary>
         public static string Drawn => GUI.Drawn;
-
         /// <summary>The picture that OnGUI has drawn last.</summary>
         public static Texture Picture => GUI.Picture;
 
@@ -232,7 +201,6 @@ namespace UnityPlayer
         }
 
         private static bool? DoneOf(MonoBehaviour script) => (bool?)script.GetType().GetProperty("Done", typeof(bool))?.GetValue(script);
-
         private static IEnumerable<MonoBehaviour> Behaviours() => LoadedScene.Objects.SelectMany(thing => thing.Components).OfType<MonoBehaviour>();
 
         // By index, because a script may add or remove others, and because a frame should allocate nothing.

@@ -65,7 +65,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(play: Play) -> None:
     end = program.lines.index("OnDestroy") + 1
     # After a long frame several FixedUpdates come in the next one.
     events = [line for line, _ in itertools.groupby(program.lines[:end]) if not line.startswith("   ")]
-    refused = "Refused.Start returns IEnumerator: it is left out, because the player runs no coroutines"
+    refused = "Script error: Refused.OnEnable() can not be a coroutine."
     for line in (refused, "System.InvalidOperationException: in Update"):
         events.remove(line)
     assert events == [
@@ -99,7 +99,7 @@ def test_scripts_may_do_here_what_they_do_in_unity(play: Play) -> None:
         "HelloWeb: False",
         "Application.runInBackground is now true",
         *["HelloWeb: True"] * 2,
-        'JSON: {"hp":3,"speeds":[1,0.5],"path":[{"x":0,"y":1,"z":0}],"to":{"who":""},"text":"a \\"word\\",\\n",'
+        'JSON: {"hp":3,"speeds":[1.0,0.5],"path":[{"x":0.0,"y":1.0,"z":0.0}],"to":{"who":""},"text":"a \\"word\\",\\n",'
         '"kind":1,"marked":true} -4 0.25 (0.00, 1.00, 0.00)  10 5',
         *["no JSON: JSON parse error: Invalid value."] * 3,
         "no JSON: JSON must represent an object type.",
@@ -108,6 +108,109 @@ def test_scripts_may_do_here_what_they_do_in_unity(play: Play) -> None:
         "in the scene: Connecting",
     ]
     assert [line for line in program.lines[end:] if line in happened] == happened
+
+
+# What scripts as game developers write their first ones print, each in a Play of its own.
+FIRST = {
+    "Waiting": """
+Start in frame 1
+null: frame 2, after Update: True
+end of frame 2, after LateUpdate: True
+a step: True, before Update: True
+seconds: True
+real seconds: True, of none in the game: True, True
+until and while: 4
+no wait at all: 4
+a frame: 5
+begins: a part of it
+ends: a part of it
+begins: one of its own
+ends: one of its own
+all in 7 frames
+begins: by its name
+ends: by its name
+nothing to wait for: 8
+errors: 0""",
+    "Stopping": """
+by its routine: ended
+by its handle, with what is inside: ended
+by its name: ended
+all: ended
+switched off: goes on
+with the object above it: ended
+Coroutine couldn't be started because the the game object 'counter' is inactive!
+none: True
+active again: ended
+System.InvalidOperationException: in a coroutine
+after another has failed: goes on
+destroyed: ended
+errors: 2""",
+    "Later": """
+pending: True True False
+doomed: True
+soon: True, though disabled: True, True
+Trying to Invoke method: Later.NoSuchMethod couldn't be called.
+times: 3, doomed: False, pending: False
+pending: False
+errors: 1""",
+    "Things": """
+awake: Enemy at (0.00, 0.00, 0.00), rat 3 0 nothing none none
+awake: Enemy(Clone) at (1.00, 2.00, 3.00), wolf 7 0 a sword 5 Hand+first
+its own: True, True, wolf 7 1 a sword 5 Hand+first, True
+its hand: (1.00, 2.00, 2.00), True
+awake: Enemy(Clone)(Clone) at (2.00, 2.00, 3.00), wolf 7 0 a sword 5+6 Hand+first
+below: (2.00, 2.00, 3.00) Hand Enemy(Clone)(Clone)
+below and placed: (0.00, 1.00, 0.00)
+scaled: (2.00, 0.00, 0.00) (2.00, 2.00, 2.00)
+let go: (2.00, 0.00, 0.00) (2.00, 2.00, 2.00)
+by type: 2 4 True True first Enemy
+by name: Arm True True
+by tag: Enemy 2 True
+around: True True False 3 3
+active: 1 3 True False 1
+moved: (1.00, 1.00, 2.00) (0.00, 0.00, -1.00) (2.00, 1.00, 2.00) (2.00, -1.00, -1.00)
+turned: (1.00, 0.00, 0.00) (0.00, 0.00, 1.00)
+around: (-1.00, 1.00, -2.00) (-1.00, 0.00, 0.00)
+up: (1.00, 0.00, 0.00) (0.00, 1.00, 0.00)
+errors: 0""",
+    "Sums": """
+(0.60, 0.80, 0.00) (-3.00, -4.00, 0.00) 25 90 -90 5.099
+(1.41, 1.41, 0.00) (1.50, 2.00, 0.00) (0.60, 0.80, 0.00) (3.00, 0.00, 0.00) (3.00, 0.00, 0.00) (-3.00, -4.00, -2.00)
+True True
+(0.60, 0.80) 4.24 True (-3.00, -4.00) (2.00, 2.50)
+120.0 (0.00, 330.00, 0.00) True (0.00, 330.00, 0.00) 0 (0.00000, 0.50000, 0.00000, 0.86603)
+365 5 True 5 0.5 90 3
+RGBA(0.500, 0.500, 0.500, 1.000) RGBA(0.500, 0.000, 0.000, 0.500) 235 True
+True True 1.00 True True
+errors: 0""",
+    "Parts": """
+a shot of 1.5
+a warning for first
+Assertion failed
+prefs: 5 -1 0 True ''
+keys: False False 0 False False 122 293
+{
+    "what": "tea",
+    "coins": [
+        1,
+        2
+    ]
+}
+json: True 2 {"position":{"x":1.0,"y":1.0,"z":1.0},"rotation":{"x":0.0,"y":0.0,"z":0.0,"w":1.0}}
+milk 2: JsonUtility.ToJson does not support engine types.
+step: 0.01, of Main
+drawn: frame 1, as it was
+errors: 1""",
+}
+
+
+@pytest.mark.parametrize("script", FIRST)
+def test_first_scripts_play_as_in_unity(script: str, play: Play) -> None:
+    program = play("first", script)
+    assert program.wait() == 0, program.output
+    # Without the places of an exception; and what is nothing may be so from below.
+    lines = [line.replace("-0.00", "0.00") for line in program.lines if not line.startswith("   at ")]
+    assert lines == FIRST[script].strip().splitlines()
 
 
 def test_keys_of_the_input_system_and_of_none(play: Play) -> None:

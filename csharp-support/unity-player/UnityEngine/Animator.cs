@@ -12,7 +12,6 @@ namespace UnityEngine
     public class Animator : Behaviour
     {
         internal Dictionary<HumanBodyBones, Transform> Bones { get; } = new Dictionary<HumanBodyBones, Transform>();
-
         public bool isHuman => Bones.Count > 0;
 
         /// <summary>Null for a bone that this character does not have.</summary>

@@ -26,32 +26,22 @@ namespace UnityEngine
         public delegate void LogCallback(string condition, string stackTrace, LogType type);
 
         public static event LogCallback logMessageReceived;
-
         public static event Action quitting;
 
         internal static bool QuitAsked { get; set; }
         internal static bool Playing { get; set; }
         internal static bool Mobile { get; set; }
         internal static bool Editor { get; set; }
-
         public static bool isEditor => Editor;
         public static bool isMobilePlatform => Mobile;
-
-        public static bool isPlaying
-        {
-            get { MainThread.Only("get_isPlaying"); return Playing; }
-        }
-
+        public static bool isPlaying => MainThread.Of("get_isPlaying", Playing);
         // Where the player was started; Unity has a folder of the user's for each game.
-        public static string persistentDataPath
-        {
-            get { MainThread.Only("get_persistentDataPath"); return Environment.CurrentDirectory; }
-        }
+        public static string persistentDataPath => MainThread.Of("get_persistentDataPath", Environment.CurrentDirectory);
 
         public static bool runInBackground
         {
-            get { MainThread.Only("get_runInBackground"); return background; }
-            set { MainThread.Only("set_runInBackground"); background = value; }
+            get => MainThread.Of("get_runInBackground", background);
+            set => background = MainThread.Of("set_runInBackground", value);
         }
 
         // Unity's own: as it likes.
@@ -82,11 +72,9 @@ namespace UnityEngine
         internal static double? Fixed { get; set; }
         internal static int Frames { get; set; }
         internal static Func<double> Clock { get; set; } = () => 0;
-
         public static float timeScale { get; set; } = 1;
         // More than 0: so many frames make a second of the game's time.
         public static int captureFramerate { get; set; }
-
         // In FixedUpdate both are those of the step.
         public static float time => (float)Checked("get_time", Fixed ?? Now);
         public static float deltaTime => (float)Checked("get_deltaTime", Fixed == null ? OfThisFrame * timeScale : step);
@@ -97,9 +85,7 @@ namespace UnityEngine
         public static float fixedDeltaTime { get => (float)Checked("get_fixedDeltaTime", step); set => step = value; }
         public static float realtimeSinceStartup => (float)Checked("get_realtimeSinceStartup", Clock());
         public static int frameCount => (int)Checked("get_frameCount", Frames);
-
         private static double OfThisFrame => captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);
-
         internal static void BackToNormal() => (timeScale, captureFramerate, step, Application.targetFrameRate, QualitySettings.VSyncs) = (1, 0, 0.02f, -1, 1);
 
         private static double Checked(string api, double value)
@@ -122,16 +108,9 @@ namespace UnityEngine
         private static int vSyncs = 1;
 
         private QualitySettings() { }
-
         // How many times the screen is drawn for each frame; 0: frames do not wait for it.
-        public static int vSyncCount
-        {
-            get { MainThread.Only("get_vSyncCount"); return vSyncs; }
-            set { MainThread.Only("set_vSyncCount"); vSyncs = value; }
-        }
-
+        public static int vSyncCount { get => MainThread.Of("get_vSyncCount", vSyncs); set => vSyncs = MainThread.Of("set_vSyncCount", value); }
         internal static int VSyncs { get => vSyncs; set => vSyncs = value; }
-
         public static void SetQualityLevel(int index, bool applyExpensiveChanges) => MainThread.Only(nameof(SetQualityLevel));
     }
 
@@ -141,10 +120,8 @@ namespace UnityEngine
         private static int errors;
 
         internal static int Errors => errors;
-
         /// <summary>What a message costs; in Unity it is 0.1 ms in a build, and a multiple in the editor.</summary>
         internal static TimeSpan Cost { get; set; }
-
         public static void Log(object message) => Write(Console.Out, message, LogType.Log);
         public static void Log(object message, Object context) => Log(message);
         public static void LogFormat(string format, params object[] args) => Log(Formatted(format, args));
@@ -168,7 +145,6 @@ namespace UnityEngine
         public static void DrawLine(Vector3 start, Vector3 end, Color color) { }
         public static void DrawRay(Vector3 start, Vector3 dir) { }
         public static void DrawRay(Vector3 start, Vector3 dir, Color color) { }
-
         private static string Formatted(string format, object[] args) => string.Format(System.Globalization.CultureInfo.InvariantCulture, format, args);
 
         private static void Fail(object message, LogType type)

@@ -11,10 +11,8 @@ namespace UnityEngine.Rendering
         private readonly int number;
 
         internal AsyncGPUReadbackRequest(Readback work) => (this.work, number) = (work, work.Number);
-
         // What is over is done, with an error: so a script that did not look in time learns of it.
         public bool done => work == null || work.Number != number || work.Left <= 0;
-
         public bool hasError => work == null || work.Number != number || work.Failed;
 
         public NativeArray<T> GetData<T>(int layer = 0) where T : struct

@@ -34,7 +34,6 @@ namespace UnityEngine
         public readonly float height;
 
         public SpaceAttribute() : this(8) { }
-
         public SpaceAttribute(float height) => this.height = height;
     }
 
@@ -44,7 +43,6 @@ namespace UnityEngine
         public readonly int minLines, maxLines;
 
         public TextAreaAttribute() : this(3, 3) { }
-
         public TextAreaAttribute(int minLines, int maxLines) => (this.minLines, this.maxLines) = (minLines, maxLines);
     }
 
@@ -75,7 +73,6 @@ namespace UnityEngine
     public sealed class AddComponentMenu : Attribute
     {
         public AddComponentMenu(string menuName) => componentMenu = menuName;
-
         public string componentMenu { get; }
     }
 
@@ -104,9 +101,7 @@ namespace UnityEngine
     public class RuntimeInitializeOnLoadMethodAttribute : Scripting.PreserveAttribute
     {
         public RuntimeInitializeOnLoadMethodAttribute() { }
-
         public RuntimeInitializeOnLoadMethodAttribute(RuntimeInitializeLoadType loadType) => this.loadType = loadType;
-
         public RuntimeInitializeLoadType loadType { get; private set; }
     }
 }

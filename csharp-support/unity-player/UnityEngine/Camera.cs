@@ -30,7 +30,6 @@ namespace UnityEngine
     {
         /// <summary>Those of the game.</summary>
         internal static string[] All { get; set; } = { "Sprites/Default" };
-
         public static Shader Find(string name) => Array.IndexOf(All, name) < 0 ? null : new Shader { Title = name };
     }
 
@@ -54,7 +53,6 @@ namespace UnityEngine
 
         /// <summary>By which shader; Standard is the built-in pipeline's.</summary>
         internal string Drawn { get; } = "Standard";
-
         public Color color { get; set; } = new Color(1, 1, 1, 1);
     }
 
@@ -62,9 +60,7 @@ namespace UnityEngine
     {
         private static readonly Material Default = new Material();
         private Material own;
-
         public bool enabled { get; set; } = true;
-
         public Material sharedMaterial { get; set; } = Default;
 
         // Who asks for it gets a copy of its own.
@@ -93,7 +89,6 @@ namespace UnityEngine
         }
 
         public static RenderTexture active { get; set; }
-
         // Red, green, blue and alpha, as a picture of RGBA32.
         internal byte[] Pixels { get; }
     }
@@ -101,7 +96,6 @@ namespace UnityEngine
     public sealed class Camera : Behaviour
     {
         private static readonly Rasterizer Graphics = new Rasterizer();
-
         /// <summary>What rendering has taken so far, which in Unity the graphics card does.</summary>
         internal static System.Diagnostics.Stopwatch Rendering { get; } = new System.Diagnostics.Stopwatch();
 
@@ -148,14 +142,10 @@ namespace UnityEngine
     public sealed class SystemInfo
     {
         internal static bool NoGraphics { get; set; }
-
         internal static bool NoReadback { get; set; }
-
         /// <summary>What some graphics cards do with what a camera has rendered: the highest row first.</summary>
         internal static bool TopRowFirst { get; set; }
-
         public static GraphicsDeviceType graphicsDeviceType => NoGraphics ? GraphicsDeviceType.Null : GraphicsDeviceType.OpenGLCore;
-
         public static bool supportsAsyncGPUReadback => !NoGraphics && !NoReadback;
     }
 }

@@ -8,9 +8,7 @@ namespace UnityEngine
         public float r, g, b, a;
 
         public Color(float r, float g, float b, float a) => (this.r, this.g, this.b, this.a) = (r, g, b, a);
-
         public Color(float r, float g, float b) : this(r, g, b, 1) { }
-
         public static Color red => new Color(1, 0, 0);
         public static Color green => new Color(0, 1, 0);
         public static Color blue => new Color(0, 0, 1);
@@ -34,7 +32,6 @@ namespace UnityEngine
         public override bool Equals(object other) => other is Color color && Equals(color);
         public override int GetHashCode() => HashCode.Combine(r, g, b, a);
         public override string ToString() => $"RGBA{Vector3.Written("F3", null, r, g, b, a)}";
-
         private static float Squares(Color c) => (c.r * c.r) + (c.g * c.g) + (c.b * c.b) + (c.a * c.a);
     }
 
@@ -43,10 +40,8 @@ namespace UnityEngine
         public byte r, g, b, a;
 
         public Color32(byte r, byte g, byte b, byte a) => (this.r, this.g, this.b, this.a) = (r, g, b, a);
-
         public static implicit operator Color(Color32 c) => new Color(c.r / 255f, c.g / 255f, c.b / 255f, c.a / 255f);
         public static implicit operator Color32(Color c) => new Color32(Byte(c.r), Byte(c.g), Byte(c.b), Byte(c.a));
-
         internal static byte Byte(float part) => (byte)Math.Round(Mathf.Clamp01(part) * 255);
     }
 }

@@ -14,7 +14,6 @@ namespace UnityEngine
     public sealed class WaitForSeconds : YieldInstruction
     {
         public WaitForSeconds(float seconds) => Seconds = seconds;
-
         internal float Seconds { get; }
     }
 
@@ -31,7 +30,6 @@ namespace UnityEngine
         private readonly Func<bool> predicate;
 
         public WaitUntil(Func<bool> predicate) => this.predicate = predicate;
-
         public override bool keepWaiting => !predicate();
     }
 
@@ -40,7 +38,6 @@ namespace UnityEngine
         private readonly Func<bool> predicate;
 
         public WaitWhile(Func<bool> predicate) => this.predicate = predicate;
-
         public override bool keepWaiting => predicate();
     }
 
@@ -49,7 +46,6 @@ namespace UnityEngine
         private float end = -1;
 
         public WaitForSecondsRealtime(float time) => waitTime = time;
-
         public float waitTime { get; set; }
 
         public override bool keepWaiting
@@ -69,7 +65,6 @@ namespace UnityEngine
     public sealed class Coroutine : YieldInstruction
     {
         private static readonly List<Coroutine> All = new List<Coroutine>();
-
         // The outermost first: a yielded IEnumerator is a part of the coroutine that yields it, and is stopped with it.
         private readonly Stack<IEnumerator> routines = new Stack<IEnumerator>();
         private readonly MonoBehaviour owner;

@@ -11,7 +11,6 @@ namespace UnityEngine
         private bool active = true;
 
         public GameObject() : this("New Game Object") { }
-
         public GameObject(string name) : this(name, true) { }
 
         internal GameObject(string name, bool active)
@@ -22,7 +21,6 @@ namespace UnityEngine
         }
 
         internal List<Component> Components { get; } = new List<Component>();
-
         public GameObject gameObject => this;
         public Transform transform { get; }
         public string tag { get; set; } = "Untagged";
@@ -132,16 +130,8 @@ namespace UnityEngine
             set => Owner.Title = value;
         }
 
-        public GameObject gameObject
-        {
-            get { MainThread.Only("get_gameObject"); return Owner; }
-        }
-
-        public Transform transform
-        {
-            get { MainThread.Only("get_transform"); return Owner.transform; }
-        }
-
+        public GameObject gameObject => MainThread.Of("get_gameObject", Owner);
+        public Transform transform => MainThread.Of("get_transform", Owner.transform);
         public string tag { get => Owner.tag; set => Owner.tag = value; }
         public bool CompareTag(string tag) => Owner.CompareTag(tag);
         public T GetComponent<T>() => Owner.GetComponent<T>();
@@ -168,25 +158,19 @@ namespace UnityEngine
             }
         }
 
-        public bool isActiveAndEnabled
-        {
-            get { MainThread.Only("get_isActiveAndEnabled"); return !Destroyed && on && Owner.activeInHierarchy; }
-        }
+        public bool isActiveAndEnabled => MainThread.Of("get_isActiveAndEnabled", !Destroyed && on && Owner.activeInHierarchy);
     }
 
     /// <summary>Every game object there is.</summary>
     internal static class LoadedScene
     {
         public static List<GameObject> Objects { get; } = new List<GameObject>();
-
         public static IEnumerable<GameObject> Active => Objects.Where(one => one.activeInHierarchy);
-
         /// <summary>What is to go, and at which of the game's times.</summary>
         public static List<(Object Thing, double Due)> Destroyed { get; } = new List<(Object, double)>();
 
         /// <summary>What stays when a scene is left.</summary>
         public static HashSet<GameObject> Kept { get; } = new HashSet<GameObject>();
-
         /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is left.</summary>
         public static HashSet<Object> Made { get; } = new HashSet<Object>();
 

@@ -17,14 +17,11 @@ namespace UnityEngine
     public class Input
     {
         internal static HashSet<KeyCode> Pressed { get; } = new HashSet<KeyCode>();
-
         // Those that were not pressed in the frame before, and those that no longer are.
         internal static HashSet<KeyCode> Down { get; } = new HashSet<KeyCode>();
         internal static HashSet<KeyCode> Up { get; } = new HashSet<KeyCode>();
-
         internal static float Horizontal { get; set; }
         internal static float Vertical { get; set; }
-
         public static float GetAxisRaw(string axisName) => GetAxis(axisName);
         public static float GetAxis(string axisName)
         {

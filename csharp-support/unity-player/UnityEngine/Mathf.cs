@@ -74,13 +74,10 @@ namespace UnityEngine
         public static Vector3 onUnitSphere => rotation * Vector3.forward;
         public static Vector3 insideUnitSphere => onUnitSphere * Mathf.Pow(value, 1 / 3f);
         public static Vector2 insideUnitCircle => Quaternion.AngleAxis(value * 360, Vector3.forward) * Vector3.up * Mathf.Sqrt(value);
-
         /// <summary>Each direction is as likely as any other.</summary>
         public static Quaternion rotation => Quaternion.Euler(Mathf.Asin(Range(-1f, 1f)) * Mathf.Rad2Deg, value * 360, value * 360);
-
         /// <summary>Both ends included.</summary>
         public static float Range(float minInclusive, float maxInclusive) => Mathf.Lerp(minInclusive, maxInclusive, value);
-
         /// <summary>The second end excluded.</summary>
         public static int Range(int minInclusive, int maxExclusive) => source.Next(minInclusive, maxExclusive);
     }

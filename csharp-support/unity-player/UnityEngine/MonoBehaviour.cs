@@ -14,11 +14,9 @@ namespace UnityEngine
         private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
         private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
         private bool argument, awoken, running, started;
-
         public bool useGUILayout { get; set; } = true;
         public CancellationToken destroyCancellationToken => destroyed.Token;
         public static void print(object message) => Debug.Log(message);
-
         public Coroutine StartCoroutine(IEnumerator routine) => Begin(routine, routine ?? throw new NullReferenceException("routine is null"));
         public Coroutine StartCoroutine(string methodName) => StartCoroutine(methodName, null);
         public Coroutine StartCoroutine(string methodName, object value)
@@ -32,7 +30,6 @@ namespace UnityEngine
         public void StopCoroutine(IEnumerator routine) => Coroutine.Stop(this, false, routine ?? throw new NullReferenceException("routine is null"));
         public void StopCoroutine(Coroutine routine) => Coroutine.Stop(this, false, routine ?? throw new NullReferenceException("routine is null"));
         public void StopAllCoroutines() => Coroutine.Stop(this, false);
-
         public void Invoke(string methodName, float time) => InvokeRepeating(methodName, time, 0);
         public void InvokeRepeating(string methodName, float time, float repeatRate)
         {

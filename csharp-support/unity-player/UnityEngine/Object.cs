@@ -10,13 +10,7 @@ namespace UnityEngine
 
         // A component has none of its own: it answers with that of its game object.
         internal virtual string Title { get; set; } = "";
-
-        public string name
-        {
-            get { MainThread.Only("GetName"); return Title; }
-            set { MainThread.Only("SetName"); Title = value; }
-        }
-
+        public string name { get => MainThread.Of("GetName", Title); set => Title = MainThread.Of("SetName", value); }
         public static void Destroy(Object obj) => Destroy(obj, 0);
 
         /// <summary>Takes effect at the end of the frame, or so many seconds later.</summary>
@@ -76,13 +70,9 @@ namespace UnityEngine
             ReferenceEquals(x, y) || (IsGone(x) && IsGone(y));
 
         public static bool operator !=(Object x, Object y) => !(x == y);
-
         public override bool Equals(object other) => other is Object thing ? this == thing : other == null && Destroyed;
-
         public override int GetHashCode() => base.GetHashCode();
-
         public override string ToString() => $"{Title} ({GetType().FullName})";
-
         private static bool IsGone(Object thing) => thing is null || thing.Destroyed;
     }
 
@@ -99,8 +89,13 @@ namespace UnityEngine
     internal static class MainThread
     {
         public static int? Id { get; set; }
-
         public static bool IsThis => Id == null || Id == Environment.CurrentManagedThreadId;
+
+        public static T Of<T>(string api, T value)
+        {
+            Only(api);
+            return value;
+        }
 
         public static void Only(string api)
         {

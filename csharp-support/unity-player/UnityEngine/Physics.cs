@@ -39,7 +39,6 @@ namespace UnityEngine
     public struct RaycastHit
     {
         internal Collider Met { get; set; }
-
         public Collider collider => Met;
         public float distance { get; set; }
         public Vector3 point { get; set; }
@@ -48,9 +47,7 @@ namespace UnityEngine
     public struct LayerMask
     {
         public int value { get; set; }
-
         public static implicit operator int(LayerMask mask) => mask.value;
-
         public static implicit operator LayerMask(int intVal) => new LayerMask { value = intVal };
     }
 
@@ -65,8 +62,8 @@ namespace UnityEngine
 
         public static SimulationMode simulationMode
         {
-            get { MainThread.Only("get_simulationMode"); return mode; }
-            set { MainThread.Only("set_simulationMode"); mode = value; }
+            get => MainThread.Of("get_simulationMode", mode);
+            set => mode = MainThread.Of("set_simulationMode", value);
         }
 
         public static void Simulate(float step)

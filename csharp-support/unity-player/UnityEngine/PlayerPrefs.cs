@@ -20,7 +20,6 @@ namespace UnityEngine
         public static void DeleteKey(string key) => Values.Remove(key);
         public static void DeleteAll() => Values.Clear();
         public static void Save() { }
-
         // What was set as another type is not there.
         private static T Get<T>(string key, T otherwise) => Values.TryGetValue(key, out var value) && value is T found ? found : otherwise;
     }

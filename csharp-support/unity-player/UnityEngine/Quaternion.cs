@@ -10,7 +10,6 @@ namespace UnityEngine
         public float x, y, z, w;
 
         public Quaternion(float x, float y, float z, float w) => (this.x, this.y, this.z, this.w) = (x, y, z, w);
-
         public static Quaternion identity => new Quaternion(0, 0, 0, 1);
         // First around z, then x, then y.
         public static Quaternion Euler(float x, float y, float z) => About(Vector3.up, y) * About(Vector3.right, x) * About(Vector3.forward, z);
@@ -63,7 +62,6 @@ namespace UnityEngine
         public static Quaternion Inverse(Quaternion rotation) => rotation.Back;
         public static float Dot(Quaternion a, Quaternion b) => (a.x * b.x) + (a.y * b.y) + (a.z * b.z) + (a.w * b.w);
         public static float Angle(Quaternion a, Quaternion b) => Mathf.Abs(Dot(a, b)) > Same ? 0 : 2 * Mathf.Rad2Deg * Half(a, b);
-
         // Both take the shorter of the two ways.
         public static Quaternion Lerp(Quaternion a, Quaternion b, float t) => Mixed(a, 1 - Mathf.Clamp01(t), b, Mathf.Clamp01(t) * Mathf.Sign(Dot(a, b)));
 
@@ -120,9 +118,7 @@ namespace UnityEngine
 
         // How far it looks below the horizon.
         private static float Down(Vector3 forward) => Degrees(-forward.y, Math.Sqrt((forward.x * forward.x) + (forward.z * forward.z)));
-
         private static float Degrees(double y, double x) => (float)(Math.Atan2(y, x) * (180 / Math.PI));
-
         // Unity calls what is less than 0.0001 radians below 0 nothing, not 360.
         private static float Positive(float degrees) => degrees < -0.0001 * 180 / Math.PI ? degrees + 360 : degrees;
 

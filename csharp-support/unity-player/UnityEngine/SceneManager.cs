@@ -9,13 +9,9 @@ namespace UnityEngine.SceneManagement
     public readonly struct Scene
     {
         internal Scene(bool loaded) => isLoaded = loaded;
-
         public bool isLoaded { get; }
-
         public string name => SceneManager.Name;
-
         public int buildIndex => 0;
-
         public GameObject[] GetRootGameObjects() => LoadedScene.Objects.Where(thing => thing.transform.parent == null).ToArray();
     }
 
@@ -24,14 +20,11 @@ namespace UnityEngine.SceneManagement
         internal const string Name = "Main";
 
         private static bool asked;
-
         public static event Events.UnityAction<Scene, LoadSceneMode> sceneLoaded;
 
         // One that is being loaded is there as well, behind all others.
         public static int sceneCount => asked ? 2 : 1;
-
         internal static Action Make { get; set; }
-
         public static Scene GetActiveScene() => new Scene(true);
 
         public static Scene GetSceneAt(int index)

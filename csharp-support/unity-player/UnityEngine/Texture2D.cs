@@ -8,7 +8,6 @@ namespace Unity.Collections
         private readonly T[] items;
 
         internal NativeArray(T[] items) => this.items = items;
-
         public int Length => items.Length;
 
         public T this[int index]

@@ -13,7 +13,6 @@ namespace UnityEngine
         private Quaternion turn = Quaternion.identity;
 
         internal Transform Above { get; private set; }
-
         internal List<Transform> Children { get; } = new List<Transform>();
 
         /// <summary>This one, and all below it in the order of the hierarchy.</summary>
@@ -31,24 +30,9 @@ namespace UnityEngine
             set { MainThread.Only("set_rotation"); turn = Above == null ? value : Above.rotation.Back * value; }
         }
 
-        public Vector3 localPosition
-        {
-            get { MainThread.Only("get_localPosition"); return place; }
-            set { MainThread.Only("set_localPosition"); place = value; }
-        }
-
-        public Quaternion localRotation
-        {
-            get { MainThread.Only("get_localRotation"); return turn; }
-            set { MainThread.Only("set_localRotation"); turn = value; }
-        }
-
-        public Vector3 localScale
-        {
-            get { MainThread.Only("get_localScale"); return size; }
-            set { MainThread.Only("set_localScale"); size = value; }
-        }
-
+        public Vector3 localPosition { get => MainThread.Of("get_localPosition", place); set => place = MainThread.Of("set_localPosition", value); }
+        public Quaternion localRotation { get => MainThread.Of("get_localRotation", turn); set => turn = MainThread.Of("set_localRotation", value); }
+        public Vector3 localScale { get => MainThread.Of("get_localScale", size); set => size = MainThread.Of("set_localScale", value); }
         public Vector3 eulerAngles { get => rotation.eulerAngles; set => rotation = Quaternion.Euler(value); }
         public Vector3 localEulerAngles { get => turn.eulerAngles; set => localRotation = Quaternion.Euler(value); }
         public Vector3 forward { get => rotation * Vector3.forward; set => rotation = Quaternion.LookRotation(value); }
@@ -60,7 +44,6 @@ namespace UnityEngine
         public Transform GetChild(int index) =>
             index >= 0 && index < Children.Count ? Children[index] : throw new UnityException("Transform child out of bounds");
         public IEnumerator GetEnumerator() => Children.ToList().GetEnumerator();
-
         /// <summary>By its name, or by those of the way to it, such as Arm/Hand. Null: there is none.</summary>
         public Transform Find(string n) => n.Split('/').Aggregate(this, (here, name) => here?.Children.Find(child => child.name == name));
 

@@ -10,7 +10,6 @@ namespace UnityEngine
         public float x, y;
 
         public Vector2(float x, float y) => (this.x, this.y) = (x, y);
-
         public static Vector2 zero => default;
         public static Vector2 one => new Vector2(1, 1);
         public static Vector2 up => new Vector2(0, 1);
@@ -49,9 +48,7 @@ namespace UnityEngine
         public float x, y, z;
 
         public Vector3(float x, float y, float z) => (this.x, this.y, this.z) = (x, y, z);
-
         public Vector3(float x, float y) : this(x, y, 0) { }
-
         public static Vector3 zero => default;
         public static Vector3 one => new Vector3(1, 1, 1);
         public static Vector3 forward => new Vector3(0, 0, 1);
@@ -137,7 +134,6 @@ namespace UnityEngine
     public struct Vector2Int
     {
         public Vector2Int(int x, int y) => (this.x, this.y) = (x, y);
-
         public int x { get; set; }
         public int y { get; set; }
     }
@@ -145,7 +141,6 @@ namespace UnityEngine
     public struct Vector3Int
     {
         public Vector3Int(int x, int y, int z) => (this.x, this.y, this.z) = (x, y, z);
-
         public int x { get; set; }
         public int y { get; set; }
         public int z { get; set; }

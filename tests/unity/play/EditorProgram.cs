@@ -53,6 +53,7 @@ namespace NetMQExample.EditorTest
 
         public static int Run()
         {
+            GUI.Pressed = Drawing.Button;
             Console.WriteLine("ready");
             for (var line = Console.ReadLine(); line != null; line = Console.ReadLine())
             {

@@ -184,7 +184,7 @@ namespace NetMQExample.PlayTest
 
     public sealed class Refused : MonoBehaviour
     {
-        private IEnumerator Start()
+        private IEnumerator OnEnable()
         {
             yield return null;
         }

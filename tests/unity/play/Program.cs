@@ -4,6 +4,7 @@
 //     … play.dll keep                                    every Play on the same statics, as with domain reload off
 //     … play.dll editor                                  the package's folder Editor; see EditorProgram.cs
 //     … play.dll habits                                  one Play, in which scripts do what they may do in Unity
+//     … play.dll first Waiting                           a Play of one script of FirstScripts.cs
 //     … play.dll flood 1 tcp://127.0.0.1:5551 150        a Play in which each line of the log costs 0.3 ms
 //     … play.dll wrong 4 tries 0 …                       Plays of ten frames, each with a field that is wrong
 //     … play.dll views front front                       a Play of lesson 12 with cameras of these names
@@ -49,6 +50,7 @@ namespace NetMQExample.PlayTest
             {
                 case "editor": return EditorTest.EditorProgram.Run();
                 case "habits": return Habits.Print();
+                case "first": return FirstScripts.Play(words[1]);
                 case "keys": return Keys.Print();
                 case "cost": return Costs.Run(words[1], words[2], words.Skip(3).ToArray());
                 case "areas": return ManyAreas.Run(int.Parse(words[1], CultureInfo.InvariantCulture), words[2]);

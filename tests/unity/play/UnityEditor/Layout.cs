@@ -15,6 +15,13 @@ namespace UnityEditor
         /// <summary>What is typed or chosen, by the label.</summary>
         public static Dictionary<string, string> Typed { get; } = new Dictionary<string, string>();
 
+        /// <summary>In a window buttons are drawn as well.</summary>
+        public static bool Button(string text)
+        {
+            Lines.Add($"[{text}]");
+            return text == Pressed;
+        }
+
         public static string Field(string label, string text)
         {
             if (Typed.TryGetValue(label, out var typed)) text = typed;
@@ -51,25 +58,5 @@ namespace UnityEditor
         public static Vector2 BeginScrollView(Vector2 scrollPosition, params GUILayoutOption[] options) => scrollPosition;
 
         public static void EndScrollView() { }
-    }
-}
-
-namespace UnityEngine
-{
-    public sealed class GUILayoutOption
-    {
-        internal GUILayoutOption() { }
-    }
-
-    // In Unity it is drawn in games too; the lessons do not.
-    public class GUILayout
-    {
-        public static bool Button(string text, params GUILayoutOption[] options)
-        {
-            UnityEditor.Drawing.Lines.Add($"[{text}]");
-            return text == UnityEditor.Drawing.Pressed;
-        }
-
-        public static GUILayoutOption ExpandHeight(bool expand) => new GUILayoutOption();
     }
 }
