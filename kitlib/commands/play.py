@@ -3,10 +3,12 @@
 import argparse
 from pathlib import Path
 
-from kitlib.lessons import UsageError
+from kitlib.lessons import KitError, UsageError
 from kitlib.programs import run_in_terminal
 from kitlib.setup import dotnet
 from kitlib.terminal import say
+from kitlib.unity.player import why
+from kitlib.unity.project import scripts_of_the_kit
 
 ABOUT = """Plays scripts of your own as Unity would, without Unity: every MonoBehaviour in these files, on one object.
 
@@ -32,11 +34,18 @@ def do(options: argparse.Namespace) -> int:
         if path.suffix != ".cs" or not path.is_file():
             cure = '; a value with blanks is a word of its own: --scale "0, 1, 0"' * path.name.startswith("--")
             raise UsageError(f"there is no C# file {path}{cure}")
-    if changed := ", ".join(path.name for path in files if dotnet.changed_copy(path)):
+    theirs = scripts_of_the_kit(files[0])
+    if theirs is not None:
+        # What is named here counts more than a namesake.
+        theirs = [path for path in theirs if path.name not in {file.name for file in files}]
+    elif changed := ", ".join(path.name for path in files if dotnet.changed_copy(path)):
         whose = "by the scripts named here; name each other file of the kit that needs it, too"
         say(f"{changed}: named like the kit's, and used in its place {whose}")
     netmq = dotnet.find_netmq()
     player = dotnet.build(netmq)
-    scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, files)
+    try:
+        scripts = dotnet.build(netmq, dotnet.OWN_SCRIPTS, files, theirs)
+    except dotnet.DoesNotCompile as error:
+        raise KitError(why(error.output, files, theirs)) from None
     # What a script keeps in a file, it keeps where its owner is, and not in the kit.
     return run_in_terminal(["dotnet", player, scripts, "--unity", *options.words], Path.cwd())

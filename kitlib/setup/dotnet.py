@@ -42,8 +42,6 @@ ENVIRONMENT = {
 # In a container HOME may be / or nothing: what dotnet and NuGet keep goes into .build then.
 if not lessons.WINDOWS and not os.access(os.environ.get("HOME", ""), os.W_OK):
     ENVIRONMENT["HOME"] = str(BUILD)
-KNOWN = "Update, OnEnable, Time, Transform, Debug.Log; no keys, physics or UI. Name all files whose classes it uses"
-CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes:"
 # What NuGet says when it does not hold a package, or not this version of it, or cannot be reached at all.
 ABSENT = ("NU1101", "NU1102", "NU1103")
 UNREACHABLE = ("NU1301", "NU1801")
@@ -64,7 +62,11 @@ class NoNetMQ(KitError):
 
 
 class DoesNotCompile(KitError):
-    """Somebody has changed a C# file: another client would hide it."""
+    """Somebody has changed a C# file: another client would hide it. `output` is what the compiler says."""
+
+    def __init__(self, why: str, output: str = "") -> None:
+        super().__init__(why)
+        self.output = output
 
 
 @functools.cache
@@ -170,16 +172,18 @@ def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:
     return digest.hexdigest()
 
 
-def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Path:
+def build(
+    netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = (), theirs: Sequence[Path] | None = None
+) -> Path:
     """Build a project, if anything changed since the last time; returns its .dll.
 
-    `own` are a reader's own scripts, which own-scripts.csproj compiles.
+    `own` are a reader's own scripts, which own-scripts.csproj compiles: with all of the kit's, or with those that
+    their Unity project has of it, `theirs`.
     """
     name = next(project.glob("*.csproj")).stem
     dll = BUILD / "bin" / name / "release" / f"{name}.dll"
     stamp = BUILD / f"{name}.stamp"
-    sources = [CONSOLE, SUPPORT, project, PACKAGE, *own]
-    now = fingerprint(netmq, sources)
+    now = f"{theirs is None} {fingerprint(netmq, [CONSOLE, SUPPORT, project, PACKAGE, *own, *(theirs or ())])}"
 
     def fresh() -> bool:
         # An interrupted build of another project may have taken away what all of them refer to.
@@ -201,13 +205,21 @@ def build(netmq: NetMQ, project: Path = CONSOLE, own: Sequence[Path] = ()) -> Pa
         no_references = ["-p:BuildProjectReferences=false"] if own else []
         words = [*netmq.properties, *again, *no_references, "-v:quiet", "-clp:NoSummary"]
         # MSBuild takes a variable for a property; on its command line a semicolon would end it.
-        kit = taken_from_the_kit(own)
-        names = [escaped(path) for path in own if path not in kit]
-        environment = {**ENVIRONMENT, "OwnScripts": ";".join(names), "KitScripts": ";".join(path.stem for path in kit)}
+        kit = taken_from_the_kit(own) if theirs is None else []
+        names = [escaped(path) for path in [*own, *(theirs or ())] if path not in kit]
+        played = [path.stem for path in own if any(PACKAGE.rglob(path.name))]
+        environment = {
+            **ENVIRONMENT,
+            "OwnScripts": ";".join(names),
+            "KitScripts": ";".join(played),
+            # By this name nobody calls the kit's own.
+            "KitAlias": "" if theirs is None else "kit",
+        }
         result = step(f"building {name}", ["dotnet", "build", project, *words], 500, environment)
         if not result.ok:
-            broken = DoesNotCompile if "error CS" in result.output else KitError
-            raise broken(own_failure(result) if own else failure(result))
+            if "error CS" in result.output:
+                raise DoesNotCompile(failure(result), result.output)
+            raise KitError(failure(result))
         keep(stamp, json.dumps({"sources": now}))
     return dll
 
@@ -237,15 +249,3 @@ def failure(result: Result) -> str:
     if "error CS" not in result.output:
         return f"the C# build failed ({result.first(' error ')}); delete the folder {BUILD} and try again"
     return f"the C# build failed; delete the folder {BUILD} if nobody has changed a file:\n{result.output.strip()}"
-
-
-def own_failure(result: Result) -> str:
-    """The same for a reader's own scripts: each error once, without what MSBuild says around them."""
-    # After an error stands the project, which is ours.
-    errors = dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", result.output, re.MULTILINE))
-    unknown = any(re.search(r"error CS(0019|0103|0117|0234|0246|1061|1501|7036)\b", line) for line in errors)
-    why = f"; the player knows only as much of UnityEngine as the lessons use: {KNOWN}" if unknown else ":"
-    # Two classes of one name; or a member to override that only the reader's own file has.
-    if any("NetMQExample.dll]" in line or (not unknown and "error CS0115" in line) for line in errors):
-        why = f"; {CHANGED}"
-    return "\n".join([f"your script does not compile{why}", *errors]) if errors else failure(result)

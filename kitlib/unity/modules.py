@@ -14,7 +14,7 @@ TYPES = {
     "com.unity.modules.animation": {"Animator", "HumanBodyBones"},
     # EncodeToJPG is called on the texture, and so without the name of its class.
     "com.unity.modules.imageconversion": {"ImageConversion", "EncodeToJPG"},
-    "com.unity.modules.imgui": {"GUI"},
+    "com.unity.modules.imgui": {"GUI", "GUILayout", "GUILayoutOption"},
     "com.unity.modules.jsonserialize": {"JsonUtility"},
     # CreatePrimitive gives each shape a collider.
     "com.unity.modules.physics": {

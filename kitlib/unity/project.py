@@ -90,6 +90,23 @@ def has_scripts(root: Path, manifest: dict[str, str]) -> bool:
     return name in manifest
 
 
+def scripts_of_the_kit(script: Path) -> list[Path] | None:
+    """What the Unity project of a script has of the kit's; None: it lies in none, or all of the package is there."""
+    try:
+        root = find_project(script)
+    except KitError:
+        return None
+    package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))["name"]
+    if (root / TARGET).resolve() == PACKAGE.resolve() or package in packages_of(root):
+        return None
+    # The folder may have been moved.
+    folder = next((path.parent for path in imported(root / "Assets", "NetMQExample.asmdef")), root / TARGET)
+    inside = {path.relative_to(folder): path for path in sorted(folder.rglob("*.cs"))}
+    return [
+        path for name, path in inside.items() if name.parts[0] not in ("Editor", "Tests") and (PACKAGE / name).exists()
+    ]
+
+
 def other_dlls(root: Path) -> list[Path]:
     """Those of the project, and of the packages that Unity has fetched for it."""
     cache = root / "Library" / "PackageCache"

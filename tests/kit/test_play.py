@@ -7,6 +7,7 @@ import re
 import pytest
 
 from kitlib.docs import guide
+from kitlib.unity import install as unity_install
 from tests.conftest import PYTHON
 from tests.programs import ROOT
 
@@ -164,6 +165,50 @@ def test_a_client_for_several_scenes(play, serve, tmp_path):
     assert sorted(lines) == ["heard world", "one game: True"]
 
 
+STREAM = """using NetMQExample;
+
+public class Stream : {0}
+{{
+    private readonly {1} what;
+
+    protected override void Talk(System.Threading.CancellationToken stop) => Log($"talks {{what}}");
+
+    protected override void Update()
+    {{
+        base.Update();
+        if (UnityEngine.Time.frameCount == 100) UnityEngine.Application.Quit();
+    }}
+}}
+"""
+
+
+def test_a_script_of_a_unity_project_sees_what_that_project_has_of_the_kit(play, tmp_path):
+    """As in Unity: nothing of the lessons that are not there, and what its owner has changed in the others."""
+    game = tmp_path / "My Game"
+    (game / "Assets").mkdir(parents=True)
+    (game / "ProjectSettings").mkdir()
+    (game / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 6000.0.32f1\n")
+    script = game / "Assets" / "Stream.cs"
+    script.write_text(STREAM.format("NetworkBehaviour", "PoseMessage"), encoding="utf-8")
+
+    def lacking(*names):
+        said = (
+            f'this project has no {", ".join(names)}: `python3 kit.py unity "{game}" --lesson 7` copies what is missing'
+        )
+        code, (first, *errors) = play(script, "--seconds", "20")
+        assert (code, first) == (1, f"kit    | your script does not compile; {said}")
+        assert all("Stream.cs(" in line for line in errors)
+
+    lacking("NetworkBehaviour", "PoseMessage")
+    unity_install.install(game, "3", scripts_only=True)
+    lacking("PoseMessage")
+    unity_install.install(game, "7", scripts_only=True)
+    changed = game / "Assets" / "NetMQExample" / "Shared" / "NetworkBehaviour.cs"
+    text = changed.read_text(encoding="utf-8")
+    changed.write_text(text.replace("Debug.Log(line)", 'Debug.Log($"ours: {line}")'), encoding="utf-8")
+    assert play(script, "--seconds", "20") == (0, ["ours: talks "])
+
+
 # What an old example does: its Stop waits for a thread that waits for a server. And what most first attempts do.
 FREEZES = """using System.Threading;
 using UnityEngine;
@@ -202,16 +247,38 @@ class Forces : NetMQExample.DrivenBehaviour
 """
 
 
+LACKS = """class Lacks : UnityEngine.MonoBehaviour
+{
+    void Awake()
+    {
+        transform.DetachChildren();
+        transform.hasChanged = UnityEngine.Mathf.PerlinNoise(0, 1) > 0.5f;
+    }
+}
+"""
+
+
 def test_what_cannot_be_played_is_named(play, tmp_path):
     (tmp_path / "Broken.cs").write_text(MINE, encoding="utf-8")
     code, lines = play(tmp_path / "Broken.cs")
     assert code == 1
     # What most often is the cause, then each error once.
-    assert lines[0].startswith(
-        "kit    | your script does not compile; the player knows only as much of UnityEngine as "
+    assert re.fullmatch(
+        r"kit    \| your script does not compile; the player has no Greeting; of Unity it has .*\bTransform\b.*"
+        r"; if it is yours, name its file, too",
+        lines[0],
     )
     assert re.search(r"Broken\.cs\(8,\d+\): error CS0246: .*'Greeting'[^\[]*$", lines[1])
     assert len(lines) == 2
+    (tmp_path / "Greeting.cs").write_text(ITS_CLASS, encoding="utf-8")
+    assert play(tmp_path / "Broken.cs")[1][0] == "kit    | your script does not compile; name Greeting.cs, too"
+    (tmp_path / "Lacks.cs").write_text(LACKS, encoding="utf-8")
+    code, lines = play(tmp_path / "Lacks.cs")
+    assert code == 1
+    said = "your script does not compile; the player's Transform has no DetachChildren, hasChanged; it has Find "
+    assert lines[0].startswith(f"kit    | {said}")
+    assert lines[1].startswith("the player's Mathf has no PerlinNoise; it has Abs ")
+    assert len(lines) == 5
     (tmp_path / "Hides.cs").write_text(HIDES, encoding="utf-8")
     code, lines = play(tmp_path / "Hides.cs")
     assert code == 1 and len(lines) == 3

@@ -17,6 +17,7 @@ import pytest
 
 from kitlib.setup import dotnet
 from kitlib.unity import install as unity_install
+from kitlib.unity.player import stand_ins
 from tests.programs import ROOT, Program, Run
 from tests.unity.conftest import Editor
 
@@ -44,6 +45,19 @@ def test_the_stand_ins_have_unitys_signatures(harness: Path) -> None:
     known = by_type(facts)
     assert all(re.fullmatch(r"\w+ [\w.`+]+( : \w+)?    \S+\.cs( \S+\.cs)*", line) for line in known)
     assert here == {line.split("    ")[0]: members for line, members in known.items()}
+
+
+def test_what_the_player_lacks_is_told_by_what_it_has() -> None:
+    """kit.py play reads it in the source."""
+    told = {(kind, member) for kind, members in stand_ins().items() for member in members}
+    facts = by_type((HERE / "unity_api.txt").read_text(encoding="utf-8").splitlines())
+    there = set()
+    for line, members in facts.items():
+        kind = re.split(r"[ .`]", line.split("    ")[0].split(" : ")[0].split("`")[0])[-1]
+        names = [re.split(r" = |\(| \{|<\w+>\(", member.strip())[0].split()[-1] for member in members]
+        there |= {(kind, name) for name in names if name != kind and not name.startswith("op_")}
+    # An indexer has no name.
+    assert told - {("NativeArray", "index")} == there - {("NativeArray", "Item")}
 
 
 def test_what_netmq_names_is_there_and_no_more(harness: Path) -> None:
@@ -147,10 +161,9 @@ destroyed: ended
 errors: 2""",
     "Later": """
 pending: True True False
-doomed: True
 soon: True, though disabled: True, True
 Trying to Invoke method: Later.NoSuchMethod couldn't be called.
-times: 3, doomed: False, pending: False
+times: 3, doomed: False True, pending: False
 pending: False
 errors: 1""",
     "Things": """

@@ -168,6 +168,7 @@ namespace NetMQExample.PlayTest
             Invoke("Never", 0.05f);
             InvokeRepeating(nameof(Again), 0.02f, 0.03f);
             Destroy(new GameObject("doomed"), 0.05f);
+            Destroy(new GameObject("doomed much later"), 1000);
             Destroy(new GameObject("doomed at once"));
             print($"pending: {IsInvoking()} {IsInvoking(nameof(Soon))} {IsInvoking(nameof(Last))}");
             CancelInvoke("Never");
@@ -181,7 +182,6 @@ namespace NetMQExample.PlayTest
         private void Again()
         {
             calls.Add("again");
-            if (calls.Count == 1) print($"doomed: {GameObject.Find("doomed") != null}");
             if (calls.Count < 3) return;
             CancelInvoke(nameof(Again));
             Invoke("NoSuchMethod", 0);
@@ -190,7 +190,7 @@ namespace NetMQExample.PlayTest
 
         private void Last()
         {
-            print($"times: {calls.Count}, doomed: {GameObject.Find("doomed") != null}, pending: {IsInvoking(nameof(Again))}");
+            print($"times: {calls.Count}, doomed: {GameObject.Find("doomed") != null} {GameObject.Find("doomed much later") != null}, pending: {IsInvoking(nameof(Again))}");
             InvokeRepeating(nameof(Again), 1, 1);
             CancelInvoke();
             print($"pending: {IsInvoking()}");

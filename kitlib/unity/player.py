@@ -1,0 +1,95 @@
+"""Why a script of a reader's own does not compile in the player: what it names, and the player or its project lacks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from kitlib.lessons import KIT, PACKAGE, lessons
+from kitlib.setup.dotnet import SUPPORT
+from kitlib.unity.install import code, of_lesson, types, uses
+from kitlib.unity.project import find_project
+
+NAMESPACE = "NetMQExample"
+CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes:"
+# The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
+NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)'"
+NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
+
+
+def stand_ins() -> dict[str, list[str]]:
+    """Unity's types that the player has, each with its public members, as the source has them."""
+    found: dict[str, list[str]] = {}
+    for path in sorted((SUPPORT / "unity-player" / "UnityEngine").glob("*.cs")):
+        text = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
+        for kind, name, body in re.findall(
+            r"^    public (?:\w+ )*(class|struct|enum) (\w+)(.*?)(?=^ {0,4}\w|\Z)", text, re.MULTILINE | re.DOTALL
+        ):
+            if kind == "enum":
+                members = re.findall(r"(\w+)(?: = \d+)?(?=\s*[,}])", body)
+            else:
+                # Such as `public float x, y;` and `public float Range(`, and no operator.
+                public = r"^ {8}public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
+                each = re.findall(public, body, re.MULTILINE)
+                members = [member for some in each for member in some.split(", ")]
+            found.setdefault(name, []).extend(member for member in members if member != name)
+    return {name: sorted(set(found[name])) for name in sorted(found)}
+
+
+def bringing(names: Iterable[str]) -> list[str]:
+    """The numbers of the first lessons with which `kit.py unity` copies these classes of the kit."""
+    copied = {
+        lesson.number: {name for path in of_lesson(lesson.unity) if path.suffix == ".cs" for name in types(path)}
+        for lesson in lessons()
+    }
+    each = [{number for number, has in copied.items() if name in has} for name in names]
+    together = set.intersection(set(copied), *each)
+    return sorted({str(min(numbers)) for numbers in ([together] if together and each else each)})
+
+
+def why(output: str, own: Sequence[Path], theirs: Sequence[Path] | None) -> str:
+    """What is missing, with the cure, and then each of the compiler's errors once."""
+    # After an error stands the project, which is ours.
+    errors = list(dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", output, re.MULTILINE)))
+    said = [*lacking_of_the_kit(errors, own, theirs), *lacking_of_unity(errors, own)]
+    # Two classes of one name; or a member to override that only the reader's own file has.
+    if "NetMQExample.dll]" in output or (not said and "error CS0115" in output):
+        said = [CHANGED]
+    return "\n".join(
+        [f"your script does not compile{'; ' if said else ':'}{said[0] if said else ''}", *said[1:], *errors]
+    )
+
+
+def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[Path] | None) -> Iterator[str]:
+    kit = kits_names()
+    if theirs is None or not any(name in kit for line in errors for _, name in re.findall(NOWHERE, line)):
+        return
+    # Also those of which the compiler says nothing yet, because it has not come so far.
+    there = {name for path in [*own, *theirs] for name in types(path)}
+    lacks = sorted(name for name in kit - there - {NAMESPACE} if any(uses(code(path), name) for path in own))
+    command = f'{KIT} unity "{find_project(own[0])}"'
+    cure = " and ".join(f"`{command} --lesson {number}`" for number in bringing(lacks)) or f"`{command}`"
+    yield f"this project has no {', '.join(lacks) or NAMESPACE}: {cure} copies what is missing"
+
+
+def kits_names() -> set[str]:
+    """What of the kit a script can name."""
+    return {NAMESPACE, *(name for path in PACKAGE.glob("*/*.cs") for name in types(path))}
+
+
+def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
+    kit = kits_names()
+    unity = stand_ins()
+    nowhere = dict.fromkeys(words for line in errors for words in re.findall(NOWHERE, line) if words[1] not in kit)
+    if beside := [f"{name}.cs" for _, name in nowhere if any(path.with_name(f"{name}.cs").exists() for path in own)]:
+        yield f"name {', '.join(beside)}, too"
+    elif nowhere:
+        names = ", ".join(".".join(filter(None, words)) for words in nowhere)
+        there = " ".join(name for name in unity if not name.endswith("Attribute"))
+        yield f"the player has no {names}; of Unity it has {there}; if it is yours, name its file, too"
+    members: dict[str, dict[str, None]] = {}
+    for kind, member in (pair for line in errors for pair in re.findall(NO_MEMBER, line)):
+        members.setdefault(kind, {})[member] = None
+    for kind in (kind for kind in members if kind in unity):
+        yield f"the player's {kind} has no {', '.join(members[kind])}; it has {' '.join(unity[kind])}"
