@@ -15,10 +15,10 @@ namespace UnityPlayer
         /// <exception cref="ArgumentException">There is none.</exception>
         public static Type[] Of(Assembly own, Assembly kit)
         {
-            var named = own.GetCustomAttributes<AssemblyMetadataAttribute>().Where(data => data.Value == "script").Select(data => data.Key);
-            // What a Unity project has of the kit is compiled with the reader's own: of that too only what was named.
-            var found = own.GetTypes().Where(type => kit.GetType(type.FullName) == null || named.Contains(type.Name))
-                .Concat(kit.GetTypes().Where(type => named.Contains(type.Name) && own.GetType(type.FullName) == null)).Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
+            var noted = own.GetCustomAttributes<AssemblyMetadataAttribute>().ToLookup(data => data.Value, data => data.Key);
+            var found = own.GetTypes().Where(type => !noted["unnamed"].Contains(type.Name) || kit.GetType(type.FullName) == null)
+                .Concat(kit.GetTypes().Where(type => noted["script"].Contains(type.Name)))
+                .Where(type => typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract).ToArray();
             // Of PythonAreas<Ball> a Ball is what each area has: one more, beside the areas, would be seen in them.
             var areas = found.Select(type => type.BaseType).Where(type => type.IsGenericType).SelectMany(type => type.GetGenericArguments());
             found = found.Except(areas).ToArray();

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from kitlib.lessons import KitError, UsageError
+from kitlib.lessons import PACKAGE, KitError, UsageError
 from kitlib.programs import run_in_terminal
 from kitlib.setup import dotnet
 from kitlib.terminal import say
@@ -36,8 +36,9 @@ def do(options: argparse.Namespace) -> int:
             raise UsageError(f"there is no C# file {path}{cure}")
     theirs = scripts_of_the_kit(files[0])
     if theirs is not None:
-        # What is named here counts more than a namesake.
-        theirs = [path for path in theirs if path.name not in {file.name for file in files}]
+        # What is named here, there or in the kit, is not taken from there once more.
+        named = {path.name for path in files if path in theirs or path.is_relative_to(PACKAGE)}
+        theirs = [path for path in theirs if path.name not in named]
     elif changed := ", ".join(path.name for path in files if dotnet.changed_copy(path)):
         whose = "by the scripts named here; name each other file of the kit that needs it, too"
         say(f"{changed}: named like the kit's, and used in its place {whose}")

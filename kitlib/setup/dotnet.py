@@ -207,11 +207,11 @@ def build(
         # MSBuild takes a variable for a property; on its command line a semicolon would end it.
         kit = taken_from_the_kit(own) if theirs is None else []
         names = [escaped(path) for path in [*own, *(theirs or ())] if path not in kit]
-        played = [path.stem for path in own if any(PACKAGE.rglob(path.name))]
         environment = {
             **ENVIRONMENT,
             "OwnScripts": ";".join(names),
-            "KitScripts": ";".join(played),
+            "KitScripts": ";".join(path.stem for path in kit),
+            "ProjectScripts": ";".join(path.stem for path in theirs or ()),
             # By this name nobody calls the kit's own.
             "KitAlias": "" if theirs is None else "kit",
         }

@@ -66,8 +66,13 @@ def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[
     if theirs is None or not any(name in kit for line in errors for _, name in re.findall(NOWHERE, line)):
         return
     # Also those of which the compiler says nothing yet, because it has not come so far.
-    there = {name for path in [*own, *theirs] for name in types(path)}
-    lacks = sorted(name for name in kit - there - {NAMESPACE} if any(uses(code(path), name) for path in own))
+    text = "\n".join(map(code, own))
+    there = {
+        NAMESPACE,
+        *re.findall(r"\b(?:class|struct|enum) (\w+)", text),
+        *(name for path in theirs for name in types(path)),
+    }
+    lacks = sorted(name for name in kit - there if uses(text, name))
     command = f'{KIT} unity "{find_project(own[0])}"'
     cure = " and ".join(f"`{command} --lesson {number}`" for number in bringing(lacks)) or f"`{command}`"
     yield f"this project has no {', '.join(lacks) or NAMESPACE}: {cure} copies what is missing"

@@ -167,7 +167,7 @@ def test_a_client_for_several_scenes(play, serve, tmp_path):
 
 STREAM = """using NetMQExample;
 
-public class Stream : {0}
+public class PoseFollower : {0}
 {{
     private readonly {1} what;
 
@@ -188,7 +188,8 @@ def test_a_script_of_a_unity_project_sees_what_that_project_has_of_the_kit(play,
     (game / "Assets").mkdir(parents=True)
     (game / "ProjectSettings").mkdir()
     (game / "ProjectSettings" / "ProjectVersion.txt").write_text("m_EditorVersion: 6000.0.32f1\n")
-    script = game / "Assets" / "Stream.cs"
+    # What the kit has under this name is another one.
+    script = game / "Assets" / "PoseFollower.cs"
     script.write_text(STREAM.format("NetworkBehaviour", "PoseMessage"), encoding="utf-8")
 
     def lacking(*names):
@@ -197,7 +198,7 @@ def test_a_script_of_a_unity_project_sees_what_that_project_has_of_the_kit(play,
         )
         code, (first, *errors) = play(script, "--seconds", "20")
         assert (code, first) == (1, f"kit    | your script does not compile; {said}")
-        assert all("Stream.cs(" in line for line in errors)
+        assert all("PoseFollower.cs(" in line for line in errors)
 
     lacking("NetworkBehaviour", "PoseMessage")
     unity_install.install(game, "3", scripts_only=True)
