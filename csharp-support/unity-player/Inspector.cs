@@ -49,14 +49,16 @@ namespace UnityPlayer
             throw new ArgumentException($"unknown: --{name}; the fields that a script has here: {string.Join(" ", known)}");
         }
 
-        private static bool CanSerialize(Type type)
-        {
-            if (type.IsArray) return CanSerialize(type.GetElementType());
-            if (type.IsGenericType) return type.GetGenericTypeDefinition() == typeof(List<>) && CanSerialize(type.GetGenericArguments()[0]);
-            return type.IsPrimitive || type.IsEnum || type == typeof(string) || type == typeof(Vector3) || type == typeof(Quaternion)
-                || typeof(UnityEngine.Object).IsAssignableFrom(type)
-                || (type.IsSerializable && type.Assembly != typeof(object).Assembly && !typeof(Delegate).IsAssignableFrom(type));
-        }
+        /// <summary>What an array or a list holds, or null.</summary>
+        internal static Type Item(Type type) => type.IsArray ? type.GetElementType()
+            : type.IsGenericType && type.GetGenericTypeDefinition() == typeof(List<>) ? type.GetGenericArguments()[0] : null;
+
+        /// <summary>Whether it is a value, and no other thing that is referred to.</summary>
+        internal static bool IsPlain(Type type) => type.IsPrimitive || type.IsEnum || type == typeof(string)
+            || type.IsSerializable && !type.IsGenericType && !type.IsArray && !typeof(Delegate).IsAssignableFrom(type) && type.Namespace?.StartsWith("System") != true
+            || type.IsValueType && type.Namespace == nameof(UnityEngine);
+
+        private static bool CanSerialize(Type type) => IsPlain(Item(type) ?? type) || typeof(UnityEngine.Object).IsAssignableFrom(Item(type) ?? type);
 
         private static object Parse(FieldInfo field, string text)
         {

@@ -30,7 +30,7 @@ def stand_ins() -> dict[str, list[str]]:
                 members = re.findall(r"(\w+)(?: = \d+)?(?=\s*[,}])", body)
             else:
                 # Such as `public float x, y;` and `public float Range(`, and no operator.
-                public = r"^ {8}public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
+                public = r"(?:^ {8}|[{;] )public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
                 each = re.findall(public, body, re.MULTILINE)
                 members = [member for some in each for member in some.split(", ")]
             found.setdefault(name, []).extend(member for member in members if member != name)

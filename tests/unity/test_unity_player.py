@@ -167,11 +167,11 @@ times: 3, doomed: False True, pending: False
 pending: False
 errors: 1""",
     "Things": """
-awake: Enemy at (0.00, 0.00, 0.00), rat 3 0 nothing none none
-awake: Enemy(Clone) at (1.00, 2.00, 3.00), wolf 7 0 a sword 5 Hand+first
-its own: True, True, wolf 7 1 a sword 5 Hand+first, True
+awake: Enemy at (0.00, 0.00, 0.00), rat 3 0 nothing none none 1
+awake: Enemy(Clone) at (1.00, 2.00, 3.00), wolf 7 0 a sword 5 Hand+first 0
+its own: True, True, wolf 7 1 a sword 5 Hand+first 0, True
 its hand: (1.00, 2.00, 2.00), True
-awake: Enemy(Clone)(Clone) at (2.00, 2.00, 3.00), wolf 7 0 a sword 5+6 Hand+first
+awake: Enemy(Clone)(Clone) at (2.00, 2.00, 3.00), wolf 7 0 a sword 5+6 Hand+first 0
 below: (2.00, 2.00, 3.00) Hand Enemy(Clone)(Clone)
 below and placed: (0.00, 1.00, 0.00)
 scaled: (2.00, 0.00, 0.00) (2.00, 2.00, 2.00)

@@ -7,9 +7,7 @@ namespace UnityEditor
     public static class AssemblyReloadEvents
     {
         public delegate void AssemblyReloadCallback();
-
         public static event AssemblyReloadCallback beforeAssemblyReload;
-
         internal static void SayReloading() => beforeAssemblyReload?.Invoke();
     }
 }
@@ -22,12 +20,9 @@ namespace UnityEngine
     {
         // As ProjectSettings.asset of unity/ has it.
         private static bool background = true;
-
         public delegate void LogCallback(string condition, string stackTrace, LogType type);
-
         public static event LogCallback logMessageReceived;
         public static event Action quitting;
-
         internal static bool QuitAsked { get; set; }
         internal static bool Playing { get; set; }
         internal static bool Mobile { get; set; }
@@ -65,7 +60,6 @@ namespace UnityEngine
     public class Time
     {
         private static float step = 0.02f;
-
         internal static double Now { get; set; }
         internal static double Elapsed { get; set; }
         internal static double Unscaled { get; set; }
@@ -106,7 +100,6 @@ namespace UnityEngine
     public sealed class QualitySettings : Object
     {
         private static int vSyncs = 1;
-
         private QualitySettings() { }
         // How many times the screen is drawn for each frame; 0: frames do not wait for it.
         public static int vSyncCount { get => MainThread.Of("get_vSyncCount", vSyncs); set => vSyncs = MainThread.Of("set_vSyncCount", value); }
@@ -118,7 +111,6 @@ namespace UnityEngine
     public class Debug
     {
         private static int errors;
-
         internal static int Errors => errors;
         /// <summary>What a message costs; in Unity it is 0.1 ms in a build, and a multiple in the editor.</summary>
         internal static TimeSpan Cost { get; set; }

@@ -33,17 +33,13 @@ namespace UnityEngine
 namespace UnityEngine.Events
 {
     public delegate void UnityAction();
-
     public delegate void UnityAction<T0>(T0 arg0);
-
     public delegate void UnityAction<T0, T1>(T0 arg0, T1 arg1);
-
     public abstract class UnityEventBase { }
 
     public class UnityEvent : UnityEventBase
     {
         private event UnityAction Calls;
-
         public void AddListener(UnityAction call) => Calls += call;
         public void RemoveListener(UnityAction call) => Calls -= call;
         public void Invoke() => Calls?.Invoke();
@@ -52,7 +48,6 @@ namespace UnityEngine.Events
     public class UnityEvent<T0> : UnityEventBase
     {
         private event UnityAction<T0> Calls;
-
         public void AddListener(UnityAction<T0> call) => Calls += call;
         public void RemoveListener(UnityAction<T0> call) => Calls -= call;
         public void Invoke(T0 arg0) => Calls?.Invoke(arg0);

@@ -9,7 +9,6 @@ namespace UnityEngine.Rendering
     {
         private readonly Readback work;
         private readonly int number;
-
         internal AsyncGPUReadbackRequest(Readback work) => (this.work, number) = (work, work.Number);
         // What is over is done, with an error: so a script that did not look in time learns of it.
         public bool done => work == null || work.Number != number || work.Left <= 0;
@@ -34,7 +33,6 @@ namespace UnityEngine.Rendering
     {
         private static readonly List<Readback> Working = new List<Readback>();
         private static readonly Stack<Readback> Idle = new Stack<Readback>();
-
         /// <summary>So many of the next requests end with an error.</summary>
         internal static int ToFail { get; set; }
 
@@ -76,7 +74,6 @@ namespace UnityEngine.Rendering
         public readonly byte[] Pixels;
         public int Number, Left;
         public bool Failed;
-
         public Readback(int bytes) => Pixels = new byte[bytes];
     }
 }

@@ -4,7 +4,6 @@ using System;
 namespace UnityEngine.Rendering
 {
     public enum GraphicsDeviceType { Null = 4, OpenGLCore = 17 }
-
     public abstract class RenderPipelineAsset : ScriptableObject { }
 
     public sealed class GraphicsSettings : Object
@@ -19,11 +18,8 @@ namespace UnityEngine
     using UnityEngine.Rendering;
 
     public enum PrimitiveType { Sphere = 0, Cube = 3 }
-
     public enum CameraClearFlags { Skybox = 1, Color = 2, SolidColor = 2, Depth = 3, Nothing = 4 }
-
     public enum RenderTextureFormat { ARGB32 = 0 }
-
     public enum RenderTextureReadWrite { sRGB = 2 }
 
     public sealed class Shader : Object
@@ -50,7 +46,6 @@ namespace UnityEngine
         }
 
         internal Material() { }
-
         /// <summary>By which shader; Standard is the built-in pipeline's.</summary>
         internal string Drawn { get; } = "Standard";
         public Color color { get; set; } = new Color(1, 1, 1, 1);

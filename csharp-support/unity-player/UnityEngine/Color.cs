@@ -3,10 +3,9 @@ using System;
 
 namespace UnityEngine
 {
-    public struct Color : IEquatable<Color>
+    public struct Color
     {
         public float r, g, b, a;
-
         public Color(float r, float g, float b, float a) => (this.r, this.g, this.b, this.a) = (r, g, b, a);
         public Color(float r, float g, float b) : this(r, g, b, 1) { }
         public static Color red => new Color(1, 0, 0);
@@ -28,9 +27,6 @@ namespace UnityEngine
         public static Color operator *(float b, Color a) => a * b;
         public static bool operator ==(Color lhs, Color rhs) => Squares(lhs - rhs) < 1e-10f;
         public static bool operator !=(Color lhs, Color rhs) => !(lhs == rhs);
-        public bool Equals(Color other) => (r, g, b, a).Equals((other.r, other.g, other.b, other.a));
-        public override bool Equals(object other) => other is Color color && Equals(color);
-        public override int GetHashCode() => HashCode.Combine(r, g, b, a);
         public override string ToString() => $"RGBA{Vector3.Written("F3", null, r, g, b, a)}";
         private static float Squares(Color c) => (c.r * c.r) + (c.g * c.g) + (c.b * c.b) + (c.a * c.a);
     }
@@ -38,7 +34,6 @@ namespace UnityEngine
     public struct Color32
     {
         public byte r, g, b, a;
-
         public Color32(byte r, byte g, byte b, byte a) => (this.r, this.g, this.b, this.a) = (r, g, b, a);
         public static implicit operator Color(Color32 c) => new Color(c.r / 255f, c.g / 255f, c.b / 255f, c.a / 255f);
         public static implicit operator Color32(Color c) => new Color32(Byte(c.r), Byte(c.g), Byte(c.b), Byte(c.a));

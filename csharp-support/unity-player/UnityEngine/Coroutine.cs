@@ -6,16 +6,10 @@ using System.Collections.Generic;
 namespace UnityEngine
 {
     public class YieldInstruction { }
-
     public sealed class WaitForEndOfFrame : YieldInstruction { }
-
     public sealed class WaitForFixedUpdate : YieldInstruction { }
 
-    public sealed class WaitForSeconds : YieldInstruction
-    {
-        public WaitForSeconds(float seconds) => Seconds = seconds;
-        internal float Seconds { get; }
-    }
+    public sealed class WaitForSeconds : YieldInstruction { internal readonly float Seconds; public WaitForSeconds(float seconds) => Seconds = seconds; }
 
     public abstract class CustomYieldInstruction : IEnumerator
     {
@@ -28,7 +22,6 @@ namespace UnityEngine
     public sealed class WaitUntil : CustomYieldInstruction
     {
         private readonly Func<bool> predicate;
-
         public WaitUntil(Func<bool> predicate) => this.predicate = predicate;
         public override bool keepWaiting => !predicate();
     }
@@ -36,7 +29,6 @@ namespace UnityEngine
     public sealed class WaitWhile : CustomYieldInstruction
     {
         private readonly Func<bool> predicate;
-
         public WaitWhile(Func<bool> predicate) => this.predicate = predicate;
         public override bool keepWaiting => predicate();
     }
@@ -44,7 +36,6 @@ namespace UnityEngine
     public class WaitForSecondsRealtime : CustomYieldInstruction
     {
         private float end = -1;
-
         public WaitForSecondsRealtime(float time) => waitTime = time;
         public float waitTime { get; set; }
 

@@ -9,7 +9,6 @@ namespace UnityEngine
     public sealed class GameObject : Object
     {
         private bool active = true;
-
         public GameObject() : this("New Game Object") { }
         public GameObject(string name) : this(name, true) { }
 
@@ -168,7 +167,6 @@ namespace UnityEngine
         public static IEnumerable<GameObject> Active => Objects.Where(one => one.activeInHierarchy);
         /// <summary>What is to go, and at which of the game's times.</summary>
         public static List<(Object Thing, double Due)> Destroyed { get; } = new List<(Object, double)>();
-
         /// <summary>What stays when a scene is left.</summary>
         public static HashSet<GameObject> Kept { get; } = new HashSet<GameObject>();
         /// <summary>Materials and textures that a script has made and not destroyed, which Unity keeps when a scene is left.</summary>

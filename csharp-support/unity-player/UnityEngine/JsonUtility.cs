@@ -6,6 +6,7 @@ using System.Globalization;
 using System.Linq;
 using System.Reflection;
 using System.Text.RegularExpressions;
+using UnityPlayer;
 
 namespace UnityEngine
 {
@@ -13,7 +14,6 @@ namespace UnityEngine
     {
         // So deep Unity looks into classes, which may hold one another.
         private const int Deepest = 10;
-
         public static string ToJson(object obj) => ToJson(obj, false);
 
         // As in Unity: a list, a text or a number that is in no class is nothing, without a word.
@@ -22,7 +22,7 @@ namespace UnityEngine
             if (obj == null) return "";
             if (IsEngines(obj)) throw new ArgumentException("JsonUtility.ToJson does not support engine types.");
             var end = prettyPrint ? "\n" : null;
-            return Item(obj.GetType()) != null || obj is string || obj.GetType().IsPrimitive ? "{}" : Written(obj, obj.GetType(), end);
+            return Inspector.Item(obj.GetType()) != null || obj is string || obj.GetType().IsPrimitive ? "{}" : Written(obj, obj.GetType(), end);
         }
 
         public static T FromJson<T>(string json) => (T)FromJson(json, typeof(T));
@@ -58,7 +58,7 @@ namespace UnityEngine
             if (type == typeof(float) || type == typeof(double)) return Regex.Replace(((IFormattable)value).ToString("R", CultureInfo.InvariantCulture), "^-?\\d+$", "$0.0");
             if (type.IsPrimitive) return ((IFormattable)value).ToString("D", CultureInfo.InvariantCulture);
             var next = end == null ? null : $"{end}    ";
-            if (Item(type) is Type item)
+            if (Inspector.Item(type) is Type item)
                 return Brackets("[]", end, ((IEnumerable)value ?? Array.Empty<object>()).Cast<object>().Select(each => Written(each, item, next, depth)));
             value ??= Activator.CreateInstance(type);
             var fields = depth < Deepest ? Fields(type) : new FieldInfo[0];
@@ -87,7 +87,7 @@ namespace UnityEngine
         {
             if (type.IsEnum) return Enum.ToObject(type, value);
             if (type.IsPrimitive || type == typeof(string)) return Convert.ChangeType(value, type, CultureInfo.InvariantCulture);
-            if (Item(type) is Type item)
+            if (Inspector.Item(type) is Type item)
             {
                 var items = (List<object>)value;
                 var array = Array.CreateInstance(item, items.Count);
@@ -99,21 +99,10 @@ namespace UnityEngine
             return before;
         }
 
-        private static Type Item(Type type) => type.IsArray ? type.GetElementType()
-            : type.IsGenericType && type.GetGenericTypeDefinition() == typeof(List<>) ? type.GetGenericArguments()[0] : null;
-
-        // A component of one's own is written as well, and what it holds of Unity's only in Unity.
-        private static IEnumerable<FieldInfo> Fields(Type type)
-        {
-            const BindingFlags own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
-            if (type == null || type == typeof(MonoBehaviour) || type == typeof(ScriptableObject) || !IsPlain(type) && !typeof(Object).IsAssignableFrom(type)) return new FieldInfo[0];
-            return Fields(type.BaseType).Concat(type.GetFields(own).Where(field => !field.IsInitOnly && !field.IsNotSerialized
-                && (field.IsPublic || field.IsDefined(typeof(SerializeField))) && (IsPlain(field.FieldType) || Item(field.FieldType) is Type item && IsPlain(item))));
-        }
-
-        private static bool IsPlain(Type type) => type.IsPrimitive || type.IsEnum || type == typeof(string)
-            || type.IsSerializable && !type.IsGenericType && !type.IsArray && !typeof(Delegate).IsAssignableFrom(type) && type.Namespace?.StartsWith("System") != true
-            || type.IsValueType && type.Namespace == nameof(UnityEngine);
+        // A component of one's own is written as well, and what it holds of Unity's only in Unity. A base class comes first.
+        private static IEnumerable<FieldInfo> Fields(Type type) => !Inspector.IsPlain(type) && !typeof(Object).IsAssignableFrom(type) ? new FieldInfo[0]
+            : Inspector.Fields(type).Where(field => Inspector.IsPlain(Inspector.Item(field.FieldType) ?? field.FieldType))
+                .GroupBy(field => field.DeclaringType).Reverse().SelectMany(fields => fields);
 
         /// <summary>Objects as dictionaries, arrays as lists, numbers as long or double.</summary>
         private sealed class Reader

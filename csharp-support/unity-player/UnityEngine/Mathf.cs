@@ -12,7 +12,6 @@ namespace UnityEngine
         public const float Deg2Rad = PI / 180;
         public const float Rad2Deg = 180 / PI;
         public static readonly float Epsilon = float.Epsilon;
-
         public static float Sin(float f) => (float)Math.Sin(f);
         public static float Cos(float f) => (float)Math.Cos(f);
         public static float Tan(float f) => (float)Math.Tan(f);
@@ -67,7 +66,6 @@ namespace UnityEngine
     public static class Random
     {
         private static System.Random source = new System.Random();
-
         /// <summary>From 0 to 1.</summary>
         public static float value => (float)source.NextDouble();
         public static void InitState(int seed) => source = new System.Random(seed);

@@ -10,7 +10,6 @@ namespace UnityEngine
     public class MonoBehaviour : Behaviour
     {
         private const BindingFlags Own = BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
-
         private readonly CancellationTokenSource destroyed = new CancellationTokenSource();
         private readonly Dictionary<string, Action> messages = new Dictionary<string, Action>();
         private bool argument, awoken, running, started;

@@ -7,7 +7,6 @@ namespace UnityEngine
     public class Object
     {
         internal bool Destroyed { get; set; }
-
         // A component has none of its own: it answers with that of its game object.
         internal virtual string Title { get; set; } = "";
         public string name { get => MainThread.Of("GetName", Title); set => Title = MainThread.Of("SetName", value); }
@@ -77,7 +76,6 @@ namespace UnityEngine
     }
 
     public enum FindObjectsInactive { Exclude, Include }
-
     public enum FindObjectsSortMode { None, InstanceID }
 
     public class UnityException : SystemException

@@ -55,9 +55,7 @@ namespace UnityEngine
     {
         // All but the layer Ignore Raycast.
         public const int DefaultRaycastLayers = -5;
-
         private const float Near = 1e-4f;
-
         private static SimulationMode mode;
 
         public static SimulationMode simulationMode

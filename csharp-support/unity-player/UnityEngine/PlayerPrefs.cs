@@ -6,7 +6,6 @@ namespace UnityEngine
     public class PlayerPrefs
     {
         private static readonly Dictionary<string, object> Values = new Dictionary<string, object>();
-
         public static void SetInt(string key, int value) => Values[key] = value;
         public static void SetFloat(string key, float value) => Values[key] = value;
         public static void SetString(string key, string value) => Values[key] = value;

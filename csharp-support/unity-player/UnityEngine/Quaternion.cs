@@ -3,12 +3,10 @@ using System;
 
 namespace UnityEngine
 {
-    public struct Quaternion : IEquatable<Quaternion>
+    public struct Quaternion
     {
         private const float Same = 1 - 1e-6f;
-
         public float x, y, z, w;
-
         public Quaternion(float x, float y, float z, float w) => (this.x, this.y, this.z, this.w) = (x, y, z, w);
         public static Quaternion identity => new Quaternion(0, 0, 0, 1);
         // First around z, then x, then y.
@@ -76,9 +74,6 @@ namespace UnityEngine
 
         public static bool operator ==(Quaternion lhs, Quaternion rhs) => Dot(lhs, rhs) > Same;
         public static bool operator !=(Quaternion lhs, Quaternion rhs) => !(lhs == rhs);
-        public bool Equals(Quaternion other) => (x, y, z, w).Equals((other.x, other.y, other.z, other.w));
-        public override bool Equals(object other) => other is Quaternion turn && Equals(turn);
-        public override int GetHashCode() => HashCode.Combine(x, y, z, w);
         public override string ToString() => Vector3.Written("F5", null, x, y, z, w);
 
         public static Quaternion operator *(Quaternion lhs, Quaternion rhs) => new Quaternion(

@@ -18,10 +18,8 @@ namespace UnityEngine.SceneManagement
     public class SceneManager
     {
         internal const string Name = "Main";
-
         private static bool asked;
         public static event Events.UnityAction<Scene, LoadSceneMode> sceneLoaded;
-
         // One that is being loaded is there as well, behind all others.
         public static int sceneCount => asked ? 2 : 1;
         internal static Action Make { get; set; }

@@ -6,7 +6,6 @@ namespace Unity.Collections
     public struct NativeArray<T> where T : struct
     {
         private readonly T[] items;
-
         internal NativeArray(T[] items) => this.items = items;
         public int Length => items.Length;
 

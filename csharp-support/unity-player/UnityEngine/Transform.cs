@@ -11,10 +11,8 @@ namespace UnityEngine
     {
         private Vector3 place, size = Vector3.one;
         private Quaternion turn = Quaternion.identity;
-
         internal Transform Above { get; private set; }
         internal List<Transform> Children { get; } = new List<Transform>();
-
         /// <summary>This one, and all below it in the order of the hierarchy.</summary>
         internal IEnumerable<Transform> All => Children.SelectMany(child => child.All).Prepend(this);
 

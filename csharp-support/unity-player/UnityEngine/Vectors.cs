@@ -5,10 +5,9 @@ using System.Linq;
 
 namespace UnityEngine
 {
-    public struct Vector2 : IEquatable<Vector2>, IFormattable
+    public struct Vector2 : IFormattable
     {
         public float x, y;
-
         public Vector2(float x, float y) => (this.x, this.y) = (x, y);
         public static Vector2 zero => default;
         public static Vector2 one => new Vector2(1, 1);
@@ -35,9 +34,6 @@ namespace UnityEngine
         public static bool operator !=(Vector2 lhs, Vector2 rhs) => !(lhs == rhs);
         public static implicit operator Vector2(Vector3 v) => new Vector2(v.x, v.y);
         public static implicit operator Vector3(Vector2 v) => new Vector3(v.x, v.y, 0);
-        public bool Equals(Vector2 other) => x == other.x && y == other.y;
-        public override bool Equals(object other) => other is Vector2 vector && Equals(vector);
-        public override int GetHashCode() => HashCode.Combine(x, y);
         public override string ToString() => ToString(null, null);
         public string ToString(string format) => ToString(format, null);
         public string ToString(string format, IFormatProvider formatProvider) => Vector3.Written(format ?? "F2", formatProvider, x, y);
@@ -46,7 +42,6 @@ namespace UnityEngine
     public struct Vector3 : IEquatable<Vector3>, IFormattable
     {
         public float x, y, z;
-
         public Vector3(float x, float y, float z) => (this.x, this.y, this.z) = (x, y, z);
         public Vector3(float x, float y) : this(x, y, 0) { }
         public static Vector3 zero => default;
@@ -127,7 +122,6 @@ namespace UnityEngine
     public struct Vector4
     {
         public float x, y, z, w;
-
         public Vector4(float x, float y, float z, float w) => (this.x, this.y, this.z, this.w) = (x, y, z, w);
     }
 
@@ -152,7 +146,6 @@ namespace UnityEngine
     {
         public Vector3 position;
         public Quaternion rotation;
-
         public Pose(Vector3 position, Quaternion rotation) => (this.position, this.rotation) = (position, rotation);
     }
 }

@@ -210,10 +210,11 @@ namespace NetMQExample.PlayTest
         public int health = 3;
         public Loot loot = new Loot();
         public Transform[] parts = new Transform[0];
+        public Color tint = Color.white;
         [SerializeField] private string kind = "rat";
         private int hits;
 
-        public string Told => $"{kind} {health} {hits} {loot.what} {Listed(loot.coins)} {Listed(parts.Select(part => part.name))}";
+        public string Told => $"{kind} {health} {hits} {loot.what} {Listed(loot.coins)} {Listed(parts.Select(part => part.name))} {tint.g}";
 
         private static string Listed<T>(IEnumerable<T> items) => items.Any() ? string.Join("+", items) : "none";
 
@@ -231,7 +232,7 @@ namespace NetMQExample.PlayTest
             hand.SetParent(new GameObject("Arm").transform);
             hand.parent.SetParent(enemy.transform);
             hand.localPosition = Vector3.right;
-            (enemy.health, enemy.loot.what, enemy.parts) = (7, "a sword", new[] { hand, transform });
+            (enemy.health, enemy.tint, enemy.loot.what, enemy.parts) = (7, Color.red, "a sword", new[] { hand, transform });
             enemy.loot.coins.Add(5);
             enemy.Become("wolf");
             enemy.gameObject.AddComponent<MeshRenderer>().material.color = Color.red;
