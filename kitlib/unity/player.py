@@ -16,6 +16,8 @@ CHANGED = "the player uses your copy of a kit's file only if you name it here, w
 # The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
 NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)'"
 NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
+# In the source: `public float x, y;`, `public float Range(`, and no operator.
+MEMBER = r"(?:^ {8}|[{;] )public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
 
 
 def stand_ins() -> dict[str, list[str]]:
@@ -29,10 +31,7 @@ def stand_ins() -> dict[str, list[str]]:
             if kind == "enum":
                 members = re.findall(r"(\w+)(?: = \d+)?(?=\s*[,}])", body)
             else:
-                # Such as `public float x, y;` and `public float Range(`, and no operator.
-                public = r"(?:^ {8}|[{;] )public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
-                each = re.findall(public, body, re.MULTILINE)
-                members = [member for some in each for member in some.split(", ")]
+                members = [member for some in re.findall(MEMBER, body, re.MULTILINE) for member in some.split(", ")]
             found.setdefault(name, []).extend(member for member in members if member != name)
     return {name: sorted(set(found[name])) for name in sorted(found)}
 

@@ -161,6 +161,7 @@ destroyed: ended
 errors: 2""",
     "Later": """
 pending: True True False
+once
 soon: True, though disabled: True, True
 Trying to Invoke method: Later.NoSuchMethod couldn't be called.
 times: 3, doomed: False True, pending: False

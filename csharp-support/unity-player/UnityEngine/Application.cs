@@ -76,7 +76,7 @@ namespace UnityEngine
         public static float unscaledDeltaTime => (float)Checked("get_unscaledDeltaTime", Elapsed);
         // What a new project has: a third of a second.
         public static float maximumDeltaTime => (float)Checked("get_maximumDeltaTime", 1 / 3.0);
-        public static float fixedDeltaTime { get => (float)Checked("get_fixedDeltaTime", step); set => step = value; }
+        public static float fixedDeltaTime { get => (float)Checked("get_fixedDeltaTime", step); set => step = Math.Max(value, 0.0001f); }
         public static float realtimeSinceStartup => (float)Checked("get_realtimeSinceStartup", Clock());
         public static int frameCount => (int)Checked("get_frameCount", Frames);
         private static double OfThisFrame => captureFramerate > 0 ? 1.0 / captureFramerate : Math.Min(Elapsed, maximumDeltaTime);

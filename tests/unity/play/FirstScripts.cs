@@ -164,6 +164,7 @@ namespace NetMQExample.PlayTest
         private void Start()
         {
             began = Time.time;
+            InvokeRepeating(nameof(Once), 0.02f, 0.0001f);
             Invoke(nameof(Soon), 0.05f);
             Invoke("Never", 0.05f);
             InvokeRepeating(nameof(Again), 0.02f, 0.03f);
@@ -178,6 +179,13 @@ namespace NetMQExample.PlayTest
         private void Soon() => print($"soon: {Time.time >= began + 0.05f}, though disabled: {!enabled}, {GameObject.Find("doomed at once") == null}");
 
         private void Never() => print("never");
+
+        // Due several times within a frame.
+        private void Once()
+        {
+            print("once");
+            CancelInvoke(nameof(Once));
+        }
 
         private void Again()
         {
