@@ -1,7 +1,7 @@
 // Lesson 17 in a terminal: the terminal client of FleetMember.cs, with the same FleetSimulator.
 //
 //     dotnet run --project csharp-console -- 17                        a simulator, until the hub sends it home
-//     dotnet run --project csharp-console -- 17 --find 5567            asks the hub that is heard on this UDP port
+//     dotnet run --project csharp-console -- 17 --endpoint beacon://hub:5567        the hub with --beacon hub
 //     dotnet run --project csharp-console -- 17 --keys keys            with lesson 15's keys
 //     dotnet run --project csharp-console -- 17 --crash-after 200      trouble: it ends in the middle of an episode
 //     dotnet run --project csharp-console -- 17 --delay 8              trouble: so many seconds for each step
@@ -14,7 +14,6 @@ namespace NetMQExample.Terminal
         public static void Run(Arguments arguments)
         {
             var endpoint = arguments.Text("endpoint", "tcp://127.0.0.1:5567");
-            var find = arguments.Whole("find", 0);
             var folder = arguments.Text("keys", "");
             var count = arguments.Whole("count", 0);
             var timeout = arguments.Seconds("timeout", 30);
@@ -25,8 +24,6 @@ namespace NetMQExample.Terminal
 
             var keys = folder == "" ? null : new ClientKeys(folder);
             if (keys != null) NetMQConnection.Prepare = keys.Apply;
-            if (find > 65535) throw new UsageException($"--find takes a port, not {find}");
-            if (find > 0) endpoint = HubFinder.Find(find, keys?.ServerKey ?? "", timeout);
             var simulator = new FleetSimulator(new Simulator(new CartPole()), build)
             {
                 CrashAfter = crashAfter,

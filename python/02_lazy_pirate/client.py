@@ -20,7 +20,7 @@ from netmq_example.program import at_least_one, client_options, printable, run, 
 
 def main() -> None:
     about = "Adds to the server's account, and asks again until it is answered."
-    parser = client_options(about, "tcp://127.0.0.1:5552", timeout=0.5)
+    parser = client_options(about, "tcp://127.0.0.1:5552", timeout=0.5, beacon=True)
     parser.add_argument("--count", type=whole, default=10, help="how many requests")
     parser.add_argument("--text", default="add 1", help="what to ask: 'add 1' or 'balance'")
     parser.add_argument("--tries", type=at_least_one, default=5, help="how often to send a request before giving up")

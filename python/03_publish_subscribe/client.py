@@ -21,7 +21,7 @@ from netmq_example.topic_listener import TopicListener
 
 
 def main() -> None:
-    parser = client_options("Listens to a topic.", "tcp://127.0.0.1:5553", timeout=5)
+    parser = client_options("Listens to a topic.", "tcp://127.0.0.1:5553", timeout=5, beacon=True)
     parser.add_argument("--topic", default="pose/", help="how the messages begin")
     parser.add_argument("--count", type=whole, default=300, help="end after so many messages")
     parser.add_argument("--every", type=whole, default=60, help="print one in so many; 0: none")

@@ -23,7 +23,7 @@ TIMEOUT_STEPS = 25
 
 def drive_options(endpoint: str) -> argparse.Namespace:
     """The client's options: how it drives, and what it sends."""
-    parser = client_options("Drives a car by what Python sees.", endpoint, timeout=1)
+    parser = client_options("Drives a car by what Python sees.", endpoint, timeout=1, beacon=True)
     parser.add_argument("--count", type=whole, default=500, help="end after so many actions")
     parser.add_argument("--every", type=whole, default=50, help="print one action in so many; 0: none")
     parser.add_argument("--tries", type=at_least_one, default=20, help="pictures in a row that may stay without action")

@@ -26,7 +26,9 @@ with importing("gymnasium; kit.py run 10 installs it", stopped="stopped"):
 
 
 def main() -> None:
-    parser = client_options("Simulates what an environment steps, many at once.", "tcp://127.0.0.1:5560", timeout=30)
+    parser = client_options(
+        "Simulates what an environment steps, many at once.", "tcp://127.0.0.1:5560", timeout=30, beacon=True
+    )
     parser.add_argument("--world", choices=["CartPole", "Car", "Pursuit"], default="Pursuit", help="what to simulate")
     parser.add_argument("--areas", type=players.areas, default=16, help="how many areas of CartPole or Car")
     parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is closed")

@@ -1,7 +1,7 @@
 """Lesson 17, the client in Python: a simulator. In C# it is FleetMember.cs, which prints the same lines.
 
     python python/17_many_machines/client.py                          a pole on a cart, until the hub sends it home
-    python python/17_many_machines/client.py --find 5567              asks the hub that is heard on this UDP port
+    python python/17_many_machines/client.py --endpoint beacon://hub:5567        the hub with --beacon hub
     python python/17_many_machines/client.py --keys keys              with lesson 15's keys
     python python/17_many_machines/client.py --crash-after 200        trouble: it ends in the middle of an episode
     python python/17_many_machines/client.py --delay 8                trouble: so many seconds for each step
@@ -17,30 +17,24 @@ from netmq_example.program import client_options, importing, run, seconds, show,
 from netmq_example.security.requester import client_keys
 
 with importing("gymnasium; kit.py run 17 installs it", stopped="stopped"):
-    from netmq_example.fleet.beacon import find
     from netmq_example.fleet.simulator import FleetSimulator
     from netmq_example.simulation.simulator import EnvironmentClient, Simulator
     from netmq_example.worlds.cart_pole import CartPole
 
 
 def main() -> None:
-    parser = client_options("Simulates what trainers step by way of the hub.", "tcp://127.0.0.1:5567", timeout=30)
-    parser.add_argument("--find", type=whole, default=0, metavar="PORT", help="the hub heard on this UDP port")
+    parser = client_options(
+        "Simulates what trainers step by way of the hub.", "tcp://127.0.0.1:5567", timeout=30, beacon=True
+    )
     parser.add_argument("--keys", type=client_keys, metavar="DIR", help="server.key and this simulator's pair")
     parser.add_argument("--build", default="1", help="what the hub must expect")
     parser.add_argument("--count", type=whole, default=0, help="how many episodes; 0: until it is sent home")
     parser.add_argument("--crash-after", type=whole, default=0, metavar="N", help="end without a word after N steps")
     parser.add_argument("--delay", type=seconds, default=0, help="seconds that each step takes")
     options = parser.parse_args()
-    place = options.endpoint
-    if options.find:
-        try:
-            place = find(options.find, options.keys.server if options.keys else b"", options.timeout)
-        except ValueError as error:
-            parser.error(f"--find: {error}")
-    show(f"asking {place}")
+    show(f"asking {options.endpoint}")
     simulator = FleetSimulator(Simulator(CartPole()), options.build, options.crash_after, options.delay)
-    client = EnvironmentClient(place, options.timeout, show, options.keys.apply if options.keys else None)
+    client = EnvironmentClient(options.endpoint, options.timeout, show, options.keys.apply if options.keys else None)
     client.run(simulator, options.count)
     show(f"done: {simulator.episodes} episodes, {simulator.steps} steps")
 

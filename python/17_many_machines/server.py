@@ -4,8 +4,8 @@
     dotnet run --project csharp-console -- 17             a simulator; or: python python/17_many_machines/client.py
     python python/17_many_machines/train.py --areas 2     a trainer, which begins when two simulators are there
 
-From other machines, with lesson 15's keys; client.py --find 5567 --keys keys finds it in its network:
-    python python/17_many_machines/server.py --endpoint tcp://0.0.0.0:5567 --keys keys --announce 255.255.255.255:5567
+From other machines, with lesson 15's keys; client.py --endpoint beacon://hub:5567 --keys keys finds it in its network:
+    python python/17_many_machines/server.py --endpoint tcp://0.0.0.0:5567 --keys keys --beacon hub
 
 A simulator without work is sent home 15 seconds after the last trainer has left; see --idle.
 Bytes: messages of lesson 05; simulators speak as in lesson 09, trainers as in 10: see netmq_example/fleet/hub.py.
@@ -17,18 +17,16 @@ What kit.py run starts as well, so that there are three simulators, one of which
 """
 
 import sys
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.fleet.beacon import Beacon, udp_place
 from netmq_example.fleet.board import Board
 from netmq_example.fleet.hub import Hub
 from netmq_example.messages import LIMIT
-from netmq_example.program import Context, Socket, listening, option, positive_seconds, run, server_options
+from netmq_example.program import Context, Socket, listening, positive_seconds, run, server_options
 from netmq_example.security.allow_list import keys_for
 
 
@@ -38,8 +36,6 @@ def main() -> None:
     parser.add_argument("--late", type=positive_seconds, default=5, help="seconds until another one is asked as well")
     parser.add_argument("--timeout", type=positive_seconds, default=30, help="seconds an episode waits for a simulator")
     parser.add_argument("--idle", type=positive_seconds, default=15, help="seconds until one without work is sent home")
-    place = partial(option, udp_place, kind=str)
-    parser.add_argument("--announce", type=place, metavar="IP:PORT", help="where to tell of it by UDP")
     parser.add_argument("--keys", metavar="DIR", help="lesson 15's, for the hub and the peers that it lets in")
     options = parser.parse_args()
     # An empty folder, as of a variable that is not set, is a mistake, and opens nothing.
@@ -58,9 +54,6 @@ def main() -> None:
     with listening(zmq.ROUTER, options, 4 * LIMIT, prepare) as socket:
         board = Board()
         hub = Hub(socket, board.report, options.build, options.late, options.timeout, options.idle)
-        beacon = Beacon(
-            options.announce, socket.getsockopt_string(zmq.LAST_ENDPOINT), allowed.public if allowed else b""
-        )
         while True:
             if socket.poll(50):
                 # Only a frame knows who sent it; bytes are faster.
@@ -73,7 +66,6 @@ def main() -> None:
             hub.tick()
             # What was asked of whom.
             board.show(hub)
-            beacon.tell()
 
 
 if __name__ == "__main__":

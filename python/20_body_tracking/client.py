@@ -34,7 +34,7 @@ def seen(pose: BodyPose, behind: float) -> str:
 
 
 def main() -> None:
-    parser = client_options("Listens to the poses of a person.", "tcp://127.0.0.1:5570", timeout=5)
+    parser = client_options("Listens to the poses of a person.", "tcp://127.0.0.1:5570", timeout=5, beacon=True)
     parser.add_argument("--person", type=whole, default=0, help="which one; they count from 0")
     parser.add_argument("--hand", choices=["left", "right"], help="a hand, and no person")
     parser.add_argument("--count", type=whole, default=150, help="end after so many poses; 0: never")

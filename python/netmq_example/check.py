@@ -91,15 +91,17 @@ def data(name: str, value: Any) -> bytes:
         raise TypeError(f"{name} takes bytes, not {value!r:.40}") from None
 
 
-def endpoint(value: Any, example: str, lowest_port: int = 1) -> str:
+def endpoint(value: Any, example: str, lowest_port: int = 1, beacon: bool = False) -> str:
     """Where to connect or, with 0 as the lowest port, to bind: by HTTP where the example is, and otherwise by TCP.
 
     libzmq takes port 99999 as 34463, without an error. What is not of TCP, as ipc:// and inproc://, is left to libzmq.
+    With `beacon` also beacon://NAME:PORT, for those who look for it by BeaconSearch.
     """
     scheme = example.partition(":")[0]
-    if scheme == "tcp" and isinstance(value, str) and re.match(r"(?!tcp:)[a-z]+://.", value):
+    if scheme == "tcp" and isinstance(value, str) and re.match(r"(?!tcp:|beacon:)[a-z]+://.", value):
         return value
-    port = re.fullmatch(scheme + r"://[\w.*-]+:(\*|\d{1,5})", value, re.ASCII) if isinstance(value, str) else None
+    place = rf"(?:{scheme}://[\w.*-]+{'|beacon://[A-Za-z0-9._-]{1,32}' if beacon else ''}):(\*|\d{{1,5}})"
+    port = re.fullmatch(place, value, re.ASCII) if isinstance(value, str) else None
     if port and lowest_port <= int(port[1].replace("*", "0")) <= 65535:
         return str(value)
     raise ValueError(f"bad endpoint '{value!s:.80}': write it like {example}, port {lowest_port} to 65535")

@@ -15,6 +15,7 @@ from collections.abc import Callable
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp, tried
 from netmq_example.one_process import OneProcess
 from netmq_example.program import Context, Socket, encoded, limit, printable
@@ -41,7 +42,8 @@ class LazyPirate(OneProcess):
         `report` is called with a line before each retry.
         """
         self.context = check.not_closed("context", check.instance("context", context, zmq.Context))
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552")
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5552", beacon=True)
+        self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.report = check.function("report", report)
@@ -75,9 +77,10 @@ class LazyPirate(OneProcess):
                 seen = printable(b" ".join(frames).decode(errors="replace"))
                 trouble = f"dropped a reply to another request ({seen})"
             if attempt == self.tries:
+                cure = self.search.cure("is the right server running, or the line slow?")
                 raise TimeoutError(
                     f"{tried(self.tries)} to ask {self.endpoint}, the last: {trouble}; "
-                    f"is the right server running, or the line slow? '{text}' may have been done or not"
+                    f"{cure} '{text}' may have been done or not"
                 )
             attempt += 1
             self.report(f"{self.number}: {trouble}; try {attempt} of {self.tries}")
@@ -88,7 +91,7 @@ class LazyPirate(OneProcess):
         end = time.monotonic() + timeout
         frames: list[bytes] = []
         try:
-            socket = self.connected()
+            socket = self.connected(end)
             # Without waiting: after a peer that broke the protocol there may be no connection to send on.
             socket.send_multipart(request, zmq.NOBLOCK)
             left = timeout
@@ -105,11 +108,15 @@ class LazyPirate(OneProcess):
             self.stopped.wait(PAUSE_SECONDS)
         return frames
 
-    def connected(self) -> Socket:
+    def connected(self, end: float) -> Socket:
+        """zmq.Again if it is not known by then where the server is."""
         if not self.socket:
+            while not (where := self.search.look(SLICE_MS / 1000)):
+                if self.stopped.is_set() or time.monotonic() > end:
+                    raise zmq.Again
             self.socket = self.context.socket(zmq.REQ)
             limit(self.socket)
-            self.socket.connect(self.endpoint)
+            self.socket.connect(where)
         return self.socket
 
     def close_socket(self) -> None:
@@ -124,6 +131,7 @@ class LazyPirate(OneProcess):
     def close(self) -> None:
         self.stop()
         self.close_socket()
+        self.search.close()
 
 
 def is_reply(frames: list[bytes], request: list[bytes]) -> bool:

@@ -29,6 +29,7 @@ from typing import Any, TypeVar
 import zmq
 
 from netmq_example import check, interrupts
+from netmq_example.beacon import answering, beacon_name
 from netmq_example.console import unhindered
 from netmq_example.errors import GaveUp
 
@@ -58,13 +59,17 @@ def server_options(about: str | None, endpoint: str) -> argparse.ArgumentParser:
     parser = Options(description=(about or "").partition("\n")[0])
     parser.add_argument("--endpoint", type=server_endpoint(endpoint), default=endpoint, help="port 0 takes a free one")
     parser.add_argument("--open-to-anyone", action="store_true", help="also from other machines, without keys")
+    parser.add_argument("--beacon", type=a_name, metavar="NAME", help="clients may look for it as beacon://NAME:PORT")
     return parser
 
 
-def client_options(about: str, endpoint: str, timeout: float) -> argparse.ArgumentParser:
-    """The options of every client. `timeout` is the default of --timeout, in seconds."""
+def client_options(about: str, endpoint: str, timeout: float, beacon: bool = False) -> argparse.ArgumentParser:
+    """The options of every client. `timeout` is the default of --timeout, in seconds.
+
+    With `beacon` the endpoint may be beacon://NAME:PORT, for which the client has a BeaconSearch.
+    """
     parser = Options(description=about)
-    parser.add_argument("--endpoint", type=client_endpoint(endpoint), default=endpoint, help="the server")
+    parser.add_argument("--endpoint", type=client_endpoint(endpoint, beacon), default=endpoint, help="the server")
     parser.add_argument("--timeout", type=positive_seconds, default=timeout, help="seconds to wait for each reply")
     return parser
 
@@ -99,9 +104,11 @@ def listening(
             # Printed here: in a thread nobody would hear of it.
             print(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}", file=sys.stderr)
             sys.exit(1)
-        if word:
-            print(f"{word} on {socket.getsockopt_string(zmq.LAST_ENDPOINT)}", flush=True)
-        yield socket
+        bound = socket.getsockopt_string(zmq.LAST_ENDPOINT)
+        with answering(options.beacon, bound) if getattr(options, "beacon", None) else contextlib.nullcontext():
+            if word:
+                print(f"{word} on {bound}", flush=True)
+            yield socket
 
 
 @contextlib.contextmanager
@@ -195,6 +202,11 @@ def at_least_one(text: str) -> int:
     return option(check.count, text, int)
 
 
+def a_name(text: str) -> str:
+    """What a server's beacon answers to."""
+    return option(beacon_name, text, str)
+
+
 def option(rule: Callable[[str, Any], T], text: str, kind: Callable[[str], Any]) -> T:
     """A text that keeps to this rule of check.py. argparse itself names the option."""
     try:
@@ -212,13 +224,15 @@ def server_endpoint(example: str) -> Callable[[str], str]:
     return lambda text: checked(text, example, lowest_port=0)
 
 
-def client_endpoint(example: str) -> Callable[[str], str]:
+def client_endpoint(example: str, beacon: bool = False) -> Callable[[str], str]:
     """The type of an endpoint to connect to. Its host must be known: libzmq would wait for one that does not exist."""
 
     def known(text: str) -> str:
-        host = checked(text, example, lowest_port=1).partition("://")[2].rpartition(":")[0]
+        scheme, _, place = checked(text, example, 1, beacon).partition("://")
+        host = place.rpartition(":")[0]
         try:
-            getaddrinfo(host, None)
+            if scheme != "beacon":
+                getaddrinfo(host, None)
         except (OSError, UnicodeError):
             raise argparse.ArgumentTypeError(f"bad endpoint '{text}': unknown host '{host}'; check it") from None
         return text
@@ -226,12 +240,12 @@ def client_endpoint(example: str) -> Callable[[str], str]:
     return known
 
 
-def checked(text: str, example: str, lowest_port: int) -> str:
+def checked(text: str, example: str, lowest_port: int, beacon: bool = False) -> str:
     # With a scheme of its own libzmq would be asked: a program has only what its example has.
-    if not text.startswith(example.partition("//")[0]):
+    if not text.startswith((example.partition("//")[0], "beacon:")):
         raise argparse.ArgumentTypeError(f"bad endpoint '{text}': write it like {example}")
     try:
-        return check.endpoint(text, example, lowest_port)
+        return check.endpoint(text, example, lowest_port, beacon)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 

@@ -12,6 +12,7 @@ import time
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import BeaconSearch
 from netmq_example.program import SLICE_MS, Socket, limit
 
 # A silent publisher, such as a laptop that sleeps, is asked so often, and gets a new connection, for which libzmq looks
@@ -32,7 +33,11 @@ class TopicListener:
         self.socket = check.not_closed("socket", check.instance("socket", socket, zmq.Socket))
         if socket.type != zmq.SUB:
             raise ValueError("socket takes a SUB socket")
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553")
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
+        self.search = BeaconSearch(endpoint)
+        # What it is connected to, and whether it looks where that is by now.
+        self.where = ""
+        self.looking = True
         self.topic = check.instance("topic", topic, str)
         self.heard = False
         limit(socket)
@@ -40,7 +45,7 @@ class TopicListener:
         socket.heartbeat_ivl = HEARTBEAT_MS
         socket.heartbeat_timeout = HEARTBEAT_TIMEOUT_MS
         socket.subscribe(topic.encode(errors="replace"))
-        socket.connect(endpoint)
+        self.look()
 
     def receive(self, timeout: float) -> str:
         """Wait so many seconds for the next message; TimeoutError if none comes."""
@@ -49,6 +54,8 @@ class TopicListener:
         start = time.monotonic()
         renew = RENEW_SECONDS
         while True:
+            if self.looking:
+                self.look()
             try:
                 frames = self.socket.recv_multipart()
                 self.heard = True
@@ -56,13 +63,25 @@ class TopicListener:
             except zmq.Again:
                 waited = time.monotonic() - start
             if waited >= timeout:
-                why = f"is the server running, with topic '{self.topic}'?"
+                why = self.search.cure(f"is the server running, with topic '{self.topic}'?")
                 raise TimeoutError(f"nothing from {self.endpoint} within {timeout:g} s; {why}")
-            if not self.heard and waited >= renew:
-                # Where another program had the port before, libzmq connects no more.
-                self.socket.disconnect(self.endpoint)
-                self.socket.connect(self.endpoint)
+            if waited >= renew and (self.search.name or not self.heard):
+                self.looking = True
                 renew *= 3
+
+    def look(self) -> None:
+        """Connect to where the publisher is. It does not wait for that: whoever receives comes again."""
+        where = self.search.look(0)
+        if not where:
+            return
+        self.looking = False
+        if self.where == where and self.heard:
+            return
+        if self.where:
+            # Also to the same place: where another program had the port before, libzmq connects no more.
+            self.socket.disconnect(self.where)
+        self.socket.connect(where)
+        self.where = where
 
     def newest(self, timeout: float) -> str:
         """Wait for a message, then take all that are queued behind it: only the last one counts."""

@@ -5,6 +5,7 @@ that answer in the test's own process.
 
 from __future__ import annotations
 
+import shutil
 import threading
 
 import pytest
@@ -13,6 +14,7 @@ import zmq
 from kitlib.setup import dotnet
 from netmq_example import records
 from netmq_example.messages import Message
+from tests.machines import Machines
 from tests.programs import LIMIT, ROOT
 
 
@@ -26,6 +28,19 @@ def context():
 def messages_program(netmq):
     """The command of tests/lessons/checks/MessageChecks.cs."""
     return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "messages"]
+
+
+@pytest.fixture(scope="module")
+def machines():
+    if not shutil.which("ip"):
+        pytest.skip("this system has no `ip netns` to make machines with")
+    machines = Machines()
+    try:
+        if why := machines.make():
+            pytest.skip(f"no network namespaces or virtual cables here: {why.strip()}")
+        yield machines
+    finally:
+        machines.remove()
 
 
 def ask(context, endpoint, *frames, kind=zmq.REQ):

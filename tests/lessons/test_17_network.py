@@ -3,69 +3,15 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
-import uuid
 
 import pytest
 
 from tests.conftest import PYTHON
 from tests.lessons.test_17_many_machines import KEY, TRAIN, played, returns
-from tests.programs import ROOT, finished
+from tests.machines import HUB
+from tests.programs import ROOT
 
-HUB, PORT = "10.217.1.1", 5567
-
-
-def run(*words):
-    return subprocess.run(words, capture_output=True, text=True, timeout=20)
-
-
-class Machines:
-    """The hub's has a cable to that of the simulators and one to the trainer's; no other network is touched."""
-
-    def __init__(self):
-        mark = uuid.uuid4().hex[:8]
-        self.names = {role: f"kit-{mark}-{role}" for role in ("hub", "simulators", "trainer")}
-
-    def make(self):
-        """Why it cannot be, if so."""
-        for name in self.names.values():
-            if (made := run("ip", "netns", "add", name)).returncode:
-                return made.stderr
-        for number, role in enumerate(("simulators", "trainer"), start=1):
-            hub, name, net = self.names["hub"], self.names[role], f"10.217.{number}"
-            cable = ["link", "add", f"to{number}", "type", "veth", "peer", "name", "eth0", "netns", name]
-            if (made := run("ip", "-n", hub, *cable)).returncode:
-                return made.stderr
-            for where, address, device in ((hub, f"{net}.1/24", f"to{number}"), (name, f"{net}.2/24", "eth0")):
-                run("ip", "-n", where, "addr", "add", address, "brd", f"{net}.255", "dev", device)
-                run("ip", "-n", where, "link", "set", device, "up")
-                run("ip", "-n", where, "link", "set", "lo", "up")
-        return ""
-
-    def remove(self):
-        # Its cables go with it.
-        for name in self.names.values():
-            run("ip", "netns", "del", name)
-
-    def inside(self, role):
-        return ["ip", "netns", "exec", self.names[role]]
-
-    def cable(self, role, state):
-        assert run("ip", "-n", self.names[role], "link", "set", "eth0", state).returncode == 0
-
-
-@pytest.fixture(scope="module")
-def machines():
-    if not shutil.which("ip"):
-        pytest.skip("this system has no `ip netns` to make machines with")
-    machines = Machines()
-    try:
-        if why := machines.make():
-            pytest.skip(f"no network namespaces or virtual cables here: {why.strip()}")
-        yield machines
-    finally:
-        machines.remove()
+PORT = 5567
 
 
 @pytest.fixture
@@ -135,24 +81,3 @@ def test_a_trainer_whose_cable_was_pulled_leaves_its_simulators_to_others(machin
     assert played(first, code=1) == []
     machines.cable("trainer", "up")
     assert played(train(2, 2)) == returns(2)
-
-
-def test_the_hub_is_found_in_its_network(machines, hub, start):
-    hub("--announce", "10.217.1.255:5567")
-    client = start(*machines.inside("simulators"), PYTHON, ROOT / "python" / KEY / "client.py", "--find", "5567")
-    client.wait_for(f"^simulating CartPole for tcp://{HUB}:{PORT}$")
-
-
-def test_a_hub_that_cannot_be_heard_says_so_once(machines):
-    """A network without a router has no way to everybody."""
-    # It tries once a second.
-    tell = """
-from netmq_example.fleet.beacon import Beacon
-beacon = Beacon("255.255.255.255:5567", "tcp://127.0.0.1:1")
-for _ in range(2):
-    beacon.sent -= 2
-    beacon.tell()
-"""
-    done = finished([*machines.inside("hub"), PYTHON, "-c", tell], cwd=ROOT / "python")
-    why = "Network is unreachable; give the broadcast address of your network, such as 192.168.0.255"
-    assert (done.stdout, done.stderr) == (f"cannot announce at 255.255.255.255: {why}\n", "")

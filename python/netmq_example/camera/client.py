@@ -21,6 +21,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
+from netmq_example.beacon import BeaconSearch
 from netmq_example.errors import GaveUp
 from netmq_example.messages import EXACT, LIMIT, Message, MessageError, read_reply
 from netmq_example.one_process import OneProcess
@@ -72,7 +73,10 @@ class DriverClient(OneProcess):
         log: Callable[[str], object] = print,
     ) -> None:
         self.context = check.instance("context", context, zmq.Context)
-        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558")
+        self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558", beacon=True)
+        self.search = BeaconSearch(endpoint)
+        # What waits until it is known where the server is.
+        self.unsent: list[Any] = []
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.log = check.function("log", log)
@@ -95,12 +99,22 @@ class DriverClient(OneProcess):
             limit(self.socket, 4 * LIMIT)
             # Sending does not wait: libzmq would take for sent what it has lost with a broken connection.
             self.socket.sndtimeo = 0
-            self.socket.connect(self.endpoint)
+            self.where = ""
+        self.unsent = frames
+        self.flush(self.socket, 0)
+
+    def flush(self, socket: zmq.Socket[bytes], wait: float) -> None:
+        if not self.where:
+            self.where = self.search.look(wait)
+            if not self.where:
+                return
+            socket.connect(self.where)
         try:
-            self.socket.send_multipart(frames)
+            socket.send_multipart(self.unsent)
         except zmq.Again:
             # Nothing will come, and `receive` says so.
             self.began -= self.timeout
+        self.unsent = []
 
     def receive(self, until: float = math.inf) -> Action | None:
         """The action, if it comes before that time of time.monotonic(), and within the timeout.
@@ -118,7 +132,8 @@ class DriverClient(OneProcess):
                 return None
             if not frames:
                 within = f"within {self.timeout:g} s"
-                raise TimeoutError(f"no reply from {self.endpoint} {within}; is the server running?")
+                cure = self.search.cure("is the server running?")
+                raise TimeoutError(f"no reply from {self.endpoint} {within}; {cure}")
             action = read_action(read_reply(frames), self.asked.id)
         except (TimeoutError, MessageError) as error:
             self.fail(printable(str(error)))
@@ -132,7 +147,9 @@ class DriverClient(OneProcess):
         """The frames of what came before that time, or none. In slices: on Windows Ctrl-C ends no longer wait."""
         while True:
             left = max(0.0, until - time.monotonic())
-            if socket.poll(min(SLICE_MS, math.ceil(left * 1000))):
+            if self.unsent:
+                self.flush(socket, min(SLICE_MS / 1000, left))
+            elif socket.poll(min(SLICE_MS, math.ceil(left * 1000))):
                 return socket.recv_multipart(zmq.NOBLOCK, copy=False)
             if not left:
                 return []

@@ -19,6 +19,7 @@ import numpy as np
 import zmq
 
 from netmq_example import check, records
+from netmq_example.beacon import BeaconSearch
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.records import RESET, STEP, Record
 from netmq_example.simulation.answers import answer_to, hello_of, options_in, picture_of, unknown
@@ -158,7 +159,8 @@ class EnvironmentClient:
         report: Callable[[str], None] = print,
         prepare: Callable[[zmq.Socket[bytes]], object] | None = None,
     ) -> None:
-        self.endpoint = check.endpoint(endpoint, ENDPOINT)
+        self.endpoint = check.endpoint(endpoint, ENDPOINT, beacon=True)
+        self.search = BeaconSearch(endpoint)
         self.timeout = check.seconds("timeout", timeout)
         self.report = check.function("report", report)
         self.prepare = None if prepare is None else check.function("prepare", prepare)
@@ -179,8 +181,8 @@ class EnvironmentClient:
         while time.monotonic() < self.heard + self.timeout:
             # Each try has a new socket.
             with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
-                self.connect(socket)
                 try:
+                    self.connect(socket)
                     return self.talk(socket, simulator, count)
                 except zmq.Again:
                     pass
@@ -196,7 +198,9 @@ class EnvironmentClient:
                     self.pause()
         waited = f"no environment at {self.endpoint} within {self.timeout:g} s"
         keys = ", and has this simulator's key on its list" if self.prepare else ""
-        raise TimeoutError(f"{waited}; is the server running{keys}? ({self.why})")
+        cure = self.search.cure(f"is the server running{keys}? ({self.why})")
+        self.search.close()
+        raise TimeoutError(f"{waited}; {cure}")
 
     def connect(self, socket: zmq.Socket[bytes]) -> None:
         # Nothing can be sent while there is no connection, and this socket makes no second one: it might do so between
@@ -211,7 +215,10 @@ class EnvironmentClient:
         socket.heartbeat_timeout = 2500
         if self.prepare:
             self.prepare(socket)
-        socket.connect(self.endpoint)
+        where = self.search.look(min(TRY_SECONDS, self.timeout))
+        if not where:
+            raise TimeoutError(NO_CONNECTION)
+        socket.connect(where)
 
     def pause(self) -> None:
         """What refuses at once is not asked again at once."""

@@ -50,10 +50,6 @@ namespace NetMQExample.Tests
                     foreach (var wrong in WrongFor(parameter))
                         Refused(Name(parameter), parameter.Name, wrong, () => one.Invoke(
                             one.GetParameters().Select(each => each == parameter ? wrong : Right(each)).ToArray()));
-            foreach (TimeSpan wrong in Times)
-                Refused("HubFinder.Find timeout", "timeout", wrong, () => HubFinder.Find(5567, "", wrong));
-            Refused("HubFinder.Find serverKey", "serverKey", null, () =>
-                HubFinder.Find(5567, null, TimeSpan.FromSeconds(1)));
             Refused("NetMQConnection.Slices timeout", "timeout", Timeout.InfiniteTimeSpan, () =>
                 NetMQConnection.Slices(Timeout.InfiniteTimeSpan, default).First());
             Uses();

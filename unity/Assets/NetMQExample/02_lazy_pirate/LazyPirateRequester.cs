@@ -71,7 +71,7 @@ namespace NetMQExample
                     : $"dropped a reply to another request ({LogText.Printable(string.Join(" ", frames))})";
                 if (attempt == tries)
                     throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "
-                        + $"{trouble}; is the right server running, or the line slow? "
+                        + $"{trouble}; {connection.Cure("is the right server running, or the line slow?")} "
                         + $"'{text}' may have been done or not");
                 report($"{number}: {trouble}; try {attempt + 1} of {tries}");
             }
@@ -89,7 +89,7 @@ namespace NetMQExample
             try
             {
                 // Without waiting: after a peer that broke the protocol there may be no connection to send on.
-                answered = connection.TrySend(TimeSpan.Zero, stop, id, text)
+                answered = connection.TrySend(connection.Searching ? limit : TimeSpan.Zero, stop, id, text)
                     && connection.TryReceive(limit, stop, out frames) && frames.Count == 2 && frames[0] == id;
                 if (!answered && waited.Elapsed < limit) stop.WaitHandle.WaitOne(Pause);
             }

@@ -72,7 +72,7 @@ namespace NetMQExample
             }
             throw new TimeoutException(FormattableString.Invariant(
                 $"nothing from {endpoint} within {timeout.TotalSeconds} s; ")
-                + $"is the server running, with topic '{topic}'?");
+                + connection.Cure($"is the server running, with topic '{topic}'?"));
         }
 
         /// <summary>Waits for a message, then takes all that wait behind it: only the last one counts. (libzmq can keep

@@ -18,8 +18,6 @@ namespace NetMQExample
     /// </summary>
     public class MessageRequester : IDisposable
     {
-        private readonly string endpoint;
-
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
         /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5555</c>.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>
@@ -28,7 +26,6 @@ namespace NetMQExample
         /// <summary>The same with a socket of one's own making.</summary>
         protected MessageRequester(string endpoint, Func<NetMQSocket> make)
         {
-            this.endpoint = endpoint;
             // Above the limit of Message.cs a reply is refused by name. Above this one NetMQ hangs up.
             Connection = new NetMQConnection(endpoint, make, 4 * Message.LimitBytes);
         }
@@ -51,7 +48,7 @@ namespace NetMQExample
             try
             {
                 if (!TryExchange(request, timeout, stop, out var frames))
-                    throw NetMQConnection.NoReply(endpoint, timeout);
+                    throw Connection.NoReply(timeout);
                 reply = Message.Read(frames);
             }
             catch
@@ -77,11 +74,10 @@ namespace NetMQExample
             foreach (var array in request.Arrays) sent.Append(array.Data.ToArray());
             frames = null;
             var slices = NetMQConnection.Slices(timeout, stop);
-            var socket = Connection.Socket;
             // Each time it is gone through, the time begins anew.
-            if (!slices.Any(slice => socket.TrySendMultipartMessage(slice, sent))) return false;
+            if (!slices.Any(slice => Connection.Socket.TrySendMultipartMessage(slice, sent))) return false;
             Connection.Show(true, sent);
-            if (!slices.Any(slice => socket.TryReceiveMultipartMessage(slice, ref received))) return false;
+            if (!slices.Any(slice => Connection.Socket.TryReceiveMultipartMessage(slice, ref received))) return false;
             Connection.Show(false, received);
             frames = received.Select(frame => new ReadOnlyMemory<byte>(frame.Buffer, 0, frame.MessageSize)).ToList();
             return true;

@@ -83,8 +83,9 @@ namespace NetMQExample
                 }
             }
             var keys = NetMQConnection.Prepare == null ? "" : ", and has this simulator's key on its list";
-            throw new TimeoutException(FormattableString.Invariant($"no environment at {endpoint} within ")
-                + FormattableString.Invariant($"{timeout.TotalSeconds} s; is the server running{keys}? ({why})"));
+            throw new TimeoutException(FormattableString.Invariant(
+                $"no environment at {endpoint} within {timeout.TotalSeconds} s; ")
+                + connection.Cure($"is the server running{keys}? ({why})"));
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>

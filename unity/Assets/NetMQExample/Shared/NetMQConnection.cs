@@ -30,12 +30,16 @@ namespace NetMQExample
         private readonly string endpoint;
         private readonly Func<NetMQSocket> make;
         private readonly long maxBytes;
+        private readonly BeaconSearch search;
         private NetMQSocket socket;
         private Task<IPAddress[]> lookUp;
         private volatile bool disposed;
+        // What the socket is connected to, or null.
+        private string where;
 
         /// <summary>Connects, which succeeds even while no server is there: ZeroMQ goes on trying.</summary>
-        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>.</param>
+        /// <param name="endpoint">The server, such as <c>tcp://127.0.0.1:5551</c>, or <c>beacon://lab:5551</c>, which
+        /// is looked for with each new socket.</param>
         /// <param name="make">Makes a socket, with the options that only this client needs.</param>
         /// <param name="maxBytes">The longest frame to accept. A peer that announces more is disconnected before it is
         /// in memory.</param>
@@ -46,6 +50,8 @@ namespace NetMQExample
             this.maxBytes = maxBytes;
             try
             {
+                Host(endpoint);
+                if (BeaconSearch.Has(endpoint)) search = new BeaconSearch(endpoint);
                 this.make = make ?? throw new ArgumentNullException(null, "make must not be null");
                 Open();
             }
@@ -70,7 +76,10 @@ namespace NetMQExample
 
         /// <summary>The socket; after <see cref="Close()"/> a new one.</summary>
         /// <exception cref="ObjectDisposedException">After Dispose: a new one would never be closed.</exception>
-        public NetMQSocket Socket => !disposed ? socket ?? Open() : throw Disposed(endpoint);
+        public NetMQSocket Socket => !disposed ? Open() : throw Disposed(endpoint);
+
+        /// <summary>Whether it is not known where the server is. Until then the socket sends nothing.</summary>
+        public bool Searching => search != null && where == null;
 
         /// <summary>Names what is wrong with an endpoint, where NetMQ itself reports in riddles.</summary>
         /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
@@ -108,8 +117,16 @@ namespace NetMQExample
         /// <param name="timeout">How long it was waited for.</param>
         /// <returns>Cause and cure, in one line.</returns>
         public static TimeoutException NoReply(string endpoint, TimeSpan timeout) =>
-            new TimeoutException(FormattableString.Invariant(
-                $"no reply from {endpoint} within {timeout.TotalSeconds} s; is the server running?"));
+            NoReply(endpoint, timeout, "is the server running?");
+
+        /// <summary>The same for this connection.</summary>
+        public TimeoutException NoReply(TimeSpan timeout) =>
+            NoReply(endpoint, timeout, Cure("is the server running?"));
+
+        /// <summary>What to look at where nothing came: the network, as long as a beacon has not answered.</summary>
+        /// <param name="otherwise">What to look at else.</param>
+        /// <returns>A question.</returns>
+        public string Cure(string otherwise) => search?.Cure(otherwise) ?? otherwise;
 
         /// <summary>How often it was tried, in words.</summary>
         public static string Tries(int tries) => tries == 1 ? "1 try" : $"{tries} tries";
@@ -196,19 +213,20 @@ namespace NetMQExample
         /// <exception cref="TimeoutException">It was not sent.</exception>
         public void Send(TimeSpan timeout, CancellationToken stop, params string[] frames)
         {
-            if (!TrySend(timeout, stop, frames)) throw NoReply(endpoint, timeout);
+            if (!TrySend(timeout, stop, frames)) throw NoReply(timeout);
         }
 
         /// <summary>Receives as <see cref="TryReceive"/> does.</summary>
         /// <exception cref="TimeoutException">No message came.</exception>
         public List<string> Receive(TimeSpan timeout, CancellationToken stop) =>
-            TryReceive(timeout, stop, out var frames) ? frames : throw NoReply(endpoint, timeout);
+            TryReceive(timeout, stop, out var frames) ? frames : throw NoReply(timeout);
 
         /// <summary>Closes the socket, with what it has not sent yet.</summary>
         public void Close()
         {
             Close(socket);
             socket = null;
+            where = null;
         }
 
         /// <summary>Looks up the server's name, and closes the socket if that has another address by now. It never
@@ -216,6 +234,12 @@ namespace NetMQExample
         /// <returns>True once the look-up is over.</returns>
         public bool Follow()
         {
+            if (search != null)
+            {
+                var now = search.Look();
+                if (now != null && now != where) Close();
+                return now != null;
+            }
             // NetMQ looks a name up once for each socket. A publisher that is only slow keeps its connection.
             lookUp ??= Dns.GetHostAddressesAsync(Host(endpoint));
             if (!lookUp.IsCompleted) return false;
@@ -235,15 +259,22 @@ namespace NetMQExample
         {
             disposed = true;
             Close();
+            search?.Dispose();
             lifetime.Dispose();
         }
 
         private NetMQSocket Open()
         {
-            socket = make();
-            Connect(socket, endpoint, maxBytes);
+            socket ??= make();
+            if (where != null) return socket;
+            where = search == null ? endpoint : search.Look();
+            if (where != null) Connect(socket, where, maxBytes);
             return socket;
         }
+
+        private static TimeoutException NoReply(string endpoint, TimeSpan timeout, string cure) =>
+            new TimeoutException(FormattableString.Invariant(
+                $"no reply from {endpoint} within {timeout.TotalSeconds} s; {cure}"));
 
         // The endpoint's host, without asking a name server: this never waits.
         internal static string Host(string endpoint)
@@ -251,6 +282,7 @@ namespace NetMQExample
             // Colons in the host would be IPv6, which libzmq and NetMQ leave off.
             // NetMQ's own words for a missing tcp:// are "ArgumentOutOfRangeException: length ('-1')".
             var parts = Regex.Match(endpoint ?? "", @"^tcp://([^\s:\[\]]+):(\d+)$");
+            if (BeaconSearch.Has(endpoint)) parts = Regex.Match(endpoint, "//(.+):(.+)$");
             if (!ushort.TryParse(parts.Groups[2].Value, out var port) || port == 0) throw Bad(endpoint, "");
             return parts.Groups[1].Value;
         }
@@ -261,6 +293,8 @@ namespace NetMQExample
         private static void Reach(NetMQSocket socket, string endpoint)
         {
             var host = Host(endpoint);
+            if (BeaconSearch.Has(endpoint) && socket == null) return;
+            if (BeaconSearch.Has(endpoint)) throw Bad(endpoint, "this client looks for no beacon; ");
             try
             {
                 // An address such as 127.0.0.1 needs no name server, nor the thread that a look-up takes.

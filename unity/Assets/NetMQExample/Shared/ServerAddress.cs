@@ -19,7 +19,7 @@ namespace NetMQExample
         /// <summary>How the asset is called.</summary>
         public const string File = "NetMQServerAddress";
 
-        [SerializeField, Tooltip("Name or address of the servers' machine, such as 192.168.1.20")]
+        [SerializeField, Tooltip("The servers' machine, such as 192.168.1.20, or beacon://NAME to look for it")]
         private string host = "127.0.0.1";
 
         /// <summary>The endpoint that a component will connect to.</summary>
@@ -56,7 +56,9 @@ namespace NetMQExample
             if (at >= 0 && words[at].Contains("=")) return words[at].Split('=')[1];
             if (at >= 0) return words.ElementAtOrDefault(at + 1) ?? "";
             // Whoever has written another machine into a field meant it.
-            return host.Length == 0 ? own : Regex.Replace(own, @"(?<=^tcp://)(127\.0\.0\.1|localhost)(?=:)", host);
+            if (host.Length == 0) return own;
+            var place = host.StartsWith("beacon://", StringComparison.Ordinal) ? host : $"tcp://{host}";
+            return Regex.Replace(own, @"^tcp://(127\.0\.0\.1|localhost)(?=:)", place);
         }
 
         [Serializable]

@@ -1,0 +1,148 @@
+"""The beacon: a client asks its network for a server by name, and the server answers. In C# it is BeaconSearch.cs.
+
+    python python/03_publish_subscribe/server.py --endpoint tcp://0.0.0.0:5553 --open-to-anyone --beacon lab
+    python python/03_publish_subscribe/client.py --endpoint beacon://lab:5553
+
+Bytes: UDP datagrams in ASCII, on the port number that the server has for TCP. `NMQX2 lab?` asks and `NMQX2 lab!`
+answers; the server is where the answer comes from. The question goes to this machine and, by broadcast, to the whole
+network; after half a second without an answer also to each of the 254 addresses around one's own, since iOS sends no
+broadcast and some networks carry none. Anybody can answer: who the server is, only lesson 15's keys prove.
+"""
+
+import contextlib
+import re
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from netmq_example.errors import GaveUp
+
+# From one question to the next, in seconds.
+ROUND = 0.5
+# More than any question or answer; the rest of a longer datagram is cut off.
+DATAGRAM_BYTES = 100
+EVERYBODY = ("127.0.0.1", "255.255.255.255")
+NAME = "[A-Za-z0-9._-]{1,32}"
+
+
+def beacon_name(name: str, value: Any) -> str:
+    """A rule, as those of check.py: what a server is asked for by."""
+    if isinstance(value, str) and re.fullmatch(NAME, value):
+        return value
+    raise ValueError(f"{name} takes 1 to 32 letters, digits, dots and dashes, without umlauts, not {value!r:.40}")
+
+
+def datagram(name: str, mark: str) -> bytes:
+    return f"NMQX2 {name}{mark}".encode()
+
+
+@contextlib.contextmanager
+def answering(name: str, endpoint: str) -> Iterator[None]:
+    """Answers for a server that is bound to tcp://ADDRESS:PORT, on a thread. GaveUp if nobody could hear it."""
+    host, _, port = endpoint.partition("://")[2].rpartition(":")
+    if host.startswith("127."):
+        cure = f"give --endpoint tcp://0.0.0.0:{port}, with --open-to-anyone or keys"
+        raise GaveUp(f"no beacon for {endpoint}, which no other machine reaches: {cure}")
+    over = threading.Event()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
+        try:
+            ear.bind((host, int(port)))
+        except OSError as error:
+            raise GaveUp(f"no beacon on UDP port {port}: {error.strerror}; give --endpoint another port") from None
+        ear.settimeout(0.2)
+        thread = threading.Thread(target=answer, args=(ear, name, over), daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            over.set()
+            thread.join()
+
+
+def answer(ear: socket.socket, name: str, over: threading.Event) -> None:
+    # The wait leaves the processor to the server, however many datagrams come.
+    while not over.wait(0.001):
+        # Windows also reports here that somebody did not wait for an answer.
+        with contextlib.suppress(OSError):
+            heard, sender = ear.recvfrom(DATAGRAM_BYTES)
+            if heard == datagram(name, "?"):
+                ear.sendto(datagram(name, "!"), sender)
+
+
+class BeaconSearch:
+    """Where an endpoint is: tcp:// where it says, beacon:// where its server answers."""
+
+    def __init__(self, endpoint: str) -> None:
+        self.endpoint = endpoint
+        named = re.fullmatch(rf"beacon://({NAME}):([0-9]+)", endpoint)
+        self.name, self.port = (named[1], int(named[2])) if named else ("", 0)
+        self.ear: socket.socket | None = None
+        self.due = 0.0
+        # How many questions had no answer yet.
+        self.vain = 0
+
+    def look(self, wait: float) -> str:
+        """Such as tcp://192.168.0.7:5553; an empty text if there is no answer within so many seconds."""
+        if not self.name:
+            return self.endpoint
+        end = time.monotonic() + wait
+        while True:
+            if not self.ear or time.monotonic() >= self.due:
+                self.ask()
+            where = self.hear(min(end, self.due) - time.monotonic())
+            if where or time.monotonic() >= end:
+                return where
+
+    def ask(self) -> None:
+        if not self.ear:
+            self.ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self.ear.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+        self.ear.setblocking(False)
+        for address in [*EVERYBODY, *(neighbours() if self.vain else [])]:
+            # Where one of them cannot be asked, others can.
+            with contextlib.suppress(OSError):
+                self.ear.sendto(datagram(self.name, "?"), (address, self.port))
+        self.vain += 1
+        self.due = time.monotonic() + ROUND
+
+    def hear(self, wait: float) -> str:
+        assert self.ear
+        self.ear.settimeout(max(0.0, wait))
+        try:
+            heard, (address, port) = self.ear.recvfrom(DATAGRAM_BYTES)
+        except OSError:
+            return ""
+        if heard != datagram(self.name, "!") or port != self.port:
+            return ""
+        self.close()
+        return f"tcp://{address}:{port}"
+
+    def cure(self, otherwise: str) -> str:
+        """What to look at where nothing came: the network, as long as nobody has answered."""
+        if not self.vain:
+            return otherwise
+        return (
+            f"is a server with --beacon {self.name} in this network, and that no guest network, does its firewall "
+            f"let in UDP and TCP port {self.port}, and may this program use the local network?"
+        )
+
+    def close(self) -> None:
+        """The next look begins anew."""
+        if self.ear:
+            self.ear.close()
+        self.ear = None
+        self.vain = 0
+
+
+def neighbours() -> list[str]:
+    """The addresses that differ from one's own in the last number; none where there is no way to other networks."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # This sends nothing: it is the system's choice of one's own address that counts.
+            probe.connect(("198.51.100.1", 9))
+        except OSError:
+            return []
+        network = probe.getsockname()[0].rpartition(".")[0]
+    return [f"{network}.{last}" for last in range(1, 255)]

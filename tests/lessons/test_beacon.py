@@ -1,0 +1,207 @@
+"""A server is found by its name, on machines that are network namespaces here."""
+
+from __future__ import annotations
+
+import random
+import signal
+import socket
+import threading
+
+import pytest
+
+from netmq_example.beacon import BeaconSearch, answering
+from netmq_example.errors import GaveUp
+from tests.conftest import PYTHON
+from tests.machines import HUB
+from tests.programs import LIMIT, ROOT, free_port
+
+PORT = 5567
+# What a client is told, and the line by which it has found a server.
+CASES = {
+    "03_publish_subscribe": (["--every", "1", "--count", "100000"], "^received pose/"),
+    "04_background_client": (["--count", "100000"], "^[0-9]+: sent hello, received world"),
+    "08_see_and_steer": (["--every", "1", "--count", "100000"], "^frame [0-9]+: age"),
+    "17_many_machines": ([], "^simulating CartPole for "),
+    "20_body_tracking": (["--every", "1", "--count", "0"], "^person 0: pose"),
+}
+# One that answers no question but the third, and those after it.
+DEAF = """
+import socket
+ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+ear.bind(("", 5567))
+print("listening on UDP", flush=True)
+asked = 0
+while True:
+    heard, sender = ear.recvfrom(100)
+    asked += heard == b"NMQX2 lab?"
+    if asked > 2:
+        ear.sendto(b"NMQX2 lab!", sender)
+"""
+# One that answers every question by other things.
+STRANGER = """
+import os, socket
+ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+ear.bind(("", 5567))
+other = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+print("listening on UDP", flush=True)
+told = False
+while True:
+    heard, sender = ear.recvfrom(100)
+    for size in (0, 1, 10, 60_000):
+        ear.sendto(os.urandom(size), sender)
+    for words in (b"2 lab?", b"2 lab!!", b"2 lab!" + bytes(200), b"1 lab!", b"2 den!", b"2 LAB!"):
+        ear.sendto(b"NMQX" + words, sender)
+    other.sendto(b"NMQX2 lab!", sender)
+    if not told:
+        print("asked", flush=True)
+    told = True
+"""
+
+
+@pytest.fixture
+def server(machines, start):
+    """server("hub", "04_background_client", "--beacon", "lab"): on that machine, and for everybody."""
+
+    def begin(role, key, *words, host="0.0.0.0"):
+        endpoint = f"tcp://{host}:{PORT}"
+        command = [PYTHON, ROOT / "python" / key / "server.py", "--endpoint", endpoint, "--open-to-anyone", *words]
+        program = start(*machines.inside(role), *command)
+        program.wait_for("^listening on ")
+        return program
+
+    return begin
+
+
+@pytest.fixture
+def client(machines, start, client_command):
+    """client("python", "04_background_client"): one that looks for lab for a minute, on the machine of simulators."""
+
+    def begin(kind, key):
+        words = client_command(kind, key, f"beacon://lab:{PORT}", "--timeout", "60", *CASES[key][0])
+        return start(*machines.inside("simulators"), *words)
+
+    return begin
+
+
+@pytest.fixture
+def script(machines, start):
+    def begin(role, text):
+        program = start(*machines.inside(role), PYTHON, "-c", text)
+        program.wait_for("^listening on ")
+        return program
+
+    return begin
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp", "unity"])
+@pytest.mark.parametrize("key", CASES)
+def test_a_server_is_found_by_its_name(kind, key, server, client):
+    """Another one has the same port, on the client's own machine."""
+    server("simulators", "01_request_reply", "--beacon", "den")
+    server("hub", key, "--beacon", "lab")
+    client(kind, key).wait_for(CASES[key][1])
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "04_background_client", "08_see_and_steer"])
+def test_a_client_goes_after_a_server_that_has_moved(kind, key, server, machines, start, client_command):
+    old = server("hub", key, "--beacon", "lab")
+    options, found = CASES[key]
+    words = client_command(kind, key, f"beacon://lab:{PORT}", *options)
+    client = start(*machines.inside("simulators"), *words)
+    client.wait_for(found)
+    old.process.send_signal(signal.SIGSTOP)
+    server("simulators", key, "--beacon", "lab")
+    client.wait_for(found, start=len(client.lines))
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "04_background_client"])
+def test_a_server_that_comes_later_is_found_although_strangers_answer(kind, key, server, client, script):
+    stranger = script("simulators", STRANGER)
+    late = client(kind, key)
+    stranger.wait_for("^asked$")
+    server("hub", key, "--beacon", "lab")
+    late.wait_for(CASES[key][1])
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "04_background_client"])
+def test_a_question_that_is_lost_is_asked_again(kind, key, server, client, script):
+    server("hub", key)
+    script("hub", DEAF)
+    client(kind, key).wait_for(CASES[key][1])
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_without_broadcasts_each_neighbour_is_asked(kind, server, client):
+    """A server that listens on one address hears none."""
+    server("hub", "04_background_client", "--beacon", "lab", host=HUB)
+    client(kind, "04_background_client").wait_for(CASES["04_background_client"][1])
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+@pytest.mark.parametrize("key", ["03_publish_subscribe", "04_background_client", "08_see_and_steer"])
+def test_a_client_that_finds_none_says_what_to_look_at(kind, key, run):
+    tries = ["--tries", "2"] if key[:2] != "03" else []
+    ended = run(kind, key, "--endpoint", f"beacon://lab:{free_port()}", "--timeout", "0.3", *tries)
+    assert ended.code == 1
+    assert "is a server with --beacon lab in this network, and that no guest network" in ended.lines[-1]
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_an_endpoint_that_names_nobody_is_refused(kind, runs):
+    wrong = ["beacon://lab", "beacon://lab:0", "beacon://lab:70000", "beacon://:5554", f"beacon://{'x' * 33}:5554"]
+    for place, ended in zip(
+        wrong, runs(kind, "04_background_client", [["--endpoint", each] for each in wrong]), strict=True
+    ):
+        assert ended.code == 2 and f"bad endpoint '{place}'" in ended.lines[-1], ended
+
+
+def test_a_server_that_others_cannot_reach_says_so(runs):
+    words = ["--endpoint", "tcp://127.0.0.1:0", "--beacon"]
+    alone, nameless = runs("server", "04_background_client", [[*words, "lab"], [*words, "my lab"]])
+    assert alone.code == 1
+    assert "which no other machine reaches: give --endpoint tcp://0.0.0.0:" in alone.lines[-1]
+    assert nameless.code == 2 and "argument --beacon: it takes 1 to 32 letters" in nameless.lines[-1]
+
+
+@pytest.fixture
+def asker():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asker:
+        asker.settimeout(LIMIT)
+        yield asker
+
+
+def test_a_beacon_answers_its_own_question_and_nothing_else(asker):
+    port = free_port()
+    chance = random.Random(1)
+    with answering("lab", f"tcp://0.0.0.0:{port}"):
+        for strange in [
+            b"",
+            b"NMQX2 den?",
+            b"NMQX2 lab!",
+            b"NMQX2 lab?" + bytes(91),
+            *map(chance.randbytes, range(60)),
+        ]:
+            asker.sendto(strange, ("127.0.0.1", port))
+        asker.sendto(b"NMQX2 lab?", ("127.0.0.1", port))
+        assert asker.recv(1000) == b"NMQX2 lab!"
+        second = answering("lab", f"tcp://0.0.0.0:{port}")
+        with pytest.raises(GaveUp, match=f"no beacon on UDP port {port}: .+; give --endpoint another port"), second:
+            pass
+    # The port is free again, and no thread is left.
+    with answering("lab", f"tcp://0.0.0.0:{port}"):
+        pass
+    assert not [thread for thread in threading.enumerate() if "answer" in thread.name]
+
+
+def test_a_search_begins_anew_after_an_answer():
+    port = free_port()
+    search = BeaconSearch(f"beacon://lab:{port}")
+    assert search.look(0) == "" and search.cure("x") != "x"
+    for _ in range(2):
+        with answering("lab", f"tcp://0.0.0.0:{port}"):
+            assert search.look(LIMIT) == f"tcp://127.0.0.1:{port}"
+        assert search.cure("x") == "x"
+    assert BeaconSearch("tcp://here:1").look(0) == "tcp://here:1"

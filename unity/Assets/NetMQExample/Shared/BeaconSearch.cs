@@ -1,0 +1,106 @@
+// The beacon: a client asks its network for a server by name, and the server answers. In Python: beacon.py, which says
+// what the bytes are.
+//
+//     beacon://lab:5553        in an Endpoint field, for a server with --beacon lab
+//
+// Asked is this machine and, by broadcast, the whole network; then also each of the 254 addresses around one's own,
+// since iOS sends no broadcast without an entitlement of Apple's. What answers comes to this device alone: so Android
+// needs no multicast lock.
+using System;
+using System.Diagnostics;
+using System.Linq;
+using System.Net;
+using System.Net.Sockets;
+using System.Text;
+using System.Text.RegularExpressions;
+
+namespace NetMQExample
+{
+    /// <summary>Looks for the server of one endpoint. For one thread, which it never keeps waiting.</summary>
+    internal sealed class BeaconSearch : IDisposable
+    {
+        private static readonly TimeSpan Round = TimeSpan.FromMilliseconds(500);
+        private static readonly string[] Everybody = { "127.0.0.1", "255.255.255.255" };
+        private readonly Stopwatch asked = new Stopwatch();
+        private readonly byte[] heard = new byte[65_536];
+        private readonly string name, question, answer;
+        private readonly int port;
+        private Socket ear;
+        private int vain;
+
+        /// <summary>It does not ask yet.</summary>
+        /// <param name="endpoint">One with a name: see <see cref="Has"/>.</param>
+        public BeaconSearch(string endpoint)
+        {
+            var parts = endpoint.Split('/', ':');
+            name = parts[3];
+            port = int.Parse(parts[4]);
+            question = $"NMQX2 {name}?";
+            answer = $"NMQX2 {name}!";
+        }
+
+        /// <summary>Whether an endpoint has a server's name in place of its address.</summary>
+        public static bool Has(string endpoint) =>
+            Regex.IsMatch(endpoint ?? "", "^beacon://[A-Za-z0-9._-]{1,32}:[0-9]{1,5}$");
+
+        /// <summary>Asks now and then, and takes an answer that is there: call it again and again.</summary>
+        /// <returns>Such as tcp://192.168.0.7:5553, or null: there is none yet.</returns>
+        public string Look()
+        {
+            if (ear == null || asked.Elapsed >= Round) Ask();
+            // So many: strangers may send more than anybody can read.
+            for (var most = 100; most > 0 && ear.Poll(0, SelectMode.SelectRead); most--)
+            {
+                EndPoint sender = new IPEndPoint(IPAddress.Any, 0);
+                var length = 0;
+                try { length = ear.ReceiveFrom(heard, ref sender); }
+                catch (SocketException) { /* So Windows reports where nobody was asked. */ }
+                var from = (IPEndPoint)sender;
+                if (from.Port != port || Encoding.ASCII.GetString(heard, 0, length) != answer) continue;
+                Dispose();
+                return $"tcp://{from.Address}:{port}";
+            }
+            return null;
+        }
+
+        /// <summary>What to look at where nothing came: the network, as long as nobody has answered.</summary>
+        /// <param name="otherwise">What to look at else.</param>
+        /// <returns>A question.</returns>
+        public string Cure(string otherwise) => vain == 0 ? otherwise
+            : $"is a server with --beacon {name} in this network, and that no guest network, does its firewall "
+                + $"let in UDP and TCP port {port}, and may this program use the local network?";
+
+        /// <summary>The next look begins anew.</summary>
+        public void Dispose()
+        {
+            ear?.Dispose();
+            ear = null;
+            vain = 0;
+        }
+
+        private void Ask()
+        {
+            ear ??= new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp)
+                { EnableBroadcast = true, Blocking = false };
+            var bytes = Encoding.ASCII.GetBytes(question);
+            foreach (var address in vain > 0 ? Everybody.Concat(Neighbours()) : Everybody)
+            {
+                try { ear.SendTo(bytes, new IPEndPoint(IPAddress.Parse(address), port)); }
+                catch (SocketException) { /* Where one of them cannot be asked, others can. */ }
+            }
+            vain++;
+            asked.Restart();
+        }
+
+        // The addresses that differ from one's own in the last number; none where there is no way to other networks.
+        private static string[] Neighbours()
+        {
+            using var probe = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
+            // This sends nothing: it is the system's choice of one's own address that counts.
+            try { probe.Connect("198.51.100.1", 9); }
+            catch (SocketException) { return new string[0]; }
+            var network = Regex.Replace($"{((IPEndPoint)probe.LocalEndPoint).Address}", "[0-9]+$", "");
+            return Enumerable.Range(1, 254).Select(last => $"{network}{last}").ToArray();
+        }
+    }
+}
