@@ -166,17 +166,11 @@ def test_a_server_that_others_cannot_reach_says_so(runs):
     assert nameless.code == 2 and "argument --beacon: it takes 1 to 32 letters" in nameless.lines[-1]
 
 
-@pytest.fixture
-def asker():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asker:
-        asker.settimeout(LIMIT)
-        yield asker
-
-
-def test_a_beacon_answers_its_own_question_and_nothing_else(asker):
+def test_a_beacon_answers_its_own_question_and_nothing_else():
     port = free_port()
     chance = random.Random(1)
-    with answering("lab", f"tcp://0.0.0.0:{port}"):
+    asker, stranger = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
+    with asker, stranger, answering("lab", f"tcp://0.0.0.0:{port}"):
         for strange in [
             b"",
             b"NMQX2 den?",
@@ -184,9 +178,13 @@ def test_a_beacon_answers_its_own_question_and_nothing_else(asker):
             b"NMQX2 lab?" + bytes(91),
             *map(chance.randbytes, range(60)),
         ]:
-            asker.sendto(strange, ("127.0.0.1", port))
+            stranger.sendto(strange, ("127.0.0.1", port))
+        asker.settimeout(LIMIT)
         asker.sendto(b"NMQX2 lab?", ("127.0.0.1", port))
         assert asker.recv(1000) == b"NMQX2 lab!"
+        stranger.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            stranger.recv(1000)
         second = answering("lab", f"tcp://0.0.0.0:{port}")
         with pytest.raises(GaveUp, match=f"no beacon on UDP port {port}: .+; give --endpoint another port"), second:
             pass
