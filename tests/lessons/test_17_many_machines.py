@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import re
 import runpy
-import socket
-import sys
-import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -15,7 +12,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, free_port, python_runs, steady_endpoint
+from tests.programs import ROOT, free_port, python_runs, steady_endpoint, steady_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
@@ -26,7 +23,6 @@ KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages, records  # noqa: E402
-from netmq_example.fleet.beacon import Beacon, find, fingerprint  # noqa: E402
 from netmq_example.fleet.hub import Hub  # noqa: E402
 from netmq_example.fleet.members import Episode, Member  # noqa: E402
 from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
@@ -430,16 +426,16 @@ def test_a_scene_that_dies_in_an_episode_is_begun_anew_in_another(serve, scene, 
 # Keys, and how a hub is found
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has a broadcast address on its loopback")
 def test_with_keys_it_is_found_by_its_own_and_lets_in_whoever_is_on_its_list(
     context, serve, start, client_command, tmp_path, train
 ):
-    port, folder = free_port(), tmp_path / "keys"
+    port, folder = steady_port(), tmp_path / "keys"
+    endpoint = f"tcp://127.0.0.1:{port}"
     keys.example(folder)
-    _, endpoint = serve(KEY, *STAY, "--keys", str(folder), "--announce", f"127.255.255.255:{port}")
+    serve(KEY, *STAY, "--keys", str(folder), "--beacon", "hub", endpoint=f"tcp://0.0.0.0:{port}")
     for kind in ("python", "csharp"):
-        words = without_endpoint(client_command(kind, KEY, "nowhere", "--find", str(port), "--keys", str(folder)))
-        start(*words, "--timeout", "60").wait_for(f"^simulating CartPole for {endpoint}$")
+        words = client_command(kind, KEY, f"beacon://hub:{port}", "--keys", str(folder), "--timeout", "60")
+        start(*words).wait_for("^simulating CartPole for ")
     with context.socket(zmq.DEALER) as stranger:
         stranger.linger = 0
         stranger.connect(endpoint)
@@ -460,75 +456,17 @@ def test_a_hub_without_the_keys_it_was_told_says_so(runs):
     assert empty.code in (1, 2) and "listening" not in str(empty.lines)
 
 
-def test_a_beacon_says_once_a_second_where_the_hub_is():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
-        ear.bind(("127.0.0.1", 0))
-        ear.settimeout(LIMIT)
-        assert Beacon("255.255.255.255:65535", "tcp://127.0.0.1:1").where == ("255.255.255.255", 65535)
-        beacon = Beacon(f"127.0.0.1:{ear.getsockname()[1]}", "tcp://0.0.0.0:5567", b"x" * 40)
-        beacon.tell()
-        beacon.tell()
-        assert ear.recv(100) == b"NMQX1 5567 " + fingerprint(b"x" * 40).encode()
-        ear.setblocking(False)
-        with pytest.raises(BlockingIOError):
-            ear.recv(100)
-        beacon.sent -= 1.1
-        beacon.tell()
-        assert ear.recv(100)
-
-
-@pytest.fixture
-def telling():
-    """telling(text, …): a UDP port of this machine on which these are told again and again."""
-    over, threads = threading.Event(), []
-
-    def tell(*texts):
-        port = free_port()
-
-        def on():
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-                while not over.wait(0.02):
-                    for text in texts:
-                        stranger.sendto(text, ("127.0.0.1", port))
-
-        threads.append(threading.Thread(target=on))
-        threads[-1].start()
-        return str(port)
-
-    yield tell
-    over.set()
-    for thread in threads:
-        thread.join()
-
-
 @pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_client_without_a_hub_says_why(kind, runs, telling, tmp_path):
+def test_a_client_without_a_hub_says_why(kind, runs, tmp_path):
     keys.example(tmp_path)
-    nonsense = telling(b"NMQX1 99999 -", b"NMQX1 0 -", b"NMQX1 5567", b"NMQX1 5567 -!", bytes(100))
-    keyed, there = telling(b"NMQX1 5567 0123456789abcdef"), telling(b"NMQX1 70000 -", b"NMQX1 1 -")
-    endpoint = f"tcp://127.0.0.1:{free_port()}"
-    with_keys = ["--keys", str(tmp_path)]
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
-        taken.bind(("", 0))
-        busy = str(taken.getsockname()[1])
-        table = [
-            (["--find", "99999"], 2, "--find"),
-            (["--find", busy], 1, f"gave up: cannot listen on UDP port {busy}: "),
-            (["--find", nonsense], 1, "; is the hub started with --announce, on this network?"),
-            (["--find", keyed], 1, ", only one that has keys, 127.0.0.1; give its keys"),
-            (["--find", there], 1, "gave up: no environment at tcp://127.0.0.1:1 within 2 s"),
-            (
-                ["--find", keyed, *with_keys],
-                1,
-                ", only of another key, 127.0.0.1; have both sides the same server.key?",
-            ),
-            (["--endpoint", endpoint, *with_keys], 1, "this simulator's key on its list? (no connection)"),
-        ]
-        found = runs(kind, KEY, [[*words, "--timeout", "2"] for words, _, _ in table])
-    for (words, code, text), run in zip(table, found, strict=True):
-        assert run.code == code and text in run.lines[-1], (words, run)
-        if text.startswith(("; is", ", only")):
-            assert run.lines[-1] == f"gave up: no hub was heard on UDP port {words[1]} within 2 s{text}"
+    place = f"127.0.0.1:{free_port()}"
+    table = {
+        f"tcp://{place}": "this simulator's key on its list? (no connection)",
+        place.replace("127.0.0.1", "beacon://hub"): "is a server with --beacon hub in this network",
+    }
+    found = runs(kind, KEY, [["--endpoint", each, "--keys", str(tmp_path), "--timeout", "2"] for each in table])
+    for text, run in zip(table.values(), found, strict=True):
+        assert run.code == 1 and text in run.lines[-1], run
 
 
 class NoSocket:
@@ -560,13 +498,6 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
         ("late", lambda: Hub(NoSocket(), late=0)),
         ("timeout", lambda: Hub(NoSocket(), timeout=float("nan"))),
         ("idle", lambda: Hub(NoSocket(), idle=None)),
-        ("where", lambda: Beacon("255.255.255.256:5567", "tcp://127.0.0.1:5567")),
-        *(("where", lambda it=it: Beacon(f"127.0.0.1{it}", "tcp://127.0.0.1:5567")) for it in ("", ":0", ":65536")),
-        ("endpoint", lambda: Beacon(None, "tcp://127.0.0.1:0")),
-        ("key", lambda: fingerprint("")),
-        ("key", lambda: find(5567, None, 1)),
-        ("port", lambda: find(0, b"", 1)),
-        ("timeout", lambda: find(5567, b"", -1)),
         ("simulator", lambda: FleetSimulator(CartPole())),
         ("crash_after", lambda: FleetSimulator(Simulator(CartPole()), crash_after=-1)),
         ("delay", lambda: FleetSimulator(Simulator(CartPole()), delay="1")),

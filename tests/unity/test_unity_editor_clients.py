@@ -145,6 +145,10 @@ def test_one_asset_says_where_the_servers_are(editor: Open, project: Path, serve
     unity.do(f"play 1 tcp://127.0.0.1:{port} 3")
     unity.play_until(f"asking tcp://localhost:{port}")
     unity.do("stop")
+    unity.do("host beacon://lab")
+    unity.do(f"play 1 tcp://127.0.0.1:{port} 3")
+    unity.play_until(f"asking beacon://lab:{port}")
+    unity.do("stop")
     # Whoever has written another machine's name meant it.
     unity.do("play 1 tcp://127.0.0.2:9 3")
     unity.play_until("asking tcp://127.0.0.2:9")

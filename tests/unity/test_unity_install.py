@@ -156,6 +156,7 @@ def test_one_lesson_takes_only_what_it_uses() -> None:
         if key.startswith("01"):
             assert copied == {
                 "Arrival.cs",
+                "BeaconSearch.cs",
                 "ConnectedBehaviour.cs",
                 "HelloClient.cs",
                 "HelloRequester.cs",
