@@ -47,9 +47,7 @@ def play(client: BackgroundClient, text: str, count: int, naive: bool) -> None:
 
 
 def main() -> None:
-    parser = client_options(
-        "Says hello once a frame, and never waits for world.", "tcp://127.0.0.1:5554", timeout=1, beacon=True
-    )
+    parser = client_options("Says hello once a frame, and never waits.", "tcp://127.0.0.1:5554", timeout=1, beacon=True)
     parser.add_argument("--count", type=whole, default=10, help="how many requests")
     parser.add_argument("--text", default="hello", help="what to ask: 'hello' or 'echo TEXT'")
     parser.add_argument("--tries", type=at_least_one, default=20, help="how often to send a request before giving up")

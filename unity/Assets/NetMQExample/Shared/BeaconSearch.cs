@@ -66,9 +66,12 @@ namespace NetMQExample
         /// <summary>What to look at where nothing came: the network, as long as nobody has answered.</summary>
         /// <param name="otherwise">What to look at else.</param>
         /// <returns>A question.</returns>
-        public string Cure(string otherwise) => vain == 0 ? otherwise
-            : $"is a server with --beacon {name} in this network, and that no guest network, does its firewall "
+        public string Cure(string otherwise)
+        {
+            if (vain == 0) return otherwise;
+            return $"is a server with --beacon {name} in this network, and that no guest network, does its firewall "
                 + $"let in UDP and TCP port {port}, and may this program use the local network?";
+        }
 
         /// <summary>The next look begins anew.</summary>
         public void Dispose()
