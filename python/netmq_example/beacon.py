@@ -21,7 +21,7 @@ from netmq_example.errors import GaveUp
 
 # From one question to the next, in seconds.
 ROUND = 0.5
-# More than any question or answer; the rest of a longer datagram is cut off.
+# More than any question or answer. A longer datagram is cut off, or refused.
 DATAGRAM_BYTES = 100
 EVERYBODY = ("127.0.0.1", "255.255.255.255")
 NAME = "[A-Za-z0-9._-]{1,32}"

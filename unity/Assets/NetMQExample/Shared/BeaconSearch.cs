@@ -22,7 +22,8 @@ namespace NetMQExample
         private static readonly TimeSpan Round = TimeSpan.FromMilliseconds(500);
         private static readonly string[] Everybody = { "127.0.0.1", "255.255.255.255" };
         private readonly Stopwatch asked = new Stopwatch();
-        private readonly byte[] heard = new byte[65_536];
+        // More than any answer. A longer datagram is cut off, or refused.
+        private readonly byte[] heard = new byte[100];
         private readonly string name, question, answer;
         private readonly int port;
         private Socket ear;
@@ -54,7 +55,7 @@ namespace NetMQExample
                 EndPoint sender = new IPEndPoint(IPAddress.Any, 0);
                 var length = 0;
                 try { length = ear.ReceiveFrom(heard, ref sender); }
-                catch (SocketException) { /* So Windows reports where nobody was asked. */ }
+                catch (SocketException) { /* Too long; or Windows reports where nobody was asked. */ }
                 var from = (IPEndPoint)sender;
                 if (from.Port != port || Encoding.ASCII.GetString(heard, 0, length) != answer) continue;
                 Dispose();
