@@ -84,8 +84,9 @@ namespace NetMQExample
 
         private void Ask()
         {
-            ear ??= new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp)
-                { EnableBroadcast = true, Blocking = false };
+            ear ??= new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
+            ear.EnableBroadcast = true;
+            ear.Blocking = false;
             var bytes = Encoding.ASCII.GetBytes(question);
             foreach (var address in vain > 0 ? Everybody.Concat(Neighbours()) : Everybody)
             {
