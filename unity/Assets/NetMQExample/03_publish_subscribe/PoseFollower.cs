@@ -12,7 +12,7 @@ namespace NetMQExample
     [AddComponentMenu("NetMQ Example/03 Pose Follower")]
     public sealed class PoseFollower : NetworkBehaviour
     {
-        [SerializeField, Tooltip("The publisher")] private string endpoint = "tcp://127.0.0.1:5553";
+        [SerializeField, Tooltip("Publisher, or beacon://NAME:5553")] private string endpoint = "tcp://127.0.0.1:5553";
         [SerializeField, Min(0), Tooltip("End after so many poses")] private int count = 300;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float timeout = 5;

@@ -13,7 +13,7 @@ namespace NetMQExample
     [DisallowMultipleComponent]
     public sealed class HelloBackground : ConnectedBehaviour
     {
-        [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5554";
+        [SerializeField, Tooltip("The server, or beacon://NAME:5554")] private string endpoint = "tcp://127.0.0.1:5554";
         [SerializeField, Min(0), Tooltip("How many requests")] private int count = 10;
         [SerializeField, Tooltip("hello, or echo TEXT")] private string text = "hello";
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each reply")] private float timeout = 1;

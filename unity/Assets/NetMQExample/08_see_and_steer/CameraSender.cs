@@ -14,7 +14,7 @@ namespace NetMQExample
     [AddComponentMenu("NetMQ Example/08 Camera Sender")]
     public sealed class CameraSender : NetworkBehaviour
     {
-        [SerializeField, Tooltip("The driver")] private string endpoint = "tcp://127.0.0.1:5558";
+        [SerializeField, Tooltip("The driver, or beacon://NAME:5558")] private string endpoint = "tcp://127.0.0.1:5558";
         [SerializeField, Min(0), Tooltip("End after so many actions")] private int count = 500;
         [SerializeField, Min(0), Tooltip("Log one action in so many; 0: none")] private int every = 50;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each action")] private float timeout = 1;

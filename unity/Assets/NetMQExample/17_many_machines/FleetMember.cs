@@ -10,7 +10,7 @@ namespace NetMQExample
     [AddComponentMenu("NetMQ Example/17 Fleet Member")]
     public sealed class FleetMember : SteppedBehaviour
     {
-        [SerializeField, Tooltip("The hub")] private string endpoint = "tcp://127.0.0.1:5567";
+        [SerializeField, Tooltip("The hub, or beacon://NAME:5567")] private string endpoint = "tcp://127.0.0.1:5567";
         [SerializeField, Tooltip("What the hub must expect")] private string build = "1";
 
         private readonly CartPole world = new CartPole();

@@ -13,7 +13,7 @@ namespace NetMQExample
     [AddComponentMenu("NetMQ Example/20 Body Tracker")]
     public sealed class BodyTracker : NetworkBehaviour
     {
-        [SerializeField, Tooltip("The server")] private string endpoint = "tcp://127.0.0.1:5570";
+        [SerializeField, Tooltip("The server, or beacon://NAME:5570")] private string endpoint = "tcp://127.0.0.1:5570";
         [SerializeField, Min(0), Tooltip("Which person; they count from 0")] private int person;
         [SerializeField, Tooltip("left or right: a hand, and no person")] private string hand = "";
         [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count;
