@@ -36,15 +36,17 @@ def stand_ins() -> dict[str, list[str]]:
     return {name: sorted(set(found[name])) for name in sorted(found)}
 
 
-def bringing(names: Iterable[str]) -> list[str]:
-    """The numbers of the first lessons with which `kit.py unity` copies these classes of the kit."""
+def bringing(names: Iterable[str]) -> list[int]:
+    """The first lessons with which `kit.py unity` copies these classes of the kit; none: only the whole package does."""
     copied = {
         lesson.number: {name for path in of_lesson(lesson.unity) if path.suffix == ".cs" for name in types(path)}
         for lesson in lessons()
     }
     each = [{number for number, has in copied.items() if name in has} for name in names]
-    together = set.intersection(set(copied), *each)
-    return sorted({str(min(numbers)) for numbers in ([together] if together and each else each)})
+    if not each or not all(each):
+        return []
+    together = set.intersection(*each)
+    return sorted({min(numbers) for numbers in ([together] if together else each)})
 
 
 def why(output: str, own: Sequence[Path], theirs: Sequence[Path] | None) -> str:
@@ -79,7 +81,7 @@ def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[
 
 def kits_names() -> set[str]:
     """What of the kit a script can name."""
-    return {NAMESPACE, *(name for path in PACKAGE.glob("*/*.cs") for name in types(path))}
+    return {NAMESPACE, *(name for path in PACKAGE.glob("[0-9S]*/*.cs") for name in types(path))}
 
 
 def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
