@@ -37,7 +37,7 @@ def stand_ins() -> dict[str, list[str]]:
 
 
 def bringing(names: Iterable[str]) -> list[int]:
-    """The first lessons with which `kit.py unity` copies these classes of the kit; none: only the whole package does."""
+    """The first lessons with which `kit.py unity` copies these classes; none: only the whole package has them."""
     copied = {
         lesson.number: {name for path in of_lesson(lesson.unity) if path.suffix == ".cs" for name in types(path)}
         for lesson in lessons()
