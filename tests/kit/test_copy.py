@@ -151,6 +151,7 @@ def test_of_the_package_just_what_lesson_01_imports_is_copied(tmp_path):
         "console.py",
         "replies.py",
         "trouble.py",
+        "beacon.py",
     }
     programs = {"01_request_reply/server.py", "01_request_reply/client.py"}
     assert found == {*(f"netmq_example/{name}" for name in package), *programs, copy.LICENCE}
