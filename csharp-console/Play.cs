@@ -78,8 +78,9 @@ namespace NetMQExample.Terminal
             var thing = new GameObject(types[0].Name);
             // Components wake up when their object is switched on: the fields are set by then, as in a scene file.
             thing.SetActive(false);
-            // One may have brought another along, by RequireComponent.
-            var scripts = types.Select(type => (MonoBehaviour)(thing.GetComponent(type) ?? thing.AddComponent(type))).ToArray();
+            // One may have brought another along, by RequireComponent, whose fields count as well.
+            foreach (var type in types.Where(type => thing.GetComponent(type) == null)) thing.AddComponent(type);
+            var scripts = thing.GetComponents<MonoBehaviour>();
             // What is said of one class comes after, and so counts more than, what is said of all.
             foreach (var (name, value) in settings.OrderBy(one => one.Name.Contains('.'))) Inspector.Set(scripts, name, value);
             thing.SetActive(true);

@@ -52,7 +52,8 @@ def wait_for_save(folders: Sequence[Path], seen: Files, process: subprocess.Pope
 def files(folders: Sequence[Path]) -> Files:
     """The Python files of these folders, with the time of the last change and the size of each."""
     found: Files = {}
-    for path in (path for folder in folders for path in folder.rglob("*.py")):
+    # Not what lies below: a reader's own may be a home folder.
+    for path in (path for folder in folders for path in [*folder.glob("*.py"), *folder.glob("*/*.py")]):
         try:
             status = path.stat()
         except FileNotFoundError:

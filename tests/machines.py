@@ -14,10 +14,7 @@ def run(*words):
 
 
 class Machines:
-    """The hub's has a cable to that of the simulators and one to the trainer's; no other network is touched.
-
-    Theirs take the hub's for their router.
-    """
+    """The hub's has a cable to that of the simulators and one to the trainer's; no other network is touched."""
 
     def __init__(self):
         mark = uuid.uuid4().hex[:8]
@@ -37,7 +34,6 @@ class Machines:
                 run("ip", "-n", where, "addr", "add", address, "brd", f"{net}.255", "dev", device)
                 run("ip", "-n", where, "link", "set", device, "up")
                 run("ip", "-n", where, "link", "set", "lo", "up")
-            run("ip", "-n", name, "route", "add", "default", "via", f"{net}.1")
         return ""
 
     def remove(self):

@@ -3,10 +3,11 @@
 import argparse
 import socket
 import sys
+from pathlib import Path
 
 from kitlib.commands.run import add_folder, behind, own_options, run, server_command
 from kitlib.imports import PACKAGE, PYTHON
-from kitlib.lessons import ROOT, find
+from kitlib.lessons import ROOT, UsageError, find, lessons
 from kitlib.programs import run_in_terminal
 from kitlib.reload import run_reloading
 from kitlib.setup import python_setup
@@ -24,16 +25,18 @@ SHOWS = {"win32": "ipconfig", "linux": "hostname -I"}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("lesson", metavar="LESSON", help="its number or its name")
+    parser.add_argument("lesson", metavar="LESSON", help="its number or its name, or a server.py of yours")
     add_folder(parser)
     parser.add_argument("--reload", action="store_true", help="start it anew when a Python file of it is saved")
 
 
 def program_help(lesson: str) -> str:
-    return own_options(lesson, "server.py")
+    return "" if lesson.endswith(".py") else own_options(lesson, "server.py")
 
 
 def do(options: argparse.Namespace) -> int:
+    if options.lesson.endswith(".py"):
+        return own(Path(options.lesson).absolute(), options)
     lesson = find(options.lesson)
     if options.reload:
         where = ["--folder", str(options.folder)] if options.folder else []
@@ -46,6 +49,22 @@ def do(options: argparse.Namespace) -> int:
     if lesson.behind and "--help" not in options.words:
         return run(folder, command, [], [], behind(lesson, python, options.words))
     return run_in_terminal(command, folder)
+
+
+def own(program: Path, options: argparse.Namespace) -> int:
+    """A server of the reader's own, such as one that `kit.py copy` began."""
+    if not program.is_file():
+        raise UsageError(f"there is no file {program}: name a lesson, or a server.py of yours")
+    key = program.parent.name
+    python = python_setup.interpreter(key if key in {lesson.key for lesson in lessons()} else lessons()[0].key)
+    command = [str(python), str(program), *options.words]
+    if options.reload:
+        return run_reloading(command, [folder for folder in (program.parent, *packages(program)) if folder.is_dir()])
+    return run_in_terminal(command, Path.cwd())
+
+
+def packages(program: Path) -> list[Path]:
+    return [folder / PACKAGE for folder in program.parents[:2]]
 
 
 def address() -> str:

@@ -4,14 +4,15 @@
     python python/03_publish_subscribe/client.py --endpoint beacon://lab:5553
 
 Bytes: UDP datagrams in ASCII, on the port number that the server has for TCP. `NMQX2 lab?` asks and `NMQX2 lab!`
-answers; the server is where the answer comes from. The question goes to this machine and, by broadcast, to the whole
-network; after half a second without an answer also to each of the 254 addresses around one's own, since iOS sends no
+answers; the server is where the answer comes from. The question goes to this machine and, by broadcast, to its
+networks; after half a second without an answer also to each of the 254 addresses around one's own, since iOS sends no
 broadcast and some networks carry none. Anybody can answer: who the server is, only lesson 15's keys prove.
 """
 
 import contextlib
 import re
 import socket
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -19,11 +20,15 @@ from typing import Any
 
 from netmq_example.errors import GaveUp
 
+if sys.platform == "linux":
+    import fcntl
+
 # From one question to the next, in seconds.
 ROUND = 0.5
 # More than any question or answer. A longer datagram is cut off, or refused.
 DATAGRAM_BYTES = 100
 EVERYBODY = ("127.0.0.1", "255.255.255.255")
+MOST_NETWORKS = 4
 NAME = "[A-Za-z0-9._-]{1,32}"
 
 
@@ -100,7 +105,9 @@ class BeaconSearch:
             self.ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             self.ear.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
         self.ear.setblocking(False)
-        for address in [*EVERYBODY, *(neighbours() if self.vain else [])]:
+        numbers = range(1, 255) if self.vain else []
+        around = [f"{network}.{last}" for network in networks() for last in [255, *numbers]]
+        for address in [*EVERYBODY, *around]:
             # Where one of them cannot be asked, others can.
             with contextlib.suppress(OSError):
                 self.ear.sendto(datagram(self.name, "?"), (address, self.port))
@@ -136,13 +143,23 @@ class BeaconSearch:
         self.vain = 0
 
 
-def neighbours() -> list[str]:
-    """The addresses that differ from one's own in the last number; none where there is no way to other networks."""
+def networks() -> list[str]:
+    """The networks of this machine, such as 192.168.0: a few, of what may be many."""
+    found: list[str] = []
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
+        with contextlib.suppress(OSError):
             # This sends nothing: it is the system's choice of one's own address that counts.
             probe.connect(("198.51.100.1", 9))
-        except OSError:
-            return []
-        network = probe.getsockname()[0].rpartition(".")[0]
-    return [f"{network}.{last}" for last in range(1, 255)]
+            found.append(probe.getsockname()[0])
+        # Where there is no router, each device has to be asked.
+        if sys.platform == "linux":
+            for _, device in socket.if_nameindex():
+                with contextlib.suppress(OSError):
+                    # SIOCGIFADDR of `man 7 netdevice`: a struct ifreq, with the name before and the address after.
+                    answer = fcntl.ioctl(probe, 0x8915, device.encode().ljust(40, b"\0"))
+                    found.append(socket.inet_ntoa(answer[20:24]))
+        else:
+            with contextlib.suppress(OSError):
+                found += socket.gethostbyname_ex(socket.gethostname())[2]
+    known = dict.fromkeys(address.rpartition(".")[0] for address in found if not address.startswith("127."))
+    return list(known)[:MOST_NETWORKS]

@@ -72,7 +72,7 @@ class LazyPirate(OneProcess):
                 return frames[1].decode(errors="replace")
             if self.stopped.is_set():
                 break
-            trouble = f"no reply within {timeout:g} s"
+            trouble = f"{'nobody answers to this name' if self.search.vain else 'no reply'} within {timeout:g} s"
             if frames:
                 seen = printable(b" ".join(frames).decode(errors="replace"))
                 trouble = f"dropped a reply to another request ({seen})"

@@ -106,6 +106,8 @@ def listening(
             sys.exit(1)
         bound = socket.getsockopt_string(zmq.LAST_ENDPOINT)
         with answering(options.beacon, bound) if getattr(options, "beacon", None) else contextlib.nullcontext():
+            if getattr(options, "beacon", None):
+                print(f"found as beacon://{options.beacon}:{bound.rpartition(':')[2]}", flush=True)
             if word:
                 print(f"{word} on {bound}", flush=True)
             yield socket

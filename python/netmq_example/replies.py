@@ -22,8 +22,22 @@ def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
     try:
         return encoded(answer(request.decode(errors="replace")), "strict")
     except Exception as error:
-        traceback.print_exc()
+        tell(error)
         return f"error: {error!r}".encode()
+
+
+seen: set[tuple[str, int | None]] = set()
+again = Trouble(show)
+
+
+def tell(error: Exception) -> None:
+    """With its traceback the first time; then it is a line a second at most, since a client may go on asking."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    if (place.filename, place.lineno) in seen:
+        again(repr(error))
+        return
+    seen.add((place.filename, place.lineno))
+    traceback.print_exc()
 
 
 class Misfit(KeyError):

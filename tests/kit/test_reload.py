@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 from types import SimpleNamespace
 
 from kitlib import reload
+from tests.conftest import PYTHON
+from tests.programs import ROOT
 
 
 def test_an_editor_that_writes_in_steps_starts_it_once(tmp_path, monkeypatch):
@@ -27,3 +30,17 @@ def test_an_editor_that_writes_in_steps_starts_it_once(tmp_path, monkeypatch):
     running = SimpleNamespace(poll=lambda: None)
     assert reload.wait_for_save([tmp_path], reload.files([tmp_path]), running) == ["server.py"]
     assert len(steps) == 1, "as soon as it is whole"
+
+
+def test_a_server_of_ones_own(start, tmp_path):
+    """It may lie anywhere, and has the kit's packages."""
+    path = tmp_path / "mine.py"
+    text = "import sys, time, zmq\nprint('one', *sys.argv[1:], flush=True)\ntime.sleep(600)\n"
+    path.write_text(text, encoding="utf-8")
+    kit = start(PYTHON, ROOT / "kit.py", "server", path, "--reload", "--endpoint", "here")
+    kit.wait_for("^one --endpoint here$")
+    path.write_text(text.replace("one", "two"), encoding="utf-8")
+    kit.wait_for("^two --endpoint here$")
+    assert kit.stop(signal.SIGINT) == 130
+    nobody = start(PYTHON, ROOT / "kit.py", "server", tmp_path / "none.py")
+    assert nobody.wait() == 2 and "name a lesson, or a server.py of yours" in nobody.output

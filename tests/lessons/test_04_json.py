@@ -96,4 +96,5 @@ def test_a_dict_in_and_a_dict_out_in_python(serve_own, context):
     server.wait_for(r"KeyError: 'mine'")
     # In one line, and how many there were meanwhile; only a mistake that is the answer's own has a traceback.
     assert "trouble: the request has no 'guest'; it has 'guset', 'place'" in server.lines
+    # Asked twice.
     assert server.output.count("Traceback") == 1

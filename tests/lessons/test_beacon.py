@@ -96,10 +96,18 @@ def script(machines, start):
 @pytest.mark.parametrize("kind", ["python", "csharp", "unity"])
 @pytest.mark.parametrize("key", CASES)
 def test_a_server_is_found_by_its_name(kind, key, server, client):
-    """Another one has the same port, on the client's own machine."""
-    server("simulators", "01_request_reply", "--beacon", "den")
+    """Another one has the same port, on the client's own machine. There is no router."""
+    server("simulators", "01_request_reply", "--beacon", "den").wait_for(f"^found as beacon://den:{PORT}$")
     server("hub", key, "--beacon", "lab")
     client(kind, key).wait_for(CASES[key][1])
+
+
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_name_that_nobody_has_is_said_at_once(kind, machines, start, client_command):
+    words = client_command(kind, "04_background_client", f"beacon://lab:{PORT}", "--timeout", "0.5")
+    start(*machines.inside("simulators"), *words).wait_for(
+        "^trouble: 1: nobody answers to this name within 0.5 s; try 2"
+    )
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])

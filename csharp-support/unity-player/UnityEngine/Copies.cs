@@ -15,7 +15,8 @@ namespace UnityEngine
         public static T Of<T>(T original, Action<Transform> place = null) where T : Object
         {
             MainThread.Only("Internal_CloneSingle");
-            if (original == null) throw new ArgumentException("The Object you want to instantiate is null.");
+            if (original == null) throw new ArgumentException("The Object you want to instantiate is null. (The player fills no field with a prefab: make "
+                + "one by new GameObject or GameObject.CreatePrimitive.)");
             if (original is Material material) return new Material(material) as T;
             var whole = original as GameObject ?? (original as Component)?.Owner
                 ?? throw new NotSupportedException("the player copies game objects, components and materials");

@@ -66,8 +66,9 @@ namespace NetMQExample
                 // A new connection takes several round trips. On a slow line only a longer wait ever succeeds.
                 var limit = TimeSpan.FromTicks(timeout.Ticks << Math.Min(attempt - 1, 3));
                 if (Try(id, text, limit, stop, out var frames)) return frames[1];
+                var missing = connection.Unanswered ? "nobody answers to this name" : "no reply";
                 var trouble = frames == null
-                    ? FormattableString.Invariant($"no reply within {limit.TotalSeconds} s")
+                    ? FormattableString.Invariant($"{missing} within {limit.TotalSeconds} s")
                     : $"dropped a reply to another request ({LogText.Printable(string.Join(" ", frames))})";
                 if (attempt == tries)
                     throw new TimeoutException($"{NetMQConnection.Tries(tries)} to ask {endpoint}, the last: "

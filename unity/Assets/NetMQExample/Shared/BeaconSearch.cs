@@ -3,13 +3,14 @@
 //
 //     beacon://lab:5553        in an Endpoint field, for a server with --beacon lab
 //
-// Asked is this machine and, by broadcast, the whole network; then also each of the 254 addresses around one's own,
-// since iOS sends no broadcast without an entitlement of Apple's. What answers comes to this device alone: so Android
+// It asks this machine and, by broadcast, its networks; then also each of the 254 addresses around one's own, since iOS sends no broadcast without an entitlement of Apple's. What answers comes to this device alone: so Android
 // needs no multicast lock.
 using System;
+using System.Collections.Generic;
 using System.Diagnostics;
 using System.Linq;
 using System.Net;
+using System.Net.NetworkInformation;
 using System.Net.Sockets;
 using System.Text;
 using System.Text.RegularExpressions;
@@ -19,6 +20,7 @@ namespace NetMQExample
     /// <summary>Looks for the server of one endpoint. For one thread, which it never keeps waiting.</summary>
     internal sealed class BeaconSearch : IDisposable
     {
+        private const int MostNetworks = 4;
         private static readonly TimeSpan Round = TimeSpan.FromMilliseconds(500);
         private static readonly string[] Everybody = { "127.0.0.1", "255.255.255.255" };
         private readonly Stopwatch asked = new Stopwatch();
@@ -64,6 +66,9 @@ namespace NetMQExample
             return null;
         }
 
+        /// <summary>Whether it has asked, and nobody has answered.</summary>
+        public bool Unanswered => vain > 0;
+
         /// <summary>What to look at where nothing came: the network, as long as nobody has answered.</summary>
         /// <param name="otherwise">What to look at else.</param>
         /// <returns>A question.</returns>
@@ -88,7 +93,9 @@ namespace NetMQExample
             ear.EnableBroadcast = true;
             ear.Blocking = false;
             var bytes = Encoding.ASCII.GetBytes(question);
-            foreach (var address in vain > 0 ? Everybody.Concat(Neighbours()) : Everybody)
+            var numbers = vain > 0 ? Enumerable.Range(1, 255) : new[] { 255 };
+            var around = Networks().SelectMany(network => numbers.Select(last => $"{network}.{last}"));
+            foreach (var address in Everybody.Concat(around))
             {
                 try { ear.SendTo(bytes, new IPEndPoint(IPAddress.Parse(address), port)); }
                 catch (SocketException) { /* Where one of them cannot be asked, others can. */ }
@@ -97,15 +104,31 @@ namespace NetMQExample
             asked.Restart();
         }
 
-        // The addresses that differ from one's own in the last number; none where there is no way to other networks.
-        private static string[] Neighbours()
+        // The networks of this machine, such as 192.168.0: a few, of what may be many.
+        private static string[] Networks()
         {
-            using var probe = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
-            // This sends nothing: it is the system's choice of one's own address that counts.
-            try { probe.Connect("198.51.100.1", 9); }
-            catch (SocketException) { return new string[0]; }
-            var network = Regex.Replace($"{((IPEndPoint)probe.LocalEndPoint).Address}", "[0-9]+$", "");
-            return Enumerable.Range(1, 254).Select(last => $"{network}{last}").ToArray();
+            var found = new List<string>();
+            using (var probe = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp))
+            {
+                // This sends nothing: it is the system's choice of one's own address that counts.
+                try
+                {
+                    probe.Connect("198.51.100.1", 9);
+                    found.Add($"{((IPEndPoint)probe.LocalEndPoint).Address}");
+                }
+                catch (SocketException) { /* There is no router: each device has to be asked. */ }
+            }
+            try
+            {
+                found.AddRange(NetworkInterface.GetAllNetworkInterfaces()
+                    .SelectMany(device => device.GetIPProperties().UnicastAddresses)
+                    .Where(each => each.Address.AddressFamily == AddressFamily.InterNetwork)
+                    .Select(each => $"{each.Address}"));
+            }
+            // Not every phone lets an app ask.
+            catch (Exception e) when (e is NetworkInformationException || e is NotSupportedException) { }
+            return found.Where(address => !address.StartsWith("127.", StringComparison.Ordinal))
+                .Select(address => Regex.Replace(address, @"\.\d+$", "")).Distinct().Take(MostNetworks).ToArray();
         }
     }
 }

@@ -81,6 +81,9 @@ namespace NetMQExample
         /// <summary>Whether it is not known where the server is. Until then the socket sends nothing.</summary>
         public bool Searching => search != null && where == null;
 
+        /// <summary>Whether its server was asked for by name, and has not answered yet.</summary>
+        public bool Unanswered => search != null && search.Unanswered;
+
         /// <summary>Names what is wrong with an endpoint, where NetMQ itself reports in riddles.</summary>
         /// <param name="endpoint">Transport, host and port, such as <c>tcp://127.0.0.1:5551</c>.</param>
         /// <exception cref="ArgumentException">The endpoint cannot work; the message names cause and cure.</exception>

@@ -4,6 +4,7 @@
 //
 // For a component of your own, derive from it; an Update of its own overrides this one, and calls base.Update().
 using System;
+using System.Collections;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Threading;
@@ -28,7 +29,7 @@ namespace NetMQExample
         [ThreadStatic] private static Run own;
 
         private Run run;
-        private bool silent;
+        private bool silent, updated;
 
         /// <inheritdoc/>
         public override bool Done => run != null && !run.Thread.IsAlive && run.ForUpdate.Count == 0;
@@ -127,6 +128,8 @@ namespace NetMQExample
             Runs.RemoveAll(one => !one.Thread.IsAlive);
             Runs.Add(run);
             run.Thread.Start();
+            updated = false;
+            StartCoroutine(SeeUpdate());
         }
 
         /// <summary>Goes on with the thread of a component that a change of scenes takes away.</summary>
@@ -151,9 +154,19 @@ namespace NetMQExample
             NetworkThread.Join(run.Thread);
         }
 
+        // A coroutine goes on after the Updates of a frame.
+        private IEnumerator SeeUpdate()
+        {
+            yield return null;
+            if (isActiveAndEnabled && !updated)
+                Debug.LogError($"{GetType().Name}: write its Update as protected override, with base.Update(); in it, or "
+                    + "nothing that Talk logs or hands over is done");
+        }
+
         /// <summary>Does what the network thread has for this frame.</summary>
         protected virtual void Update()
         {
+            updated = true;
             var end = Stopwatch.GetTimestamp() + BudgetTicks;
             for (var left = MostQueued; left > 0 && DoNext(0) && Stopwatch.GetTimestamp() < end; left--) { }
         }
