@@ -56,9 +56,11 @@ namespace NetMQExample.PlayTest
                 if (what == "set") Application.targetFrameRate = 50;
                 if (what != "off") continue;
                 areas.enabled = false;
-                Console.WriteLine(Rate);
                 break;
             }
+            // Its thread may end between two frames.
+            player.Frame();
+            if (rate.Length > 0 && rate != Rate) Console.WriteLine(Rate);
             player.Stop();
             return player.Errors > 0 ? 1 : 0;
         }

@@ -3,8 +3,9 @@
 //
 //     beacon://lab:5553        in an Endpoint field, for a server with --beacon lab
 //
-// It asks this machine and, by broadcast, its networks; then also each of the 254 addresses around one's own, since iOS sends no broadcast without an entitlement of Apple's. What answers comes to this device alone: so Android
-// needs no multicast lock.
+// It asks this machine and, by broadcast, its networks; then also each of the 254 addresses around one's own, since iOS
+// sends no broadcast without an entitlement of Apple's. What answers comes to this device alone, so Android needs no
+// multicast lock.
 using System;
 using System.Collections.Generic;
 using System.Diagnostics;

@@ -154,19 +154,18 @@ namespace NetMQExample
             NetworkThread.Join(run.Thread);
         }
 
-        // A coroutine goes on after the Updates of a frame.
+        // An Update of the reader's own may hide this one.
         private IEnumerator SeeUpdate()
         {
-            yield return null;
-            if (isActiveAndEnabled && !updated)
-                Debug.LogError($"{GetType().Name}: write its Update as protected override, with base.Update(); in it, or "
-                    + "nothing that Talk logs or hands over is done");
+            yield return new WaitForSecondsRealtime(1);
+            if (isActiveAndEnabled && Waiting && !updated)
+                Debug.LogError($"{GetType().Name}: write its Update as protected override, with base.Update(); in it, "
+                    + "or nothing that Talk logs or hands over is done");
         }
 
         /// <summary>Does what the network thread has for this frame.</summary>
         protected virtual void Update()
         {
-            updated = true;
             var end = Stopwatch.GetTimestamp() + BudgetTicks;
             for (var left = MostQueued; left > 0 && DoNext(0) && Stopwatch.GetTimestamp() < end; left--) { }
         }
@@ -176,6 +175,7 @@ namespace NetMQExample
         /// <returns>False if there is nothing.</returns>
         protected bool DoNext(int timeout)
         {
+            updated = true;
             // One that could not begin has no run. And a listener may have disabled the component in this very frame:
             // it has heard enough.
             if (run == null || run.Stop.IsCancellationRequested) return false;
