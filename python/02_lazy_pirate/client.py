@@ -3,7 +3,7 @@
     python python/02_lazy_pirate/client.py                     ten times `add 1`, each with the balance it is answered
     python python/02_lazy_pirate/client.py --text balance      only asks
 
-How it retries, and the bytes: lazy_pirate.py.
+lazy_pirate.py has the retries and the bytes.
 """
 
 import contextlib

@@ -7,8 +7,8 @@
 Bytes: UTF-8 text, two frames each way: [id][text]. The client makes the id, a new one for each request, and every retry
 of that request carries the same. `add 1` adds to the account, `balance` only asks. Both are answered with the balance,
 anything else with a text that begins with `error:`.
-What was done is in the journal before the reply leaves. So a retry is answered from there and not done again, even if
-the server was killed in between.
+The journal has each request that was done before its reply leaves. So a retry gets the old reply and is not done
+again, even if the server was killed in between.
 Trouble on command, where N counts the requests since the start:
     --crash-on N     does request N and is gone before the reply; start the server again yourself
     --drop N         does request N and does not reply
@@ -29,7 +29,7 @@ from netmq_example.program import listening, receive, run, server_options, whole
 
 
 def answer(db: sqlite3.Connection, text: str) -> str:
-    """Your own work goes here. What it changes in the database is valid together with the journal's entry."""
+    """Your own work goes here. Its changes in the database and the journal's entry are one transaction."""
     asked = re.fullmatch(r"add ([0-9]{1,9})|balance", text)
     if not asked:
         return "error: expected 'add 1' or 'balance'"

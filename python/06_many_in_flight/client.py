@@ -3,7 +3,7 @@
     python python/06_many_in_flight/client.py                   a slow request does not hold up the others
     python python/06_many_in_flight/client.py --window 1        one after the other, as in lesson 01
 
-How a reply finds its request, and the bytes: many_requester.py.
+many_requester.py has the bytes, and the way by which a reply finds its request.
 """
 
 import contextlib

@@ -29,7 +29,7 @@ MOST = 256
 
 
 def answer(text: str) -> str:
-    """What a worker does for a request; your own goes here. Threads wait side by side, but compute in turn."""
+    """Your own work goes here; a worker thread runs it. Threads wait side by side, but compute in turn."""
     if text.startswith("echo "):
         return text[5:]
     if sleep := re.fullmatch(r"sleep (\d{1,2}(?:\.\d{1,6})?)", text, re.ASCII):

@@ -37,7 +37,7 @@ def serve(stream: Socket, snapshots: Socket, interval: float, count: int) -> Non
                 print(f"published {count}, checksum {publisher.checksum}", flush=True)
                 due = math.inf
         if snapshots.poll(math.ceil(min(SLICE_MS, max(0, 1000 * (due - time.monotonic()))))):
-            # What poll saw may be a broken request, which the socket drops: then there is none after all.
+            # The request that poll saw may be a broken one, which the socket drops: then there is none after all.
             with contextlib.suppress(zmq.Again):
                 snapshots.send_string(answer(snapshots.recv_multipart(zmq.NOBLOCK), publisher))
 
@@ -61,7 +61,7 @@ def main() -> None:
     except ValueError as error:
         parser.error(f"{error}; give --snapshots")
     with (
-        # What listeners send are subscriptions, and those are short.
+        # Listeners send subscriptions only, and those are short.
         listening(zmq.PUB, options, largest=1000, word="") as stream,
         listening(zmq.REP, options, endpoint=second, word="snapshots") as snapshots,
     ):

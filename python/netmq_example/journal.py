@@ -34,7 +34,7 @@ Answer = Callable[[sqlite3.Connection, str], str]
 
 
 class Journal:
-    """What was done, by the ids of the requests, and the account that they change. Use it on one thread."""
+    """The requests that were done, by their ids, and the account that they change. Use it on one thread."""
 
     def __init__(self, path: str) -> None:
         """May be the type of an option: a journal that cannot be used is wrong usage."""

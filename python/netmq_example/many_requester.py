@@ -19,7 +19,7 @@ from netmq_example.errors import tried
 from netmq_example.one_process import OneProcess
 from netmq_example.program import LARGEST_BYTES, Context, limit
 
-# How often the deadlines are looked at. Shorter would cost more; longer, and Ctrl-C would have to wait on Windows.
+# The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05
 
 
@@ -96,7 +96,7 @@ class ManyRequester(OneProcess):
                 if not number:
                     break
                 encoded = check.instance("texts", text, str).encode(errors="replace")
-                # The server would disconnect who sends it, with all that is under way.
+                # The server would disconnect a client that sends it, and all that is under way would be lost.
                 if len(encoded) > LARGEST_BYTES:
                     yield number, "", f"not sent: {len(encoded)} bytes, and the limit is {LARGEST_BYTES}"
                     continue
@@ -134,7 +134,7 @@ class ManyRequester(OneProcess):
             # Nothing was received since then, neither for it nor for others: a new socket helps, whatever is wrong.
             self.close()
             self.connect()
-            # What was under way on it is lost. To send it again before its timeout is over is not another try.
+            # All that was under way on it is lost. To send it again before its timeout is over is not another try.
             for request_id in self.pending.keys() - late:
                 self.send(request_id, self.pending[request_id])
         for request_id, entry in late.items():

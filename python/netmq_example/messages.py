@@ -48,14 +48,14 @@ class MessageError(Exception):
 
     def __init__(self, code: str, text: str = "", id: int = 0) -> None:
         if not text:
-            # What brings an error from another process, such as pickle or AsyncVectorEnv, has one argument for it.
+            # Pickle and AsyncVectorEnv, which bring an error from another process, have one argument for it.
             code, _, text = str(code).partition(": ")
         super().__init__(f"{code}: {text}" if text else code)
         self.code, self.text, self.id = code, text, id
 
     def reply(self, id: int = 0) -> "Message":
         """The reply that says so, to the request of this id."""
-        # Whatever is in it, the reply can be written.
+        # The reply can be written, whatever is in it.
         text = str(self.text)[:LONGEST_TEXT].encode(errors="replace").decode()
         return Message("error", self.id or id, {"code": str(self.code)[:40], "text": text})
 
@@ -102,7 +102,7 @@ def is_shape(shape: Any) -> bool:
 
 @dataclass(slots=True)
 class Message:
-    """A request or a reply. What the standard lacks, such as a list among the values, `frames` does not write."""
+    """A request or a reply. `frames` refuses what the standard lacks, such as a list among the values."""
 
     kind: str
     id: int = 0
@@ -227,7 +227,7 @@ def reply_to(
     try:
         request = read(frames)
         reply = answer(request)
-        # What cannot be written is found out here, before a part of it is on its way.
+        # A message that cannot be written is found out here, before a part of it is on its way.
         return request, reply, reply.frames()
     except MessageError as error:
         reply = error.reply(request.id)

@@ -39,7 +39,7 @@ MOST_CONNECTIONS = 5
 
 
 def snapshots_beside(endpoint: str) -> str:
-    """Where the snapshots of a stream are, unless one says otherwise: at the port 100 higher; 0 and * stay."""
+    """The endpoint of a stream's snapshots, unless you give one: the port is 100 higher; 0 and * stay."""
     check.endpoint(endpoint, "tcp://127.0.0.1:5557", lowest_port=0)
     higher = re.sub(r"[1-9]\d*$", lambda port: str(int(port[0]) + 100), endpoint)
     return check.endpoint(higher, "tcp://127.0.0.1:5657", lowest_port=0)
@@ -68,7 +68,7 @@ class PosePublisher:
         return self.message
 
     def snapshot(self) -> str:
-        """What a subscriber needs to go on with the next message, as if it had heard every one before."""
+        """All that a subscriber needs to go on with the next message, as if it had received every one before."""
         return f"{self.checksum} {self.message}"
 
 
@@ -200,7 +200,7 @@ def take(socket: zmq.Socket[bytes], timeout: float) -> str | None:
     end = time.monotonic() + timeout
     while not socket.poll(SLICE_MS) and time.monotonic() < end:
         pass
-    # What poll saw may be a broken message, which the socket drops: then there is none after all.
+    # The message that poll saw may be a broken one, which the socket drops: then there is none after all.
     with contextlib.suppress(zmq.Again):
         frames = socket.recv_multipart(zmq.NOBLOCK)
         return frames[0].decode(errors="replace") if len(frames) == 1 else ""

@@ -1,4 +1,4 @@
-"""What a server makes of a request: text in, text out; with `json_answer` a dict in, a dict out.
+"""A server's replies: `answer` takes a text and returns a text; with `json_answer` a dict and a dict.
 
     @json_answer
     def answer(state: dict) -> dict:
@@ -18,7 +18,7 @@ from netmq_example.trouble import Trouble
 
 
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
-    """What `answer` makes of a request. A mistake in it is reported to both sides, and ends neither."""
+    """The reply that `answer` gives to a request. A mistake in it is reported to both sides, and ends neither."""
     try:
         return encoded(answer(request.decode(errors="replace")), "strict")
     except Exception as error:

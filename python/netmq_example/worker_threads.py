@@ -58,7 +58,7 @@ class WorkerThreads(Generic[Key]):
         return reply_to(self.answer, request)
 
     def fileno(self) -> int:
-        """What select and poll watch: readable when there is a reply."""
+        """The descriptor for select and poll: readable when there is a reply."""
         return self.wake_reader.fileno()
 
     def _work(self) -> None:

@@ -31,7 +31,7 @@ namespace NetMQExample
     /// <summary>An array of numbers: how they are to be read, and their bytes.</summary>
     public sealed partial class MessageArray
     {
-        // The names are numpy's. What Unity runs on is little-endian, as the bytes are.
+        // The names are numpy's. All machines that Unity runs on are little-endian, as the bytes are.
         private static readonly Dictionary<string, (int Size, Type Type)> Kinds = new Dictionary<string, (int, Type)>
         {
             ["uint8"] = (1, typeof(byte)),
@@ -76,7 +76,7 @@ namespace NetMQExample
             : throw new MessageException("bad-dtype", $"its numbers are {Dtype}, which is no {typeof(T).Name}");
     }
 
-    /// <summary>One message. What it was read from must not change while it is used.</summary>
+    /// <summary>One message. The frames that it was read from must not change while it is used.</summary>
     public sealed class Message
     {
         /// <summary>The version of this standard, the most bytes of a header, and of all arrays together.</summary>

@@ -64,7 +64,7 @@ namespace NetMQExample
         public static string Quoted(string text) =>
             JsonConvert.ToString(text, '"', StringEscapeHandling.EscapeNonAscii).Replace("\x7f", "\\u007f");
 
-        /// <summary>What a peer sent, for an error's text: ASCII without control characters, and not long.</summary>
+        /// <summary>A peer's words for an error's text: ASCII without control characters, and not long.</summary>
         public static string Shown(string word) => JsonConvert.ToString(
             word.Substring(0, Math.Min(word.Length, 40)), '\'', StringEscapeHandling.EscapeNonAscii);
 
@@ -84,7 +84,7 @@ namespace NetMQExample
                 }
                 return fields;
             }
-            // What no long can hold is no exact number anywhere, and Message refuses this one as well.
+            // A number that no long can hold is exact nowhere, and Message refuses this one as well.
             if (json.TokenType != JsonToken.StartArray) return json.Value is BigInteger ? long.MaxValue : json.Value;
             var items = new List<object>();
             while (Next(json) != JsonToken.EndArray) items.Add(Value(json));

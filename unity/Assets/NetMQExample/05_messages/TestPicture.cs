@@ -1,4 +1,4 @@
-// What the clients of lesson 05 send, and what they say about the reply: both are only for the lesson.
+// The request of lesson 05's clients, and their line about the reply: both are only for the lesson.
 using System;
 using System.Linq;
 

@@ -25,7 +25,7 @@ namespace NetMQExample
     /// </summary>
     public sealed class ManyRequester : IDisposable
     {
-        /// <summary>What became of one request.</summary>
+        /// <summary>The outcome of one request.</summary>
         public readonly struct Answer
         {
             /// <summary>The request: 1 for the first one.</summary>
@@ -145,7 +145,7 @@ namespace NetMQExample
             // Not a word since then, neither to it nor to others: a new socket helps, whatever is wrong with this one.
             connection.Close();
             heard = clock.Elapsed;
-            // What was under way on it is lost. To send it again before its timeout is over is not another try.
+            // All that was under way on it is lost. To send it again before its timeout is over is not another try.
             foreach (var id in pending.Keys.Except(late).ToArray())
                 Send(id, pending[id].number, pending[id].text, pending[id].tries);
             return late;

@@ -14,7 +14,7 @@ using NetMQ.Sockets;
 
 namespace NetMQExample
 {
-    /// <summary>Where something is, in Unity's metres and axes, and which message said so.</summary>
+    /// <summary>The pose of one message: its run, its number, and a place in Unity's metres and axes.</summary>
     public sealed class PoseMessage
     {
         // Plain digits, as Python reads them.
