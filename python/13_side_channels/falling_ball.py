@@ -3,9 +3,9 @@
     python python/13_side_channels/falling_ball.py        prints: gravity 9.81: 32 steps, landed at 6.28 m/s
                                                                   gravity 1.62: 79 steps, landed at 2.56 m/s
 
-Both sides are in this file, and nothing is between them but lesson 09's messages: the environment starts this program
-once more, as its simulator. In Unity that half is your scene.
-They need gymnasium.
+Both sides are in this file and exchange only lesson 09's messages. The environment starts this program once more, as
+its simulator. In Unity that half is your scene.
+Both need gymnasium.
 """
 
 import argparse
@@ -33,7 +33,7 @@ with importing("gymnasium; pip install gymnasium, or let kit.py run 13 do it", s
 
 
 def drop(gravity: float) -> None:
-    """What a training does: it sets something, takes its steps, and reads what was recorded in them."""
+    """The training sets gravity, takes its steps, and reads the statistics that came with them."""
     parameters, stats = EnvironmentParametersChannel(), StatsSideChannel()
     env = ZmqEnv("Ball", launch=[sys.executable, __file__])
     try:
@@ -52,7 +52,7 @@ def drop(gravity: float) -> None:
 
 
 class Ball(Simulation):
-    """What a scene does: it asks for its parameters when it needs them, and records what it likes."""
+    """The scene asks for its parameters when it needs them, and records statistics."""
 
     name = "Ball"
     dt = 0.02

@@ -18,7 +18,7 @@ from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod
 from netmq_example.side_channel.unity_channels import EngineSettings, EnvironmentParameters, StatsRecorder, describe
 from netmq_example.trouble import Trouble
 
-# What goes wrong on command.
+# The errors that --trouble makes.
 TROUBLES = ("none", "unknown", "cut", "throw")
 
 
@@ -70,7 +70,7 @@ class Rounds:
         return self.properties.get_property("seen") == self.round
 
     def exchange(self, received: list[bytes]) -> bytes:
-        """What has come goes to the channels, and what these have to say is the result."""
+        """Hands the received exchanges to the channels, and returns the exchange that they have queued."""
         for data in received:
             try:
                 self.manager.process_side_channel_message(data)

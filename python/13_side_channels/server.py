@@ -26,7 +26,7 @@ from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
 
 class StringLogChannel(SideChannel):
-    """A conversation of your own: lines for Unity's log, and Unity's errors for this one."""
+    """A channel of your own: lines for Unity's log, and Unity's errors for this one."""
 
     def __init__(self) -> None:
         super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))

@@ -33,7 +33,7 @@ from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
 
 class OneAgent(ZmqEnv):
-    """Whatever its simulator is called."""
+    """An environment that takes any simulator's name."""
 
     def accept(self, hello: Message) -> None:
         self.name = take(hello.values, "name", str)
@@ -147,7 +147,7 @@ class UnityEnvironment:
 
 
 def parts(whole: Any) -> list[Any]:
-    """What `obs` has an array for, of a space or of what is seen."""
+    """The parts of a space or of an observation that have an array each in `obs`."""
     return list(whole.values()) if isinstance(whole, Mapping) else [whole]
 
 

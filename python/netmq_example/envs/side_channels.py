@@ -53,7 +53,7 @@ class StepCarrier:
         try:
             state = self.asked(request)
         except Lost:
-            # Nobody knows whether it came. The next simulator is told.
+            # It may have been lost. The next simulator gets it.
             self.unsent = request.exchange
             raise
         if state.exchange is None:

@@ -27,18 +27,18 @@ from netmq_example.program import limit
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
 
-# So many messages are read before those that are queued have their turn.
+# Messages that are read before the queued ones are sent.
 MOST_AT_ONCE = 100
 # A part of an exchange: it ends with the message that makes it so large.
 PART_BYTES = 65_536
-# What may wait of a simulator that sends faster than this side reads, and of one that does not read.
+# The backlog of a simulator that sends faster than this side reads, and of one that does not read.
 MOST_UNREAD_BYTES = 4 * LARGEST_EXCHANGE_BYTES
 MOST_UNSENT_BYTES = 4 * LARGEST_EXCHANGE_BYTES
-# So many simulators are served. One that was silent for so long is forgotten for another, and is welcomed again when it
-# speaks.
+# When this many simulators are here, another one replaces one that was silent for so long, which is welcomed again when
+# it speaks.
 MOST_PEERS = 64
 ALIVE_SECONDS = 3.0
-# So often a client says "I am here"; the server answers, if it is there.
+# A client sends "I am here" this often, and the server answers.
 ALIVE_INTERVAL_SECONDS = 1.0
 
 

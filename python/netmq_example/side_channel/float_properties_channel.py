@@ -15,7 +15,7 @@ from netmq_example.side_channel.incoming_message import FLOAT32
 from netmq_example.side_channel.outgoing_message import packed
 from netmq_example.side_channel.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 
-# What the other side may make this one keep.
+# Limits for the properties that the other side sends.
 MOST_PROPERTIES = 10_000
 LONGEST_KEY = 1_000
 

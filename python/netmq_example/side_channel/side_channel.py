@@ -24,13 +24,13 @@ __all__ = ["Channel", "IncomingMessage", "OutgoingMessage", "SideChannel"]
 
 # An exchange is at most this large, with the 20 bytes in front of each message.
 LARGEST_EXCHANGE_BYTES = 16 * 1024 * 1024
-# What a channel keeps while nobody takes its messages.
+# A channel keeps so much while no reader takes its messages.
 MOST_QUEUED = 100_000
 MOST_QUEUED_BYTES = 4 * LARGEST_EXCHANGE_BYTES
 
 
 class Channel(ABC):
-    """What the manager knows of a channel: its id, the messages that wait, and that it takes bytes."""
+    """A channel as the manager sees it: an id, queued messages, and a method that takes bytes."""
 
     def __init__(self, channel_id: uuid.UUID) -> None:
         self._channel_id = check.instance("channel_id", channel_id, uuid.UUID)

@@ -24,7 +24,7 @@ from netmq_example import check
 from netmq_example.exception import UnityException, UnitySideChannelException
 from netmq_example.side_channel.side_channel import LARGEST_EXCHANGE_BYTES, Channel
 
-# What is kept for channels that nobody has registered yet.
+# Limits for messages to channels that are not registered yet.
 MOST_KEPT = 100
 LARGEST_KEPT_BYTES = 65_536
 
@@ -59,8 +59,8 @@ class SideChannelManager:
             self._deliver(channel, message)
 
     def generate_side_channel_messages(self, unsent: bytes = b"") -> bytearray:
-        """What all channels have queued: in the order of registration, then of queueing; after what could not be sent.
-        What makes it too large stays queued for the next exchange.
+        """The queued messages of all channels, after `unsent`: by order of registration, then of queueing.
+        A message that would make it too large stays queued for the next exchange.
         """
         data = bytearray(check.data("unsent", unsent))
         for channel_id, channel in self.channels.items():
@@ -104,7 +104,7 @@ class SideChannelManager:
             self.report(str(error))
 
     def _deliver(self, channel: Channel, message: bytes) -> None:
-        """What goes wrong in one conversation is not the others' business."""
+        """An error in one channel leaves the others alone."""
         try:
             channel.process_message(message)
         except UnityException as error:

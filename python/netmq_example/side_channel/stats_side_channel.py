@@ -15,7 +15,7 @@ from netmq_example.side_channel.side_channel import IncomingMessage, SideChannel
 
 
 class StatsAggregationMethod(IntEnum):
-    """What to make of the values that came for one key."""
+    """How to combine the values of one key."""
 
     AVERAGE = 0
     MOST_RECENT = 1

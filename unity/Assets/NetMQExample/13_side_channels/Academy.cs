@@ -17,10 +17,10 @@ namespace NetMQExample
         /// <summary>True: a script of ML-Agents asks before it unregisters a channel.</summary>
         public static bool IsInitialized => true;
 
-        /// <summary>What Python has set for the scene.</summary>
+        /// <summary>The parameters that Python has set for the scene.</summary>
         public EnvironmentParameters EnvironmentParameters { get; } = new EnvironmentParameters();
 
-        /// <summary>What the scene wants to see in Python's statistics.</summary>
+        /// <summary>The recorder of the scene for Python's statistics.</summary>
         public StatsRecorder StatsRecorder { get; } = new StatsRecorder();
 
         /// <summary>Registers its channels, unless they are.</summary>

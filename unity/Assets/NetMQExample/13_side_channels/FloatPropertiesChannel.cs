@@ -10,7 +10,7 @@ namespace NetMQExample.SideChannels
     /// <summary>Numbers by name.</summary>
     public class FloatPropertiesChannel : SideChannel
     {
-        // What the other side may make this one keep: so many, with names of so many characters.
+        // Limits for the properties that the other side sends.
         private const int MostProperties = 10000, LongestName = 1000;
 
         private readonly Dictionary<string, float> properties = new Dictionary<string, float>();
@@ -30,7 +30,7 @@ namespace NetMQExample.SideChannels
             Keep(key, value);
         }
 
-        /// <summary>What it was set to last, on either side.</summary>
+        /// <summary>The newest value, from either side.</summary>
         public float GetWithDefault(string key, float defaultValue) =>
             properties.TryGetValue(key, out var value) ? value : defaultValue;
 

@@ -16,7 +16,7 @@ namespace NetMQExample.SideChannels
         // An exchange is at most this large, with the 20 bytes in front of each message.
         internal const int LargestExchangeBytes = 16 * 1024 * 1024;
 
-        // What a channel keeps while nobody takes its messages: so many, with so many bytes together.
+        // A channel keeps so much while no reader takes its messages.
         private const int MostQueuedMessages = 100_000;
         private const long MostQueuedBytes = 4L * LargestExchangeBytes;
 

@@ -1,4 +1,4 @@
-// Lesson 13 in Unity: carries the side channels of a scene. What they send and receive happens in Update.
+// Lesson 13 in Unity: carries the side channels of a scene. They send and receive in Update.
 //
 // Use: start a Python program with a carrier, derive a component from this, add it to any GameObject, press Play:
 // `public sealed class MyChannels : SideChannelBehaviour { }`. Register your channels whenever you like, on the main
@@ -28,7 +28,7 @@ namespace NetMQExample.SideChannels
         /// trying.</summary>
         protected virtual bool GivesUp => false;
 
-        /// <summary>What has come goes to the channels, and what these have queued is the result. In Update.</summary>
+        /// <summary>Hands the received exchanges to the channels, and returns the one that they have queued.</summary>
         protected virtual byte[] Exchange(List<byte[]> received)
         {
             SideChannelManager.Receive(received);

@@ -12,11 +12,11 @@ using NetMQ.Sockets;
 
 namespace NetMQExample.SideChannels
 {
-    /// <summary>Make it, use it and dispose it on one thread, and not on Unity's main thread: to receive is to
-    /// wait.</summary>
+    /// <summary>Make it, use it and dispose it on one thread, but not on Unity's main thread, because receiving
+    /// waits.</summary>
     public sealed class SideChannelCarrier : IDisposable
     {
-        // So long nothing is said before an empty exchange says "I am here".
+        // After so long a silence an empty exchange says "I am here".
         private static readonly TimeSpan Silence = TimeSpan.FromSeconds(1);
 
         // A part of an exchange, in bytes: it ends with the message that makes it so large. So much is handed out at

@@ -47,8 +47,8 @@ namespace NetMQExample.SideChannels
             if (Channels.Remove(sideChannel) && Channels.Count == 0) Unknown.Clear();
         }
 
-        /// <summary>What all channels have queued: in the order of registration, then of queueing. What makes it too
-        /// large stays queued for the next exchange.</summary>
+        /// <summary>The queued messages of all channels, by order of registration, then of queueing. A message that
+        /// would make it too large stays queued for the next exchange.</summary>
         public static byte[] GetSideChannelMessage()
         {
             using var data = new MemoryStream();
@@ -65,7 +65,7 @@ namespace NetMQExample.SideChannels
             return data.ToArray();
         }
 
-        /// <summary>What has come, exchange by exchange. One that is cut is reported, and does not end the
+        /// <summary>Hands received exchanges to their channels. A cut exchange is reported, and does not end the
         /// others.</summary>
         public static void Receive(IEnumerable<byte[]> exchanges)
         {
@@ -111,7 +111,7 @@ namespace NetMQExample.SideChannels
             return part;
         }
 
-        // What goes wrong in one conversation is not the others' business.
+        // An error in one channel leaves the others alone.
         private static void Deliver(SideChannel channel, byte[] message)
         {
             try

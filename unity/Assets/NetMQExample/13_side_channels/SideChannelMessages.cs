@@ -12,7 +12,7 @@ using System.Text;
 
 namespace NetMQExample.SideChannels
 {
-    /// <summary>What is wrong with a message, a channel or a setting.</summary>
+    /// <summary>An error in a message, a channel or a setting.</summary>
     public sealed class UnityAgentsException : Exception
     {
         /// <summary>With the reason.</summary>

@@ -56,7 +56,7 @@ namespace NetMQExample.SideChannels
         // Whether the server has said that it knows of this round; before the first one, that it is there.
         private bool Seen => properties.GetWithDefault("seen", -1) == round;
 
-        /// <summary>What has come goes to the channels, and what these have to say is the result.</summary>
+        /// <summary>Hands the received exchanges to the channels, and returns the one that they have queued.</summary>
         /// <exception cref="TimeoutException">Nobody sees this round.</exception>
         public byte[] Exchange(List<byte[]> received)
         {
@@ -83,7 +83,7 @@ namespace NetMQExample.SideChannels
             SideChannelManager.UnregisterSideChannel(stranger);
         }
 
-        // What is no number has the names that Python has for it.
+        // NaN and infinity have the names that Python has for them.
         private static string Shown(float value, string format) =>
             float.IsNaN(value) ? "nan"
             : float.IsInfinity(value) ? (value > 0 ? "inf" : "-inf")

@@ -8,7 +8,7 @@ using NetMQExample.SideChannels;
 
 namespace NetMQExample
 {
-    /// <summary>What to make of the values that came for one key.</summary>
+    /// <summary>How to combine the values of one key.</summary>
     public enum StatAggregationMethod
     {
         /// <summary>Their mean.</summary>
