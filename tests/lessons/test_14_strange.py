@@ -31,6 +31,7 @@ from tests.conftest import PYTHON
 from tests.lessons.long_jobs.peers import KEY, Message, copied, jobs_server, peer, read, units
 from tests.programs import LIMIT, ROOT
 
+PAGE = [*guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")]
 each_side = pytest.mark.parametrize("side", ["python", "csharp"])
 
 # Work of one's own
@@ -72,11 +73,19 @@ def own_server(start, tmp_path):
     return own_server
 
 
+def test_the_client_on_the_page_watches_its_job(jobs_server, start):
+    (program,) = [block.body for block in PAGE if "watches_its_job" in block.source]
+    program = program.replace("tcp://127.0.0.1:5564", jobs_server()[1])
+    client = start(PYTHON, "-c", program, PYTHONPATH=str(ROOT / "python"))
+    assert client.wait() == 0, client.output
+    assert client.lines[0].startswith("accepted {"), client.lines
+    assert client.lines[-1].startswith("result {") and "'done': 100, 'total': 100" in client.lines[-1], client.lines
+
+
 @each_side
 def test_every_client_has_a_kind_of_your_own_done_with_its_text(side, own_server, runs):
     """The one of the page, which it says to put at the end of work.py."""
-    page = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
-    server = own_server("\n\n" + next(block.body for block in page if "has it done by every client" in block.source))
+    server = own_server("\n\n" + next(block.body for block in PAGE if "has it done by every client" in block.source))
     always = ("--endpoint", server.wait_for(r"^listening on (\S+)")[1], "--count", "3", "--timeout", "20", "--kind")
     kinds = [[], ["--unity"]] if side == "csharp" else [[]]
     own = (["primes", "--text", "1000000"], ["primes", "--text", "zwölf"], ["proofs"])
