@@ -8,8 +8,8 @@ Bytes: messages of lesson 05, whose kind is the verb and whose value `job` is th
     goal {kind, count, text}   cancel   status   forget                                   what a client sends
     accepted {position}   rejected {code, text}   feedback {done, total, text}   canceling   forgotten
     result {status: succeeded, canceled or aborted, done, total, text}                    what it is answered
-What is finished so far comes along as an array. `seq` grows with each message about a job. A client that asked is told
-what is new for 5 seconds; it asks again in time. What was told is in the journal, also after kill -9.
+An array carries the work that is finished so far. `seq` grows with each message about a job. After a request the server
+sends news for 5 seconds, and the client asks again in time. After kill -9 the journal has all that a client heard.
 Trouble on command: --crash-on N ends the server when a job is at N: start it again yourself. Or end a worker, whose
 number is printed; let the queue be full with --queue 1; have a job that ignores cancel: client.py --kind deaf.
 """

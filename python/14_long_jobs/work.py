@@ -28,7 +28,7 @@ def count(total: int, finished: bytes, text: str) -> Iterator[Step]:
 
 
 def picture(side: int, finished: bytes, text: str) -> Iterator[Step]:
-    """The Mandelbrot set in stripes, from the top; RGB. What is drawn so far is the checkpoint."""
+    """The Mandelbrot set in stripes, from the top; RGB. The picture so far is the checkpoint."""
     for y in range(len(finished) // (3 * side), side):
         stripe = bytearray()
         for x in range(side):

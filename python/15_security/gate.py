@@ -35,7 +35,7 @@ class Gate:
         self.poller.register(door, zmq.POLLIN)
 
     def pass_on(self) -> None:
-        """In and out, for ever. What does not fit is dropped, as ROUTER does: no client may make the others wait."""
+        """In and out, for ever. A full connection drops messages, as ROUTER does: no client may hold up the others."""
         while True:
             ready = dict(self.poller.poll(200))
             for client, (socket, key) in list(self.inside.items()):

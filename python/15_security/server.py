@@ -27,7 +27,7 @@ REFUSED = b"error: your key is not on the list, or not any more"
 
 
 def answer(name: str, text: str) -> str:
-    """Your own answer goes here. What a client may do is yours to decide; who it is, you know."""
+    """Your own answer goes here. You know the client's name, and decide what it may do."""
     return f"Hello {name}" if text == "Hello" else f"error: expected Hello, got {text[:40]!r}"
 
 

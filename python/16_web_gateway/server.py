@@ -39,7 +39,7 @@ async def serve(options: argparse.Namespace) -> None:
     """The page, WebSocket and Socket.IO on one port, and behind it one ZeroMQ socket for each browser."""
     context = zmq.asyncio.Context()
     if options.keys:
-        # A gateway is one client, whoever comes through it. What a context is given, each new socket of it has.
+        # To the servers the gateway is one client. Each new socket of a context has the context's options.
         options.keys.apply(context)
 
     def opened(name: str) -> BrowserSocket:

@@ -56,7 +56,7 @@ def server(text: str) -> tuple[str, tuple[str, int]]:
 
 
 def own_endpoint(text: str) -> tuple[str, int]:
-    """Whoever reaches it can read and drop all messages."""
+    """Anybody who reaches it can read and drop all messages."""
     parts = re.fullmatch(r"tcp://(127\.0\.0\.1|localhost):(\d{1,5})", text, re.ASCII)
     if not parts or int(parts[2]) > 65535:
         why = f"the tap listens on this machine only: write it like {ENDPOINT}, port 0 to 65535"

@@ -7,9 +7,9 @@
     with JobClient(context, "tcp://127.0.0.1:5564", job) as client:               comes back to the job with this id
         for news in client.watch(client.ask("status")): ...
 
-Again and again it asks the same: a goal that is there is only watched. So it makes no difference what was lost, and
-which side was started again. What comes is the newest state, as a message of `accepted`, `feedback` or `canceling`; the
-last one is the `result`. In C# it is JobClient.cs, and JobNews.cs.
+The client repeats its request, and the server begins no job twice. So lost messages and restarts of either side do no
+harm. The news is the newest state, as a message of `accepted`, `feedback` or `canceling`; the last one is the `result`.
+In C# it is JobClient.cs, and JobNews.cs.
 """
 
 import re
@@ -27,7 +27,7 @@ from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
 
 STATUSES = ("succeeded", "canceled", "aborted")
-# What a message about a job has, besides the job.
+# The values of a message about a job, besides the job.
 STATE = {"seq": int, "done": int, "total": int, "text": str}
 NEWS: dict[str, dict[str, type]] = {
     "accepted": {"seq": int, "position": int},
@@ -109,10 +109,10 @@ class JobClient(OneProcess):
         return Message(check.text("verb", verb), values={"job": self.job, **values})
 
     def watch(self, request: Message) -> Iterator[Message]:
-        """What is new about the job, up to its result.
+        """The news of the job, up to its result.
 
-        TimeoutError if no word comes in all tries; GaveUp if the job is rejected or was forgotten, or if what comes is
-        no news of a job.
+        TimeoutError if nothing comes in all tries; GaveUp if the server rejects the job or has forgotten it, or sends
+        something else than news.
         """
         self.request = check.instance("request", request, Message)
         seq = -1

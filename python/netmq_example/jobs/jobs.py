@@ -7,14 +7,14 @@
             ...                                                 jobs.answer(client, frames), for each message that came
             for client, news in jobs.turn(): socket.send_multipart([client, *news.frames()])
 
-What a client may say about a job, whose id is the client's:
+A client makes the job's id, and sends one of:
 
     goal       begins the job, unless there is one with this id already
     cancel     asks for its end; after the end it changes nothing
     status     only asks
     forget     after the end: its result is deleted; its id stays known for 24 hours, so that a late goal begins nothing
 
-Each is answered with where the job stands, or with why not, `rejected`:
+The server answers with the job's state, or with `rejected` and the reason:
 
     accepted  ->  feedback, feedback, …  ->  result          whose status is succeeded, canceled or aborted
                              canceling   ->  result
@@ -91,7 +91,7 @@ class Jobs:
         self.workers = Workers(check.count("workers", workers, most=MOST_WORKERS), kinds)
         self.live: dict[str, Job] = {}
         self.waiting = deque[str]()
-        # What happened and is not in the journal yet.
+        # News that is not in the journal yet.
         self.pending: dict[str, Message] = {}
         self.outbox: list[tuple[bytes, Message]] = []
         for goal, news in reversed(journal.open()):
@@ -99,7 +99,7 @@ class Jobs:
             self.live[id] = Job(goal, news)
             self.interrupted(id, "the server was restarted")
 
-    # What clients say
+    # Messages of clients
 
     def answer(self, client: bytes, frames: list[bytes]) -> None:
         """The next turn returns the reply."""
@@ -193,7 +193,7 @@ class Jobs:
             job.kill_at = time.monotonic() + self.grace
         return True
 
-    # What workers do
+    # Messages of workers
 
     def turn(self) -> list[tuple[bytes, Message]]:
         """Take in what workers have done, and start what waits. Returns what is to be sent, and to which client."""

@@ -1,4 +1,4 @@
-"""What became of each job, also after the server was killed: a SQLite file.
+"""The state of each job, which survives the end of the server: a SQLite file.
 
     journal = Journal("long_jobs.sqlite3")                                prints: journal long_jobs.sqlite3, 0 jobs
     journal.save([news])                                                  False while it cannot be used
@@ -113,7 +113,7 @@ class Journal:
         return entry(*found) if found else None
 
     def open(self) -> list[tuple[Message, Message]]:
-        """What has not ended, in the order in which it was accepted. What cannot be read is left as it is."""
+        """The jobs that have not ended, oldest first. An entry that cannot be read stays as it is."""
         found: list[tuple[Message, Message]] = []
         try:
             for (number,) in self.db.execute("SELECT number FROM jobs WHERE ended IS NULL ORDER BY number").fetchall():

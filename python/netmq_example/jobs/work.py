@@ -1,4 +1,4 @@
-"""What a kind of work is: a generator that yields a step whenever it could stop.
+"""A kind of work: a generator that yields a step whenever it could stop.
 
     def count(total: int, finished: bytes, text: str) -> Iterator[Step]:
         for unit in range(1, total + 1):

@@ -9,8 +9,8 @@
 Python computes on one thread at a time, so threads would share one core, and no thread can be killed. A process is
 started when there is work for it, and again after it died. It finds the work by the name of its module.
 
-What a process sends is read by a thread, because a pipe cannot be polled together with a socket on every system; the
-thread then writes to a socket that can.
+A thread reads the messages of a process, because not every system can poll a pipe together with a socket; the thread
+then writes to a socket.
 """
 
 import contextlib
@@ -126,7 +126,7 @@ def about(goal: Message, step: Step, kind: str, **more: str) -> Message:
 
 
 def check_step(step: Step) -> None:
-    """What cannot be told to clients, whatever else is said with it, ends the job here, where the work is written."""
+    """A step that no message to a client can carry ends the job here, in the work's own process."""
     longest = Message("goal", values={"job": "x" * 64})
     message = about(longest, step, "canceling", status="succeeded")
     message.values["seq"] = EXACT - 1

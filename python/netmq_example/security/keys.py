@@ -8,8 +8,8 @@
     python -m netmq_example.security.keys rotate client         a new pair; the old one is kept as client.1.key_secret
     python -m netmq_example.security.keys list                  who may come in
 
-What ends in .key is public: give it to anybody. What ends in .key_secret never leaves its machine; it is written for
-its owner alone (mode 0600), and never overwritten. A running server sees at once who was enrolled or revoked.
+A file that ends in .key is public: give it to anybody. A file that ends in .key_secret never leaves its machine. Only
+its owner may read it (mode 0600), and it is never overwritten. A running server notices each enrol and revoke at once.
 The files are those of czmq (zcert): zmq.auth.load_certificate reads them. A key is 40 characters of Z85.
 
 From Python: make(folder, "server"), enrol(folder, "alice", key), revoke(folder, "alice"); load(path) gives the keys in
@@ -35,7 +35,7 @@ from netmq_example.program import run
 NAME = r"[\w-]{1,40}"
 # A key has 200 bytes, with the comments that some write above it more.
 LARGEST_FILE_BYTES = 4096
-# What each verb takes.
+# The argument of each verb.
 FORMS = {
     "make": "(server|client)",
     "rotate": "(server|client)",

@@ -44,7 +44,7 @@ def ollama_talk(count: int, finished: bytes, prompt: str, *, url: str, model: st
     connect = HTTPSConnection if parts.scheme == "https" else HTTPConnection
     text = said = ""
     done = 0
-    # What it did in place of speaking.
+    # The fields that came in place of words.
     beside: set[str] = set()
     try:
         with closing(connect(parts.hostname or "", parts.port, timeout=SILENCE_SECONDS)) as connection:
@@ -83,7 +83,7 @@ def spoken(text: str) -> str:
 def pieces(connection: HTTPConnection, path: str, count: int, prompt: str, model: str) -> Iterator[dict[str, Any]]:
     """The model's messages, as they come, each with a part of a word or more as its `content`."""
     talk = [{"role": "system", "content": PERSONA}, {"role": "user", "content": prompt}]
-    # What a model thinks would use up the words that it may say.
+    # Thinking would use up the words that the model may say.
     request = {"model": model, "messages": talk, "stream": True, "think": False, "options": {"num_predict": count}}
     connection.request("POST", path, json.dumps(request), {"Content-Type": "application/json"})
     response = connection.getresponse()

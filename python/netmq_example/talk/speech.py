@@ -1,4 +1,4 @@
-"""What a character has said so far, on a terminal: a line for each sentence, which grows. In C# it is Speech.cs.
+"""The words of a character on a terminal: a line for each sentence, which grows. In C# it is Speech.cs.
 
     with Speech() as speech:
         for news in client.watch(ask(client, "Who are you?", most=200)):
@@ -28,7 +28,7 @@ def ask(client: JobClient, prompt: str, most: int) -> Message:
 
 
 def a_prompt(name: str, value: Any) -> str:
-    """What one can say to a character."""
+    """A prompt that a character takes."""
     if isinstance(value, str) and 1 <= len(value) <= MOST_CHARACTERS:
         return value
     raise ValueError(f"{name} takes 1 to {MOST_CHARACTERS} characters, not {value!r:.40}")
@@ -75,7 +75,7 @@ class Speech:
         self.line_is_open = False
 
     def outcome(self, result: Message) -> str:
-        """What to say at the end. GaveUp if it was aborted."""
+        """The last line. GaveUp if the job was aborted."""
         status = take(check.instance("result", result, Message).values, "status", str)
         if status == "aborted":
             raise GaveUp(f"the answer broke off: {take(result.values, 'text', str)}; ask again")

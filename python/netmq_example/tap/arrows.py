@@ -8,8 +8,8 @@
 To add a message costs little; what it looks like in a page is worked out when a page asks. The oldest go first. A page
 that cannot follow gets the newest, and the numbers tell it what it has missed.
 
-A recording is the tap's page with the messages inside, one file that opens without a server. What a peer sent is in it
-as letters and digits only (gzip, base64), so nothing of it can become a part of the page.
+A recording is the tap's page with the messages inside, one file that opens without a server. It holds the messages of
+peers as letters and digits only (gzip, base64), so none of them can become a part of the page.
 """
 
 import base64

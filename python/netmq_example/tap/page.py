@@ -4,7 +4,7 @@
     asyncio.run(page.serve(socket.create_server(("127.0.0.1", 8000))))
 
 The browser gets the newest arrows and the numbers of all messages, so it costs the same however many there are; the
-whole of a message it fetches when somebody opens it. What it sends is the trouble that it asks for.
+whole of a message it fetches when somebody opens it. It sends the trouble that it wants.
 Other web pages may ask a browser to connect here too. They cannot hide who they are: `Origin` and `Host` tell.
 It needs aiohttp.
 """
@@ -83,7 +83,7 @@ class Page:
                 await asyncio.sleep(EVERY_SECONDS)
 
     def ask(self, text: str) -> None:
-        """Do what the page asks for. What does not fit is no wish of our page."""
+        """Do what the page asks for. A message that does not fit is not from our page."""
         with contextlib.suppress(ValueError, KeyError, TypeError, RecursionError):
             wish = json.loads(text)
             if "slow" in wish and 0 <= float(wish["slow"]) <= SLOWEST_SECONDS:

@@ -68,7 +68,7 @@ def take(buffer: bytearray, largest: int) -> Piece | None:
 
 
 def socket_type(ready: bytes) -> str:
-    """What a READY command says of its sender: REQ, ROUTER. Each property is a name and a value, with their lengths."""
+    """The socket type in a READY command: REQ, ROUTER. Each property is a name and a value, with their lengths."""
     at = 1 + ready[0]
     while at < len(ready):
         start = at + 1 + ready[at] + 4

@@ -111,7 +111,7 @@ BrowserSocket = Requester | Listener
 def opened(context: zmq.asyncio.Context, kind: int, endpoint: str) -> zmq.asyncio.Socket:
     """A socket with its limits."""
     socket = context.socket(kind)
-    # What is under way is dropped when the socket is closed; waiting for its delivery could take for ever.
+    # A closed socket drops its messages: to wait for their delivery could take for ever.
     socket.linger = 0
     socket.maxmsgsize = LARGEST_BYTES
     socket.rcvhwm = 100

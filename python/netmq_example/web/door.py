@@ -9,7 +9,7 @@
 
 A browser lets every page connect to every WebSocket, also the page of a stranger to a gateway of this machine. All
 that the browser does about it is to name the page, as Origin: a server that does not look lets all of them in. Other
-programs than browsers name what they like. What the Origin cannot keep out a token does.
+programs than browsers name what they like, and need a token to keep them out.
 
 To connect costs a stranger nothing, and each connection is one of the open files that a system allows: thousands of
 them keep all others out. So a request must be there, and be whole, in time.

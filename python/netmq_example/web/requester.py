@@ -17,7 +17,7 @@ import aiohttp
 from netmq_example import check
 from netmq_example.errors import GaveUp
 
-# What is raised when nobody is there, when somebody else is, and when somebody leaves.
+# Raised when nobody is there, when another program is, and when the gateway leaves.
 GONE = (OSError, aiohttp.ClientError, TypeError, ValueError, KeyError, RecursionError)
 REFUSED = "{} does not let this client in: its token is missing or wrong"
 
@@ -48,7 +48,7 @@ class WebRequester:
                         await self.close()
                     except NoAnswer as error:
                         self.trouble = f": {error}"
-                    # Whatever it was, it is not over at once.
+                    # After any trouble it waits a moment.
                     await asyncio.sleep(0.1)
         except TimeoutError:
             # The one that was under way may still be answered.

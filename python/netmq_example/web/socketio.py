@@ -65,7 +65,7 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
     # With more requests at once by HTTP, python-socketio drops them all without a word: its own 16 are few. A million
     # would keep all others waiting, and are read before anybody has asked for the token.
     Payload.max_decode_packets = 2 * MOST_FRAMES
-    # What it reports are the mistakes of strangers, each with a traceback.
+    # It reports the mistakes of strangers, each with a traceback.
     noise = logging.getLogger("noise")
     noise.setLevel(logging.CRITICAL)
     # The door has looked at the Origin. A browser that was not heard for both times is not there any more.
@@ -100,7 +100,7 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
         browser.close()
 
     async def ask(name: str, sid: str, *frames: Any) -> Any:
-        # What it asked before it left may be read after that.
+        # A request from before its leave may be read after it.
         if sid not in browsers:
             return await server.disconnect(sid)
         browser = browsers[sid]
@@ -130,7 +130,7 @@ def attach(app: web.Application, door: Door, names: list[str], opened: Callable[
 
     server.on("connect", come_in)
     server.on("disconnect", leave)
-    # Whatever it is called: a name that nobody has is to be answered, too.
+    # Any name: a browser that asks for an unknown one gets an answer, too.
     server.on("*", ask)
     server.attach(app)
 

@@ -26,8 +26,8 @@ class SocketIORequester(WebRequester):
         self.gone = gone = asyncio.Event()
         refusals: list[Any] = []
         self.client.on("disconnect", lambda *_: gone.set())
-        # What only another than a gateway sends ends a task of Socket.IO, and the event loop hears of it. It also
-        # hears, without an exception, that Socket.IO has not closed what an earlier try opened.
+        # A message that no gateway sends ends a task of Socket.IO, and the event loop hears of it. It also hears,
+        # without an exception, that Socket.IO has not closed the connection of an earlier try.
         asyncio.get_running_loop().set_exception_handler(lambda _, what: gone.set() if "exception" in what else None)
         self.client.on("connect_error", refusals.append)
         try:

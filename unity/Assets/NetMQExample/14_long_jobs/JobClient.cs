@@ -5,8 +5,8 @@
 //         report(news.Line);                                       client.Cancel() in between, on any thread
 //
 // The Python side is python/14_long_jobs/server.py, whose header says what the bytes are.
-// Again and again it asks the same: a goal that is there is only watched. So it makes no difference what was
-// lost, and who was started again. What comes is the newest state; the last message is the result.
+// The client repeats its request, and the server begins no job twice. So lost messages and restarts of either side do
+// no harm. The news is the newest state; the last message is the result.
 using System;
 using System.Collections.Generic;
 using System.Linq;
@@ -58,7 +58,7 @@ namespace NetMQExample
         /// <summary>An id must never come twice, whoever else makes one: hence the GUID.</summary>
         public static string NewId() => Guid.NewGuid().ToString("N");
 
-        /// <summary>What to ask to have the job begun, or watched if it is there already.</summary>
+        /// <summary>The request that begins the job, or only watches it if it is there already.</summary>
         /// <exception cref="ArgumentException">The count is below 1.</exception>
         public Message Goal(string kind, int count, string text = "")
         {
@@ -70,7 +70,7 @@ namespace NetMQExample
             return goal;
         }
 
-        /// <summary>What to ask: status, or forget after the end.</summary>
+        /// <summary>Another request: status, or forget after the end.</summary>
         public Message Ask(string verb)
         {
             var message = new Message(verb);
@@ -78,12 +78,12 @@ namespace NetMQExample
             return message;
         }
 
-        /// <summary>What is new about the job, up to its result.</summary>
-        /// <param name="request">What to ask, now and then again.</param>
+        /// <summary>The news of the job, up to its result.</summary>
+        /// <param name="request">The request, which is sent again and again.</param>
         /// <param name="stop">Ends the watching, within 50 ms of being cancelled. The job goes on.</param>
         /// <exception cref="MessageException">The server rejects it, with its words; or the job was
         /// forgotten.</exception>
-        /// <exception cref="TimeoutException">There was no word.</exception>
+        /// <exception cref="TimeoutException">Nothing came in all tries.</exception>
         /// <exception cref="OperationCanceledException"><paramref name="stop"/> was cancelled.</exception>
         public IEnumerable<JobNews> Watch(Message request, CancellationToken stop = default)
         {

@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>Draws the newest state of a job. What needs memory was made on the network thread.</summary>
+    /// <summary>Draws the newest state of a job. The network thread makes all that needs memory.</summary>
     [AddComponentMenu("NetMQ Example/14 Job View")]
     [RequireComponent(typeof(JobRunner))]
     public sealed class JobView : MonoBehaviour

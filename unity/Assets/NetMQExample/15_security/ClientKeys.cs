@@ -5,8 +5,8 @@
 //
 // It goes with any NetMQ socket that connects.
 // The pair is made at the first start, and its secret key never leaves the machine: one that came with the game would
-// be the same in every copy, a password that everybody has. What ships is the server's public key: as text in a field,
-// or as server.key in the folder. The owner of the server then enrols this client's public key: client.key.
+// be the same in every copy, a password that everybody has. The game ships with the server's public key: as text in a
+// field, or as server.key in the folder. The owner of the server then enrols this client's public key: client.key.
 // The files are those of python/netmq_example/security/keys.py.
 using System;
 using System.IO;
@@ -19,7 +19,7 @@ namespace NetMQExample
     /// <summary>The server's public key, and this client's own pair.</summary>
     public sealed class ClientKeys
     {
-        // What keys are written with: Z85, which has no quotation mark.
+        // Keys are written in Z85, which has no quotation mark.
         private const string Key = @"([!#-~]{40})";
         private const int LargestBytes = 4096;
         private readonly NetMQCertificate server, own;

@@ -1,8 +1,8 @@
 // Lesson 15 in Unity: says hello to a server that knows this client by its key.
 //
-// Use: start python/15_security/server.py, add this component to any GameObject, press Play. What is missing is said:
-// first the server's public key. Copy server.key into the folder that is named, or write its 40 characters into the
-// field, above all in a build. This client's own pair is made there at the first start; enrol its client.key.
+// Use: start python/15_security/server.py, add this component to any GameObject, press Play. The console asks for the
+// server's public key. Copy server.key into the folder that it names, or write its 40 characters into the field, above
+// all in a build. This client makes its own pair there at the first start; enrol its client.key.
 using System;
 using System.IO;
 using System.Threading;

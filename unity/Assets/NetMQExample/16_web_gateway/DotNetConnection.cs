@@ -1,4 +1,4 @@
-// The WebSocket of .NET: no package and no DLL. What it waits for it waits for on the thread pool.
+// The WebSocket of .NET: no package and no DLL. It waits on the thread pool.
 using System;
 using System.Collections.Concurrent;
 using System.IO;
@@ -16,7 +16,7 @@ namespace NetMQExample
         private const int MostMessages = 64, MaxBytes = 4 * 1024 * 1024;
         // Says to all at once that an assembly reload has begun.
         private static readonly CancellationTokenSource Reload = new CancellationTokenSource();
-        // What is at work on the thread pool, or waits for its turn there.
+        // The tasks that run on the thread pool, or wait for their turn there.
         private static int running;
         private readonly ConcurrentQueue<string> received = new ConcurrentQueue<string>();
         private readonly CancellationTokenSource stop = new CancellationTokenSource();
@@ -32,8 +32,8 @@ namespace NetMQExample
             if (Environment.Version.Major < 5) AppDomain.CurrentDomain.DomainUnload += Unload;
         }
 
-        // What has its turn only now, in the midst of an assembly reload, starts threads that nobody ends, and Mono can
-        // end itself of that. All have been told to leave, and most often nothing is left.
+        // A task that begins in the midst of an assembly reload starts threads that nobody ends, and Mono can crash of
+        // that. All were told to leave, and most often none is left.
         private static void Unload(object domain, EventArgs nothing)
         {
             Reload.Cancel();
@@ -72,7 +72,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public bool TryReceive(out string text) => received.TryDequeue(out text);
 
-        /// <summary>Leaves at once. What is under way is dropped.</summary>
+        /// <summary>Leaves at once, and drops messages that are under way.</summary>
         public void Dispose() => stop.Cancel();
 
         // On Unity's own thread everything after an await would wait for the next frame.
@@ -98,7 +98,7 @@ namespace NetMQExample
                 while (await Receive().ConfigureAwait(false) is string text) received.Enqueue(text);
                 closed ??= socket.CloseStatusDescription ?? "the other side has left";
             }
-            // Whatever it is: the caller reads it.
+            // The caller reads any error here.
             catch (Exception e) { closed ??= e.Message; }
             // Not from another thread: a WebSocket that is disposed while it connects leaves its connection open.
             finally { socket.Dispose(); }

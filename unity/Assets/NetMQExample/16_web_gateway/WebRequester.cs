@@ -83,7 +83,7 @@ namespace NetMQExample
             frames = null;
             if (disposed) return false;
             if (connection?.Closed is string why) Again(why);
-            // Whatever it was, it is not over at once.
+            // After any trouble it waits a moment.
             var calm = !sinceTrouble.IsRunning || sinceTrouble.Elapsed > Pause;
             if (connection == null && calm)
                 connection = WebConnection.To("ws" + endpoint.Substring(4) + Path);
