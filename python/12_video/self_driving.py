@@ -42,7 +42,7 @@ class SelfDriving:
         self.steps += 1
 
     def front(self) -> Any:
-        """What a camera on the car sees, the lowest row first, with the number of the step in its upper corner."""
+        """The picture of a camera on the car, lowest row first, with the number of the step in its upper corner."""
         return self.camera.draw(self.car, self.steps)
 
     def map(self) -> Any:

@@ -64,7 +64,7 @@ def main() -> None:
             try:
                 film(films, options.view, options.film, options.fps, options.seconds)
             except (OSError, ValueError, MessageError) as error:
-                # What goes wrong with one game, or with one of its films, does not end this program.
+                # Trouble with one game, or with one of its films, does not end this program.
                 show(f"trouble: {str(error)!a:.200}")
             # All that were begun, also when another one could not be.
             films.end_all()

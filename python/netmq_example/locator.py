@@ -47,7 +47,7 @@ class Mapping:
 
 @dataclass(frozen=True)
 class Locator:
-    """What `parse` returns: its mappings in the order of their canonical texts, in which they are also written."""
+    """`parse` returns it: its mappings in the order of their canonical texts, in which they are also written."""
 
     text: str
     mappings: tuple[Mapping, ...] = field(compare=False)

@@ -1,4 +1,4 @@
-"""What arrives from a scene becomes observations: each value is written where its locator says, and must fit its space.
+"""Values from a scene become observations: each one is written where its locator says, and must fit its space.
 
     observations = {"car": empty(space, "'car'@")}                     what is there before anything was seen
     appended = set()                                                   for each message a new one
@@ -144,7 +144,7 @@ def cast(old: Any, value: Any) -> Any:
 
 
 def empty(space: Space[Any], where: str) -> Any:
-    """What a space has before anything was seen, and never a sample: zeros as near as it has them, "", (), no nodes."""
+    """The value of a space before anything was seen, never a sample: zeros as near as it has them, "", (), no nodes."""
     match space:
         case spaces.Box():
             return np.asarray(np.clip(np.zeros(space.shape, space.dtype), space.low, space.high))

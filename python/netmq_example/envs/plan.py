@@ -1,4 +1,4 @@
-"""What comes from a scene becomes an observation: by a plan, which is made once for each form of what comes.
+"""Values from a scene become an observation by a plan, which is made once for each form of them.
 
     sight = Sight("car", space)
     seen = sight.read(row)              fresh each time; MessageError says what does not fit, and where

@@ -183,7 +183,7 @@ class Agents:
         return results
 
     def gone(self, name: str, why: str) -> tuple[Any, ...]:
-        """What came after its last observation is not known."""
+        """Nothing after its last observation is known."""
         return self.sights[name].again(), 0.0, False, True, {"env": [], "agent": [], "lost": why}
 
 
@@ -215,7 +215,7 @@ def fixed_form(space: Space[Any]) -> bytes:
 
 
 def scene_options(names: Sequence[str], options: dict[str, Any] | None) -> bytes:
-    """What goes with each reset: whose rows these are, and the options."""
+    """The part that each reset carries: whose rows these are, and the options."""
     options_as_bytes(options)
     return trees.write({"agents": list(names), "options": dict(options or {})})
 
@@ -229,7 +229,7 @@ def launched_as(file_name: Any, where: dict[str, Any]) -> dict[str, Any]:
 
 
 def check_spaces(observations: Any, actions: Any) -> None:
-    """What has no place in a message is named before anybody is waited for."""
+    """Refuse a space that has no place in a message, before the wait for a simulator."""
     for which, each in (("observation", observations), ("action", actions)):
         if not isinstance(each, Mapping) or not each:
             raise ValueError(f"{which} spaces take a dict of agents and spaces, not {each!r:.40}")

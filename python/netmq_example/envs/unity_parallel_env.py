@@ -57,7 +57,7 @@ class UnityParallelEnv(MadeAnew, Rendered, ParallelEnv):  # type: ignore[misc, u
         self.agents: list[str] = []
         self.random = np.random.default_rng()
 
-    # The same object each time: whoever samples has seeded it.
+    # The same object each time: a caller that samples has seeded it.
     def observation_space(self, agent: str) -> Space[Any]:
         return self.observation_spaces[agent]
 
@@ -120,7 +120,7 @@ class UnityAECEnv(MadeAnew, BaseWrapper):  # type: ignore[misc, unused-ignore]
 
 
 def copies(spaces: Spaces) -> Spaces:
-    """Whoever samples from the space of one agent must not change what is sampled for another one."""
+    """A sample from the space of one agent must not change the samples of another one."""
     return {name: copy.deepcopy(space) for name, space in spaces.items()} if isinstance(spaces, Mapping) else spaces
 
 

@@ -1,4 +1,4 @@
-"""What the views of a running game show becomes films, on command.
+"""Films of the views of a running game, on command.
 
     films = Films()                                     the game comes to tcp://127.0.0.1:5562
     films.wait()                                        its views: {"front": (320, 240), "map": (320, 240)}
@@ -206,7 +206,7 @@ class Films(OneProcess):
                 if message:
                     self.hear(message)
             except Exception as error:
-                # Unforeseen. It ends the films, and not this thread: whoever asks would wait for nothing.
+                # Unforeseen. It ends the films, and not this thread: a caller would wait for nothing.
                 self.report(f"trouble: {error!r:.200}")
                 self.game.forget()
 
@@ -240,7 +240,7 @@ class Films(OneProcess):
             self.answer(message.id)
 
     def answer(self, id: int, error: Exception | None = None) -> None:
-        """Whoever waits for this answer goes on."""
+        """The call that waits for this answer goes on."""
         waiter = self.waiting.pop(id, None)
         if waiter is None:
             return

@@ -17,7 +17,7 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>Somebody who sees and acts. While it is enabled it takes part: it may come late.</summary>
+    /// <summary>It sees and acts. While it is enabled it takes part, so it may come late.</summary>
     [DisallowMultipleComponent]
     public abstract class Agent : MonoBehaviour, IAgent
     {
@@ -82,7 +82,7 @@ namespace NetMQExample
         /// <summary>Tells Python something, with the next answer.</summary>
         public void SendInfo(object info) => State.SendInfo(info);
 
-        /// <summary>Comes. Whoever overrides it calls base.OnEnable().</summary>
+        /// <summary>Comes. An override calls base.OnEnable().</summary>
         protected virtual void OnEnable()
         {
             var first = state == null;
@@ -96,7 +96,7 @@ namespace NetMQExample
                         + "what belongs to a step is done in OnTick(double dt)");
         }
 
-        /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
+        /// <summary>Leaves. An override calls base.OnDisable().</summary>
         protected virtual void OnDisable() => AgentRoster.Leave(this);
 
         // All of the scene are enabled before the first one starts; one agent says it for all.

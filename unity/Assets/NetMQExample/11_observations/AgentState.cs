@@ -98,7 +98,7 @@ namespace NetMQExample
         /// <summary>Where its relative locators begin.</summary>
         public Locator Scope { get; }
 
-        /// <summary>Where what it sees comes from.</summary>
+        /// <summary>The members and sensors that it sees with.</summary>
         public List<Source> Sources { get; } = new List<Source>();
 
         /// <summary>The random numbers of this episode, which Python's seed decides.</summary>
@@ -139,7 +139,7 @@ namespace NetMQExample
         // It has no more ticks until the next reset.
         internal bool Over => terminated || truncated;
 
-        // What was called between two steps, such as in an Update: none of them knows of it. Or null.
+        // The call that came between two steps, such as in an Update, which belongs to neither; or null.
         internal string Late { get; private set; }
 
         internal void Begin(Chance chance, IReadOnlyDictionary<string, object> options)

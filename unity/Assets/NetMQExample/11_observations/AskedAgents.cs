@@ -20,7 +20,7 @@ namespace NetMQExample
         /// <summary>Of each row.</summary>
         public List<string> Names { get; private set; } = new List<string>();
 
-        /// <summary>Who was there when they were looked for, or null.</summary>
+        /// <summary>Of each row, the agent that was there when it looked, or null.</summary>
         public List<IAgent> Present { get; } = new List<IAgent>();
 
         /// <summary>Whether all are there now that a request is for.</summary>
@@ -31,7 +31,7 @@ namespace NetMQExample
             return true;
         }
 
-        /// <summary>From now on it is these. Who is not there may come by an OnReset.</summary>
+        /// <summary>From now on it is these. A missing one may come by an OnReset.</summary>
         /// <exception cref="MessageException">Two agents have one name.</exception>
         public void Ask(List<object> names)
         {
@@ -58,10 +58,10 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Who was there last, also if it has left.</summary>
+        /// <summary>The agent that was there last, also if it has left.</summary>
         public IAgent Last(int row) => last.GetValueOrDefault(Names[row]);
 
-        /// <summary>Who can be reset now. Also who has left: its own OnReset may switch it on again.</summary>
+        /// <summary>Those that can be reset now. One that has left may be switched on by its own OnReset.</summary>
         /// <param name="rows">Those to look for.</param>
         /// <param name="exists">Whether an agent that has left could come back.</param>
         public List<(int Row, IAgent Agent)> Known(List<int> rows, Func<IAgent, bool> exists)

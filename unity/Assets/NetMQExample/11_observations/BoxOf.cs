@@ -39,7 +39,7 @@ namespace NetMQExample
             .Where(pair => pair.Key != typeof(bool) && pair.Key != typeof(char))
             .ToDictionary(pair => pair.Value, pair => pair.Key);
 
-        // What a message calls it, and then what C#, numpy and NumSharp do.
+        // First the name in a message, and then those of C#, numpy and NumSharp.
         private static readonly Dictionary<string, string> Aliases = new[]
             {
                 "uint8 bool ? b1 byte B u1",
@@ -63,7 +63,7 @@ namespace NetMQExample
 
         /// <summary>An array of whatever has numbers in it.</summary>
         /// <param name="value">A number, or items, or items in items, all equally many.</param>
-        /// <param name="dtype">What it becomes; if empty, what its numbers are.</param>
+        /// <param name="dtype">The dtype that it gets; if empty, that of its numbers.</param>
         /// <exception cref="MessageException">It is no array of numbers, or one would become another.</exception>
         public static MessageArray Value(object value, string dtype = "")
         {

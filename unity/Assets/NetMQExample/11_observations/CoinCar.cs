@@ -28,7 +28,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public AgentState State { get; }
 
-        /// <summary>Where the coins are that are left.</summary>
+        /// <summary>The places of the coins that are left.</summary>
         public List<(double X, double Y)> Spots { get; } = new List<(double X, double Y)>();
 
         /// <summary>Where the car is.</summary>

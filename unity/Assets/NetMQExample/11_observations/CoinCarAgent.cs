@@ -55,7 +55,7 @@ namespace NetMQExample
                 coins.Add(Cube.Make(Vector3.one * 0.6f, new Color32(240, 200, 40, 255)));
             for (var i = 0; i < coins.Count; i++)
             {
-                // What was collected lies below the ground.
+                // Collected coins lie below the ground.
                 var (x, y) = i < car.Spots.Count ? car.Spots[i] : car.Spot;
                 coins[i].position = Ground(x, y, i < car.Spots.Count ? 0.3f : -1);
             }

@@ -7,12 +7,12 @@ using System;
 
 namespace NetMQExample
 {
-    /// <summary>What concerns all agents of the scene, or one that is named. For the main thread.</summary>
+    /// <summary>Speaks for all agents of the scene, or for one by its name. For the main thread.</summary>
     public static class GymEnv
     {
         private static SceneSimulator simulator;
 
-        /// <summary>Hears what Python sends to the environment. Whoever is destroyed takes his handler away.</summary>
+        /// <summary>Python's infos to the environment. A component that is destroyed removes its handler.</summary>
         public static event Action<object> OnInfo;
 
         /// <summary>Of the newest GymManager, which sets it.</summary>

@@ -2,8 +2,8 @@
 //
 // Use: start python/11_observations/server.py, open this lesson's scene, press Play. For your own scene: add this
 // component to any GameObject, and agents (Agent.cs) and sensors wherever they belong.
-// Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. What a
-// script does in FixedUpdate, it does in OnTick from now on. While it is disabled, the agents play without Python.
+// Nothing moves while Python thinks: for each step OnTick is called, and physics is simulated for as long. A
+// script moves its FixedUpdate to OnTick. While it is disabled, the agents play without Python.
 // A scene may be loaded anew, also by an agent's OnReset: the new scene's GymManager goes on with the connection.
 using UnityEngine;
 

@@ -7,7 +7,7 @@
 //     var scope = Locator.Parse("car@.body");
 //     Console.WriteLine(Locator.Parse(".speed", scope: scope));          prints: 'car'@['body']['speed'] = $
 //
-// What is printed is the canonical text: two locators are equal if these are. The guide has the whole language, in
+// It prints the canonical text: two locators are equal if these are. The guide has the whole language, in
 // docs/guide/11_locators.md; the Python side is netmq_example/locator.py. It needs neither NetMQ nor UnityEngine.
 using System;
 using System.Collections.Generic;
@@ -26,7 +26,7 @@ namespace NetMQExample
     /// <summary>One value to one place, whose paths are canonical text: Python takes the steps.</summary>
     public sealed class LocatorMapping
     {
-        // What would end a line, write over it, turn its direction or not be seen: in a canonical text it is escaped.
+        // Escaped in a canonical text: characters that end a line, write over it, turn it or cannot be seen.
         private static readonly Regex Unseen = new(
             @"[\\'\x00-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb]" +
             @"|[\ud800-\udbff](?![\udc00-\udfff])|(?<![\ud800-\udbff])[\udc00-\udfff]");

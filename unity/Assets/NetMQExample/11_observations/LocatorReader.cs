@@ -16,7 +16,7 @@ using System.Text.RegularExpressions;
 
 namespace NetMQExample
 {
-    /// <summary>Goes through a text from left to right. What it has read it spells as in the canonical text.</summary>
+    /// <summary>Goes through a text from left to right, and spells each part as in the canonical text.</summary>
     internal sealed class LocatorReader
     {
         // What .NET takes for blank, by name: other runtimes may have another list.
@@ -35,7 +35,7 @@ namespace NetMQExample
         private static readonly Regex Digits = new($@"\G[+-]?{Blanks}[0-9]+");
         private static readonly Regex NewAxis = new($@"\G(?:np{Blanks}\.{Blanks})?newaxis(?![A-Za-z0-9_])");
 
-        // What is no key in brackets, although a name begins it.
+        // Begins with a name, and is still no key in brackets.
         private static readonly Regex NoKey = new($@"\G(?:np{Blanks}\.|newaxis{Blanks},)");
         private static readonly Regex InSingle = new($@"\G(?>{Character}']|{Escape})*");
         private static readonly Regex InDouble = new($@"\G(?>{Character}""]|{Escape})*");

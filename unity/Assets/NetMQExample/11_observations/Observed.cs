@@ -104,7 +104,7 @@ namespace NetMQExample
             return Inside(() => parts.Keys.Cast<string>().ToDictionary(key => key, key => Of(parts[key])));
         }
 
-        /// <summary>Whatever has items, as a list of values of any kind.</summary>
+        /// <summary>Anything that has items, as a list of values of any kind.</summary>
         public static object List(object value) => value is IEnumerable items && !(value is string)
             ? Inside(() => items.Cast<object>().Select(Of).ToList())
             : throw new MessageException("no-space", $"{value?.GetType().Name ?? "null"} has no items");
@@ -147,7 +147,7 @@ namespace NetMQExample
                 if (property != null && (!property.CanRead || property.GetIndexParameters().Length > 0))
                     throw Wrong("cannot be read: give it a get");
                 if (field?.IsStatic ?? property.GetMethod.IsStatic) throw Wrong("is static: it belongs to no agent");
-                // What overrides another one, or hides it at the same place, stands for it.
+                // A member stands for the one that it overrides, or hides at the same place.
                 found.RemoveAll(other => other.Name == one.Name && other.Locator == one.Locator);
                 found.Add(one);
             }

@@ -21,7 +21,7 @@ namespace NetMQExample
 
         private RayView view;
 
-        /// <summary>What is told apart. Set it before the first answer.</summary>
+        /// <summary>The tags that it tells apart. Set them before the first answer.</summary>
         public string[] DetectableTags { get => detectableTags; set => detectableTags = value; }
 
         /// <inheritdoc/>

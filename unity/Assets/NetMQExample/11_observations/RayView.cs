@@ -24,8 +24,8 @@ namespace NetMQExample
         /// <param name="maxRayDegrees">From the one ahead to the last one; 180: all around.</param>
         /// <param name="rayLength">In metres.</param>
         /// <param name="sphereCastRadius">How thick they are, in metres; 0: as thin as a ray.</param>
-        /// <param name="layerMask">What they meet.</param>
-        /// <param name="detectableTags">What is told apart.</param>
+        /// <param name="layerMask">The layers that they meet.</param>
+        /// <param name="detectableTags">The tags that they tell apart.</param>
         public RayView(Transform from, int raysPerDirection, float maxRayDegrees, float rayLength,
             float sphereCastRadius, int layerMask, params string[] detectableTags)
         {
@@ -42,7 +42,7 @@ namespace NetMQExample
         /// <summary>How many numbers there are; all are from 0 to 1.</summary>
         public int Size { get; }
 
-        /// <summary>What they meet now: float32.</summary>
+        /// <summary>The numbers of all rays now: float32.</summary>
         public MessageArray Look()
         {
             var seen = new float[Size];

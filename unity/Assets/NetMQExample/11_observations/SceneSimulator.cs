@@ -38,7 +38,7 @@ namespace NetMQExample
         /// <param name="name">The env_name in Python.</param>
         /// <param name="dt">How many seconds one tick takes.</param>
         /// <param name="agents">All agents of the world.</param>
-        /// <param name="sensors">What is seen besides; they may come and go as well. Null: nothing.</param>
+        /// <param name="sensors">The sensors of the scene, which may come and go as well; null for none.</param>
         /// <param name="tick">One tick of whatever moves besides the agents; null if nothing does.</param>
         public SceneSimulator(string name, double dt, IReadOnlyList<IAgent> agents,
             IReadOnlyList<Source> sensors = null, Action tick = null)
@@ -209,14 +209,14 @@ namespace NetMQExample
             var acting = new List<(IAgent Agent, object Action)>();
             for (var i = 0; i < asked.Count; i++)
             {
-                // Whoever has left since does not act; the answer is without it.
+                // An agent that has left since does not act, and the answer lacks it.
                 var agent = request.OrderOf(i) == Order.Step ? asked.Present[i] : null;
                 if (agent != null) acting.Add((agent, MessageTree.Read(request.Row(i))));
             }
             // Each may switch others off.
             foreach (var (agent, action) in acting) if (agents.Contains(agent)) agent.OnAction(action);
             var left = acting.Select(one => one.Agent.State.Period).DefaultIfEmpty().Max();
-            // What comes after the end belongs to no step.
+            // Nothing after the end belongs to a step.
             for (; left > 0 && !acting.All(one => one.Agent.State.Over); left--)
             {
                 foreach (var agent in agents.ToArray())

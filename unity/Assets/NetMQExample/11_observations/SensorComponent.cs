@@ -29,10 +29,10 @@ namespace NetMQExample
 
         private string FullName => $"{GetType().Name} on {name}";
 
-        /// <summary>What it senses now: whatever [Obs] may stand at.</summary>
+        /// <summary>The value that it senses now, of any type that [Obs] takes.</summary>
         public abstract object GetObservation();
 
-        /// <summary>Finds its agents, all of which are there by now. Whoever overrides it calls base.Start().</summary>
+        /// <summary>Finds its agents, all of which are there by now. An override calls base.Start().</summary>
         protected virtual void Start()
         {
             try
@@ -49,13 +49,13 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>Comes back. Whoever overrides it calls base.OnEnable().</summary>
+        /// <summary>Comes back. An override calls base.OnEnable().</summary>
         protected virtual void OnEnable()
         {
             if (place != null) All.Add(place);
         }
 
-        /// <summary>Leaves. Whoever overrides it calls base.OnDisable().</summary>
+        /// <summary>Leaves. An override calls base.OnDisable().</summary>
         protected virtual void OnDisable() => All.Remove(place);
 
         // Below each of the agents above it; its key is the names of the game objects from the agent to here.

@@ -4,7 +4,7 @@
 //     … picture.Pixels …              the lowest row first
 //     view.Take(picture);             now or some frames later
 //
-// Two pictures are on the way to Python at most, and two more are with a camera or wait. What would be the fifth one is
+// Two pictures are on the way to Python at most, and two more are with a camera or wait. A fifth one is
 // skipped and counted, so nothing piles up, and the game waits for nobody.
 // In Python: netmq_example/video/view_sender.py.
 using System;
@@ -72,7 +72,7 @@ namespace NetMQExample
             return null;
         }
 
-        /// <summary>What is to be sent now: the pictures that are there, and after the last one that it was.</summary>
+        /// <summary>The messages to send now: the pictures that are there, and the end after the last one.</summary>
         public IEnumerable<Message> Outgoing()
         {
             for (var message = film?.Next(); message != null; message = film?.Next())

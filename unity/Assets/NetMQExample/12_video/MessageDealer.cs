@@ -73,7 +73,7 @@ namespace NetMQExample
             return null;
         }
 
-        /// <summary>What was sent last may still go out when the socket is closed, for a moment.</summary>
+        /// <summary>The last message may still go out for a moment when the socket is closed.</summary>
         public void Flush() => connection.Socket.Options.Linger = TimeSpan.FromMilliseconds(200);
 
         /// <summary>The next message has a new socket.</summary>

@@ -123,7 +123,7 @@ namespace NetMQExample
                 frame.Arrays.Add(new MessageArray("uint8", picture.Pixels, Height, Width, channels));
                 return frame;
             }
-            // What a camera still has is waited for, but not for ever.
+            // It waits for pictures that a camera still has, but not for ever.
             var all = frames + skipped == number || clock.Elapsed.TotalSeconds > seconds + 1;
             if (!Ending || !all) return null;
             var ended = new Message("ended", ending.Id) { Values = { ["view"] = view, ["time"] = seconds } };

@@ -45,7 +45,7 @@ namespace NetMQExample
             Steps++;
         }
 
-        /// <summary>What a camera on the car sees, with the number of the step in its upper corner.</summary>
+        /// <summary>The picture of a camera on the car, with the number of the step in its upper corner.</summary>
         public void DrawFront(Picture picture)
         {
             // It paints its ground once, and Unity does not need it.

@@ -29,7 +29,7 @@ namespace NetMQExample
         /// <summary>Whether a film is made of any of them, or has ended and that is not logged yet.</summary>
         public bool Filming => Array.Exists(filmed, one => one.View.Filming) || Waiting;
 
-        /// <summary>What can be filmed. To be changed before this component is enabled, or in Awake.</summary>
+        /// <summary>The cameras to film. Change them before this component is enabled, or in Awake.</summary>
         public List<Camera> Cameras => cameras;
 
         /// <inheritdoc/>

@@ -66,7 +66,7 @@ namespace NetMQExample
                 catch (Exception e) when (e is TimeoutException || e is MessageException)
                 {
                     why = e.Message;
-                    // Whoever refuses at once is not asked again at once.
+                    // It does not ask again at once after a refusal.
                     stop.WaitHandle.WaitOne(limit / 5);
                 }
                 finally
