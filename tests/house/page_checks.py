@@ -26,6 +26,8 @@ REFERENCE = {
     "11_locators.md",
     "17_ray.md",
     "16_watching.md",
+    "choosing.md",
+    "classroom.md",
     "from_gymize.md",
     "from_hello_requester.md",
     "from_ml_agents.md",
@@ -35,7 +37,6 @@ REFERENCE = {
     "other_languages.md",
     "questions.md",
     "reinforcement_learning.md",
-    "where_to_go_next.md",
 }
 # What PowerShell 5.1, cmd, bash and zsh all take as it stands: programs, words, and text in double quotes.
 PROGRAMS = ("python3", "python", "dotnet", "git", "cd")
