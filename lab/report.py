@@ -43,8 +43,6 @@ def text(results: dict[str, Any]) -> str:
 
 def table(results: dict[str, Any], title: str, columns: list[str] | None = None) -> list[str]:
     """The table of one kind of work, or of FRAMES; `columns` are those of HEAD to show, or all."""
-    if title == "goals":
-        return goals(results)
     if title == FRAMES:
         keys = ("mean", "half", "of_100_99", "longest")
         rows = [
@@ -54,54 +52,6 @@ def table(results: dict[str, Any], title: str, columns: list[str] | None = None)
     rows = without_empty([HEAD, *map(cells, rows_of(results, title))])
     kept = [i for i, name in enumerate(rows[0]) if not columns or i == 0 or name in columns]
     return aligned([tuple(row[i] for i in kept) for row in rows])
-
-
-def goals(results: dict[str, Any]) -> list[str]:
-    """What this kit aims at, what a run has shown, and where ZeroMQ alone, without a lesson around it, is faster."""
-
-    def middle(title: str, label: str, what: str = "ratio") -> float:
-        value: float = next(row[what][1] for row in rows_of(results, title) if row["label"] == label)
-        return value
-
-    small, large = "echo of 32 B", "echo of 230,400 B"
-    rows: list[tuple[str, ...]] = [("", "aimed at", "this run", "NetMQ alone")]
-    for label, title, aim in (("lesson 01", small, "0.90"), ("lesson 05, pooled", large, "0.80")):
-        rows.append(
-            (f"{label}, {title}, to raw TCP", aim, f"{middle(title, label):.2f}", f"{middle(title, 'NetMQ alone'):.2f}")
-        )
-    seen = "a picture of 230,400 B, an action back"
-    ratio = middle(seen, "lesson 08", "rate") / middle(seen, "NetMQ alone", "rate")
-    rows.append((f"lesson 08, {seen}, to NetMQ alone", "0.95", f"{ratio:.2f}", ""))
-    for label, aim in (("lesson 09, C#", "8,000"), ("lesson 10, 16 areas, C#", "80,000")):
-        rows.append((f"{label}, {STEPS}, a second", aim, f"{middle(STEPS, label, 'rate'):,.0f}", ""))
-    for label, other, aim in (
-        ("lesson 09, C#", "NetMQ alone", "0.75"),
-        ("lesson 10, 16 areas, C#", "Gymnasium's own, 16 in process", "1.50"),
-        ("two in frames, async", "one in frames, async", "1.60"),
-        ("four in frames, sync", "lesson 09, in frames", "0.80"),
-    ):
-        rate, limit = (middle(STEPS, each, "rate") for each in (label, other))
-        rows.append((f"{label}, to {other}", aim, f"{rate / limit:.2f}", ""))
-    step = 1 / middle(STEPS, "lesson 09, in frames", "rate")
-    for ms in (2, 5, 20):
-        # Of what there would be if a step took no longer for it.
-        share = middle(STEPS, f"in frames, thinking {ms} ms", "rate") * (ms / 1000 + step)
-        rows.append((f"in frames, thinking {ms} ms, to 1 / ({ms} ms + a step)", "0.90", f"{share:.2f}", ""))
-    for what, aim in (("32 B", "0.85"), ("230,400 B", "300 a second")):
-        title = f"with keys, echo of {what}"
-        curve, plain = (middle(title, each, "rate") for each in ("NetMQ with CURVE", "NetMQ alone"))
-        shown = f"{curve:,.0f} a second" if "second" in aim else f"{curve / plain:.2f}"
-        rows.append((f"NetMQ with CURVE, echo of {what}, to NetMQ alone", aim, shown, ""))
-    for other in ("WebSocket, websockets", "HTTP, aiohttp", "gRPC, Python both sides", "lesson 06, 64 in flight"):
-        first, second = middle(small, "lesson 01", "rate"), middle(small, other, "rate")
-        if "flight" in other:
-            rows.append((f"{other}, to lesson 01", "10", f"{second / first:.1f}", ""))
-        else:
-            rows.append((f"lesson 01, to {other}", "1.00", f"{first / second:.2f}", ""))
-    for row in results["frames"]:
-        rows.append((f"main thread, {row['label']}: ms, half below", "0.1", f"{row['half']:.3f}", ""))
-        rows.append((f"main thread, {row['label']}: bytes", "0", f"{row['bytes']:.0f}", ""))
-    return aligned(rows)
 
 
 def cells(row: dict[str, Any]) -> tuple[str, ...]:
