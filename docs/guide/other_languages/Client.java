@@ -11,7 +11,7 @@ public class Client {
     public static void main(String[] args) {
         String endpoint = args.length > 0 ? args[0] : "tcp://127.0.0.1:5551";
         try (ZContext context = new ZContext()) {
-            // ZContext sets linger to 0: what nobody fetched is dropped at the end.
+            // ZContext sets linger to 0: a message that nobody fetched is dropped at the end.
             ZMQ.Socket socket = context.createSocket(ZMQ.REQ);
             socket.setMaxMsgSize(65536);
             socket.setReceiveTimeOut(2500);
@@ -25,7 +25,7 @@ public class Client {
                     System.exit(1);
                 }
                 String text = new String(reply.pop().getData(), ZMQ.CHARSET);
-                // What a peer sent may hold anything: letters, marks, numbers, punctuation, symbols, spaces are shown.
+                // The reply may hold anything: letters, marks, numbers, punctuation, symbols, spaces are shown.
                 String shown = text.replaceAll("[^\\p{L}\\p{M}\\p{N}\\p{P}\\p{S} ]", "?");
                 System.out.printf("%d: sent Hello, received %.200s%n", i, shown);
             }

@@ -18,7 +18,7 @@ public class Server {
         String endpoint = args.length > 0 ? args[0] : "tcp://127.0.0.1:5551";
         try (ZContext context = new ZContext()) {
             ZMQ.Socket socket = context.createSocket(ZMQ.REP);
-            socket.setMaxMsgSize(65536); // Who announces more is disconnected before it is in memory.
+            socket.setMaxMsgSize(65536); // A peer that announces more is disconnected.
             String place = endpoint.replaceFirst(":[0*]$", "");
             if (place.equals(endpoint)) {
                 socket.bind(endpoint);

@@ -8,7 +8,7 @@ int main(int argc, char **argv) {
     const char *endpoint = argc > 1 ? argv[1] : "tcp://127.0.0.1:5551";
     setvbuf(stdout, NULL, _IOLBF, 0); // In a pipe, too, each line is there at once.
     zsys_handler_set(NULL); // Otherwise CZMQ catches Ctrl-C, and the program would have to ask for it.
-    zsock_t *socket = zsock_new(ZMQ_REQ); // CZMQ sets linger to 0: what nobody fetched is dropped at the end.
+    zsock_t *socket = zsock_new(ZMQ_REQ); // CZMQ sets linger to 0: a message that nobody fetched is dropped at the end.
     zsock_set_maxmsgsize(socket, 65536);
     zsock_set_rcvtimeo(socket, 2500);
     zsock_set_sndtimeo(socket, 0);
@@ -21,7 +21,7 @@ int main(int argc, char **argv) {
     int replies = 0;
     char *reply;
     while (replies < 10 && !zstr_send(socket, "Hello") && zstr_recvx(socket, &reply, NULL) > 0) {
-        // What a peer sent may hold anything: only what is printable in ASCII goes to the terminal.
+        // The reply may hold anything: only printable ASCII goes to the terminal.
         for (char *c = reply; *c; c++)
             *c = isprint((unsigned char) *c) ? *c : '?';
         printf("%d: sent Hello, received %.200s\n", ++replies, reply);

@@ -10,7 +10,7 @@ int main(int argc, char** argv) try {
     const std::string endpoint = argc > 1 ? argv[1] : "tcp://127.0.0.1:5551";
     zmq::context_t context;
     zmq::socket_t socket(context, zmq::socket_type::req);
-    socket.set(zmq::sockopt::linger, 0);  // What nobody fetched is dropped at the end.
+    socket.set(zmq::sockopt::linger, 0);  // A message that nobody fetched is dropped at the end.
     socket.set(zmq::sockopt::maxmsgsize, std::int64_t{65536});
     socket.set(zmq::sockopt::rcvtimeo, 2500);
     socket.set(zmq::sockopt::sndtimeo, 0);
@@ -23,7 +23,7 @@ int main(int argc, char** argv) try {
             return 1;
         }
         std::string text = reply[0].to_string().substr(0, 200);
-        // What a peer sent may hold anything: only what is ASCII and printable goes to the terminal.
+        // The reply may hold anything: only printable ASCII goes to the terminal.
         std::replace_if(text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
         std::cout << i << ": sent Hello, received " << text << std::endl;
     }

@@ -31,7 +31,7 @@ func main() {
 			fmt.Fprintf(os.Stderr, "gave up: no reply from %s within 2.5 s; is the server running?\n", endpoint)
 			os.Exit(1)
 		}
-		// What a peer sent may hold anything: %q escapes what is not printable.
+		// The reply may hold anything: %q escapes unprintable characters.
 		text := fmt.Sprintf("%.200q", reply[0])
 		fmt.Printf("%d: sent Hello, received %s\n", i, text[1:len(text)-1])
 	}

@@ -4,11 +4,11 @@
 //     node client.mjs [ENDPOINT]
 import { Request } from "zeromq"
 
-// What a peer sent may hold anything: only letters, marks, numbers, punctuation, symbols and spaces are shown.
+// The reply may hold anything: only letters, marks, numbers, punctuation, symbols and spaces are shown.
 const printable = (text) => text.slice(0, 200).replace(/[^\p{L}\p{M}\p{N}\p{P}\p{S} ]/gu, "?")
 
 const endpoint = process.argv[2] ?? "tcp://127.0.0.1:5551"
-// Linger 0: what nobody fetched is dropped at the end.
+// Linger 0: a message that nobody fetched is dropped at the end.
 const socket = new Request({ linger: 0, maxMessageSize: 65536, receiveTimeout: 2500, sendTimeout: 0 })
 try {
   socket.connect(endpoint)

@@ -8,7 +8,7 @@ int main(int argc, char **argv) {
     const char *endpoint = argc > 1 ? argv[1] : "tcp://127.0.0.1:5551";
     zsys_handler_set(NULL); // Otherwise CZMQ catches Ctrl-C, and the program would have to ask for it.
     zsock_t *socket = zsock_new(ZMQ_REP);
-    zsock_set_maxmsgsize(socket, 65536); // Who announces more is disconnected before it is in memory.
+    zsock_set_maxmsgsize(socket, 65536); // A peer that announces more is disconnected.
     if (zsock_bind(socket, "%s", endpoint) < 0) {
         const char *why = zmq_strerror(zmq_errno());
         fprintf(stderr, "cannot listen on %s: %s; try tcp://127.0.0.1:0, which takes a free port\n", endpoint, why);

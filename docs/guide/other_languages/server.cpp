@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
     zmq::context_t context;
     zmq::socket_t socket(context, zmq::socket_type::rep);
     socket.set(zmq::sockopt::linger, 0);
-    // Who announces more than the largest message is disconnected before it is in memory.
+    // A peer that announces more than the largest message is disconnected.
     socket.set(zmq::sockopt::maxmsgsize, std::int64_t{65536});
     try {
         socket.bind(endpoint);

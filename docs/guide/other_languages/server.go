@@ -17,7 +17,7 @@ func answer(text string) string {
 	if text == "Hello" {
 		return "World"
 	}
-	// %q escapes what is not printable, and puts it into double quotes.
+	// %q escapes unprintable characters, and puts it into double quotes.
 	shown := fmt.Sprintf("%.40q", text)
 	return fmt.Sprintf("error: expected Hello, got '%s'", shown[1:len(shown)-1])
 }
@@ -25,7 +25,7 @@ func answer(text string) string {
 func main() {
 	endpoint := append(os.Args, "tcp://127.0.0.1:5551")[1]
 	socket, _ := zmq.NewSocket(zmq.REP)
-	socket.SetMaxmsgsize(65536) // Who announces more is disconnected before it is in memory.
+	socket.SetMaxmsgsize(65536) // A peer that announces more is disconnected.
 	if err := socket.Bind(endpoint); err != nil {
 		fmt.Fprintf(os.Stderr, "cannot listen on %s: %v; try tcp://127.0.0.1:0, which takes a free port\n", endpoint, err)
 		os.Exit(1)

@@ -9,7 +9,7 @@ const printable = (text) => text.slice(0, 40).replace(/[^\p{L}\p{M}\p{N}\p{P}\p{
 const answer = (text) => (text === "Hello" ? "World" : `error: expected Hello, got '${printable(text)}'`)
 
 const endpoint = process.argv[2] ?? "tcp://127.0.0.1:5551"
-// Who announces more than the largest message is disconnected before it is in memory.
+// A peer that announces more than the largest message is disconnected.
 const socket = new Reply({ linger: 0, maxMessageSize: 65536 })
 try {
   await socket.bind(endpoint)
