@@ -37,6 +37,7 @@ REFERENCE = {
     "other_languages.md",
     "questions.md",
     "reinforcement_learning.md",
+    "troubleshooting.md",
 }
 # What PowerShell 5.1, cmd, bash and zsh all take as it stands: programs, words, and text in double quotes.
 PROGRAMS = ("python3", "python", "dotnet", "git", "cd")
