@@ -87,10 +87,10 @@ class Program:
                     if match := re.search(pattern, line):
                         return match
                 if self.ended:
-                    last = next((f": {line.strip()}" for line in reversed(self.lines) if line.strip()), "")
-                    raise KitError(f"{self.name} ended{last}")
+                    last = next((line.strip() for line in reversed(self.lines) if line.strip()), "none")
+                    raise KitError(f"{self.name} ended; its last line: {last}")
                 if not self._news.wait(deadline - time.monotonic()) and time.monotonic() >= deadline:
-                    raise KitError(f"{self.name} was silent for {limit:g} s")
+                    raise KitError(f"{self.name} was silent for {limit:g} s; is the machine busy?")
 
     def endpoints(self) -> dict[str, str]:
         """What the ready line says the server listens on, and where else by the lines before: `snapshots on E2`."""

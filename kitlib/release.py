@@ -25,7 +25,7 @@ def version() -> str:
 def git(*words: str | Path) -> str:
     done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
-        raise KitError(f"git {words[0]} failed: {done.stderr.strip():.200}")
+        raise KitError(f"git {words[0]} failed; it says: {done.stderr.strip():.200}")
     return done.stdout
 
 
@@ -33,7 +33,7 @@ def release(folder: Path) -> None:
     """Both files; a KitError says why not."""
     number = version()
     if f"\n## [{number}] - " not in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"):
-        raise KitError(f"CHANGELOG.md has no section [{number}] with a date")
+        raise KitError(f"CHANGELOG.md has no section [{number}] with a date: write it first")
     if changed := git("status", "--porcelain").splitlines():
         raise KitError(f"{changed[0][3:]} is not committed: a release is what the last commit has")
     folder.mkdir(parents=True, exist_ok=True)

@@ -43,7 +43,7 @@ SIZES = {"32 B": 32, "230,400 B": PICTURE}
 def bench(quick: bool, free: bool) -> int:
     """Run everything, print the tables, keep the results and draw them."""
     if not dotnet.sdk():
-        raise KitError(f"the lab's clients are C#, and there is {dotnet.DOWNLOAD}")
+        raise KitError(f"the lab's clients are C#: there is {dotnet.DOWNLOAD}")
     lessons = ("05_messages", "08_see_and_steer", "09_environment")
     python = python_setup.interpreter("tests", optional=(*lessons, "bench"))
     started = time.monotonic()
@@ -131,7 +131,7 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
             said,
         )
         if numbers is None:
-            why = KitError(f"lesson 04 in the player measured nothing: {said[-200:]}")
+            why = KitError(f"lesson 04 in the player measured nothing; it printed {said[-200:]}")
             lab.failed(name, report.FRAMES, why)
             continue
         keys = ("mean", "half", "of_100_99", "longest", "bytes")

@@ -45,7 +45,7 @@ def a_folder(text: str) -> Path:
 def do(options: argparse.Namespace) -> int:
     of_the_package = options.what.split(".")[0] == imports.PACKAGE
     if options.csharp and of_the_package:
-        raise UsageError(f"--csharp is for a lesson, and {options.what} is Python")
+        raise UsageError(f"--csharp is for a lesson: leave it out, {options.what} is Python")
     if options.csharp:
         files, steps = csharp(find(options.what))
     elif of_the_package:
@@ -126,7 +126,7 @@ def write(folder: Path, files: dict[str, bytes], force: bool) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         place(folder, news)
     except OSError as error:
-        raise KitError(f"could not write into {folder}: {error}") from None
+        raise KitError(f"could not write into {folder}: {error}; name another folder, or make room") from None
     for name in news:
         say(f"wrote {folder / name}")
     if len(files) > len(news):

@@ -98,7 +98,9 @@ def wheels(folder: Path, system: str, version: str) -> None:
         python_setup.ELSEWHERE,
     )
     if not result.ok:
-        raise KitError(f"pip could not fetch them for {system}, Python {version}: {result.first('ERROR', 'No module')}")
+        why = result.first("ERROR", "No module")
+        cure = "try again with internet, or another --python"
+        raise KitError(f"pip could not fetch them for {system}, Python {version}: {why}; {cure}")
 
 
 def nuget(folder: Path) -> None:
@@ -116,6 +118,6 @@ def nuget(folder: Path) -> None:
         ]
         result = step("fetching NetMQ from NuGet", command, dotnet.TIMEOUT, dotnet.ENVIRONMENT)
         if not result.ok:
-            raise KitError(f"{dotnet.refusal(result)}: {folder} has no C# client")
+            raise KitError(f"{dotnet.refusal(result)}: no C# client in {folder}; try again with internet")
         for package in Path(fetched).glob("*/*/*.nupkg"):
             shutil.copy(package, folder)

@@ -181,7 +181,7 @@ def ready(server: Program, name: str = "server") -> dict[str, str]:
             # It may have been killed, which has no line of its own.
             wait(server.process, name)
             raise KitError(f"the {name} ended before it was ready; the line above says why") from None
-        raise KitError(f"the {name} printed no ready line within {TIMEOUT:.0f} s") from None
+        raise KitError(f"the {name} printed no ready line within {TIMEOUT:.0f} s; is the machine busy?") from None
 
 
 def split(text: str, option: str) -> list[str]:

@@ -87,7 +87,7 @@ def excerpt(source: str) -> str:
     text = (ROOT / path).read_text(encoding="utf-8")
     found = (python_lines if path.endswith(".py") else csharp_lines)(text, name)
     if found is None:
-        raise KitError(f"there is no {name} in {path}")
+        raise KitError(f"there is no {name} in {path}: correct the comment above the excerpt")
     return textwrap.dedent("\n".join(text.splitlines()[found.start : found.stop])).rstrip() + "\n"
 
 
@@ -143,7 +143,7 @@ def printed(source: str) -> tuple[str, ...]:
     """What `kit.py run SOURCE` prints, with the ports that the lesson has by default."""
     result = quietly(run_command(source), LIMIT, {"PYTHONUNBUFFERED": "1"}, ROOT)
     if result.code not in (0, 1):
-        raise KitError(f"`kit.py run {source}` ended with {result.code}: {result.output}")
+        raise KitError(f"`kit.py run {source}` ended with {result.code}; it printed {result.output}")
     return tuple(with_own_ports(result.output, source).splitlines())
 
 

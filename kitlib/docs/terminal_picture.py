@@ -43,7 +43,7 @@ def record(run: str) -> list[str]:
             printed += chunk
     os.close(ours)
     if process.returncode:
-        sys.exit(f"`kit.py run {run}` ended with {process.returncode}: {printed.decode()}")
+        sys.exit(f"`kit.py run {run}` ended with {process.returncode}; it printed {printed.decode()}")
     text = with_own_ports(printed.decode().replace("\r\n", "\n"), run)
     return [line for line in text.splitlines() if re.match(r"\033\[\d+m(server|client) \|", line)]
 

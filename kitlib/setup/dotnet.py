@@ -157,7 +157,7 @@ def refusal(result: Result) -> str:
         return "NuGet does not hold NetMQ"
     if result.code == 124 or any(code in result.output for code in UNREACHABLE):
         return "NuGet cannot be reached"
-    raise KitError(f"dotnet restore failed: {result.first(' error ')}")
+    raise KitError(f"dotnet restore failed: {result.first(' error ')}; is the SDK whole? dotnet --info")
 
 
 def fingerprint(netmq: NetMQ, sources: list[Path]) -> str:

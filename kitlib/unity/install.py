@@ -164,7 +164,7 @@ def scripts(lesson: str | None) -> dict[str, bytes]:
 def of_lesson(folder: Path) -> list[Path]:
     """A lesson's scripts, the earlier scripts that they use, and what IL2CPP must know."""
     if not folder.is_dir():
-        raise KitError(f"lesson {folder.name} has no Unity scripts")
+        raise KitError(f"lesson {folder.name} has no Unity scripts: is the kit whole?")
     chosen = with_used(sorted(folder.glob("*.cs")), folder.name, code)
     # The browser's half of a script, and the assembly of scripts that know nothing of NetMQ.
     chosen += [path for script in chosen if (path := script.with_suffix(".jslib")).exists()]
@@ -336,7 +336,7 @@ def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:
         if remove_outdated(root, record, files, dlls) or news:
             (root / RECORD).write_text(json.dumps(record, indent=1, sort_keys=True), encoding="utf-8")
     except OSError as error:
-        raise KitError(f"could not write into {root}: {error}") from None
+        raise KitError(f"could not write into {root}: {error}; close Unity, or make room, and run this again") from None
     for name in news:
         if not name.endswith(".meta"):
             say(f"wrote {name}")

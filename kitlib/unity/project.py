@@ -61,7 +61,7 @@ def packages_of(root: Path) -> dict[str, str]:
         if not isinstance(dependencies, dict):
             raise ValueError("its dependencies are no object")
     except (ValueError, AttributeError) as error:
-        raise KitError(f"{path} is no valid manifest: {error}") from None
+        raise KitError(f"{path} is no valid manifest: {error}; correct it, Unity cannot open it either") from None
     return dependencies
 
 

@@ -83,7 +83,8 @@ def main() -> None:
             try:
                 print(replay(client, options))
             except OSError as error:
-                sys.exit(f"no replay of {options.recording} to {options.endpoint}: {error}")
+                cure = "server.py --record runs makes recordings"
+                sys.exit(f"no replay of {options.recording} to {options.endpoint}: {error}; {cure}")
 
 
 if __name__ == "__main__":

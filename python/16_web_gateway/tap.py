@@ -59,8 +59,8 @@ def own_endpoint(text: str) -> tuple[str, int]:
     """Anybody who reaches it can read and drop all messages."""
     parts = re.fullmatch(r"tcp://(127\.0\.0\.1|localhost):(\d{1,5})", text, re.ASCII)
     if not parts or int(parts[2]) > 65535:
-        why = f"the tap listens on this machine only: write it like {ENDPOINT}, port 0 to 65535"
-        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': {why}")
+        cure = f"the tap listens on this machine only: write it like {ENDPOINT}, port 0 to 65535"
+        raise argparse.ArgumentTypeError(f"bad endpoint '{text}': {cure}")
     return "127.0.0.1", int(parts[2])
 
 

@@ -190,7 +190,8 @@ class PoseSubscriber(OneProcess):
                 pose = parse(message)
                 if pose and re.fullmatch("[0-9]{1,10}", checksum) and int(checksum) < 2**32:
                     return int(checksum), pose
-                raise GaveUp(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}")
+                cure = "is that lesson 07's second port?"
+                raise GaveUp(f"what answers at {self.snapshots} gives no snapshots: {text!r:.80}; {cure}")
             wait *= 4
         raise TimeoutError(f"no snapshot from {self.snapshots} within {timeout:g} s; is the server running?")
 

@@ -203,7 +203,7 @@ def test_a_folder_that_cannot_be_is_named_in_one_line(tmp_path):
         (["99"], "^there is no lesson 99; there are: "),
         (["netmq_example."], "^there is no module netmq_example.; "),
         (["netmq_example.nothing"], "^there is no module netmq_example.nothing; "),
-        (["netmq_example", "--csharp"], "^--csharp is for a lesson, and netmq_example is Python$"),
+        (["netmq_example", "--csharp"], "^--csharp is for a lesson: leave it out, netmq_example is Python$"),
     ],
 )
 def test_what_there_is_not_is_said(words, why, tmp_path):

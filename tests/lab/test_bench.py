@@ -83,7 +83,7 @@ def test_a_contender_that_fails_is_named_and_the_others_go_on(place, monkeypatch
     work = place.work("test", [TCP, broken, contest.JSON], "echo {name} {endpoint} 32 0.02")
     assert [row["label"] for row in work["rows"]] == ["raw TCP"]
     assert "no contender nonsense" in place.skipped["broken (test)"]
-    why = "json_server.py ended: ModuleNotFoundError: No module named 'nothing_of_this_name'"
+    why = "json_server.py ended; its last line: ModuleNotFoundError: No module named 'nothing_of_this_name'"
     assert place.skipped[f"{contest.JSON.label} (test)"].endswith(why)
     place.program("dotnet").process.kill()
     place.program("dotnet").process.wait()

@@ -457,10 +457,16 @@ def test_without_a_webcam_or_a_model_it_says_what_is_wrong(webcam):
     says("^webcam 7 gives no picture: is it plugged in, or does another program use it[?]$", device=7)
     says("^there is no model 'none.task': take one from https://", model="none.task")
     says("^there is no model 'none.task': take one from https://", hands=webcam / "none.task")
-    says("^MediaPipe does not take the model 'page.task': Unable to open zip archive.$", model="page.task")
+    says(
+        "^MediaPipe does not take the model 'page.task': Unable to open zip archive.; take one from https://",
+        model="page.task",
+    )
     for kind in ("FileNotFoundError", "KeyError", "ValueError", "OSError"):
         (webcam / "bad.task").write_text(f"{kind}: no such\nfile in it" + "!" * 900, encoding="utf-8")
-        says("^MediaPipe does not take the model 'bad.task': .?no such.{,3}file in it!{100,150}$", model="bad.task")
+        says(
+            "^MediaPipe does not take the model 'bad.task': .?no such.{,3}file in it!{100,150}; take one from https://",
+            model="bad.task",
+        )
     missing = "libEGL.so.1: cannot open shared object file: No such file or directory"
     cure = "; on Debian and Ubuntu: apt install libgl1 libegl1 libgles2 libglib2.0-0$"
     (webcam / "bad.task").write_text(f"OSError: {missing}", encoding="utf-8")

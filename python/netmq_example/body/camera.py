@@ -66,14 +66,15 @@ def starting(name: str) -> Iterator[None]:
         cure = pip_install("mediapipe")
         raise SourceError(f"no {error.name}: {cure}; or leave out --camera") from None
     except (ImportError, OSError) as error:
-        raise SourceError(f"{name} does not start: {why(error)}") from None
+        raise SourceError(f"{name} does not start: {with_cure(error, 'leave out --camera')}") from None
 
 
-def why(error: Exception) -> str:
-    """In one line, and what to do where the system lacks a library, as a server without a screen does."""
+def with_cure(error: Exception, cure: str) -> str:
+    """In one line, and what to do; a server without a screen lacks libraries, which is another cure."""
     text = " ".join(str(error).split())[:160]
-    cure = "; on Debian and Ubuntu: apt install libgl1 libegl1 libgles2 libglib2.0-0"
-    return text + cure if "shared object" in text else text
+    if "shared object" in text:
+        cure = "on Debian and Ubuntu: apt install libgl1 libegl1 libgles2 libglib2.0-0"
+    return f"{text}; {cure}"
 
 
 def look(webcam: Any, device: int) -> Any:
@@ -94,7 +95,8 @@ def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:
     try:
         return getattr(vision, f"{kind}Landmarker").create_from_options(made)
     except (OSError, LookupError, RuntimeError, ValueError) as error:
-        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {why(error)}") from None
+        cure = with_cure(error, f"take one from {MODELS}")
+        raise SourceError(f"MediaPipe does not take the model {model.name!r:.80}: {cure}") from None
 
 
 def in_order(result: Any, places: list[Place]) -> tuple[People, list[Place]]:

@@ -66,10 +66,10 @@ def read(path: Path) -> Pictures:
         with check.regular_file(path, LARGEST_BYTES).open(encoding="utf-8-sig", newline="") as file:
             rows = list(csv.reader(file))
     except (OSError, ValueError, csv.Error) as error:
-        raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}") from None
+        raise SourceError(f"cannot read {path.name!r:.80}: {error!s:.80}; name another file") from None
     if rows[:1] != [HEADER]:
-        form = "it must begin with the line seconds,person,x0,y0,z0,v0,…"
-        raise SourceError(f"{path.name!r:.80} is no recording: {form}")
+        cure = "it must begin with the line seconds,person,x0,y0,z0,v0,…"
+        raise SourceError(f"{path.name!r:.80} is no recording: {cure}")
     if len(rows) < 2:
         raise SourceError(f"{path.name!r:.80} is a recording of nothing: below its first line there is no person")
     pictures = []

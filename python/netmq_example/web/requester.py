@@ -31,7 +31,7 @@ class WebRequester:
         self.token: str = check.instance("token", token, str)
         self.timeout = check.seconds("timeout", timeout)
         self.connected = False
-        self.trouble = "; is the server running?"
+        self.trouble = "is the server running?"
         self.session: aiohttp.ClientSession | None = None
 
     async def request(self, *texts: str) -> list[str]:
@@ -44,16 +44,16 @@ class WebRequester:
                     try:
                         return await self.try_once(texts)
                     except GONE as error:
-                        self.trouble = f"; is the server running? ({error})"
+                        self.trouble = f"is the server running? ({error})"
                         await self.close()
                     except NoAnswer as error:
-                        self.trouble = f": {error}"
+                        self.trouble = str(error)
                     # After any trouble it waits a moment.
                     await asyncio.sleep(0.1)
         except TimeoutError:
             # The one that was under way may still be answered.
             await self.close()
-            raise TimeoutError(f"no reply from {self.endpoint} within {self.timeout:g} s{self.trouble}") from None
+            raise TimeoutError(f"no reply from {self.endpoint} within {self.timeout:g} s; {self.trouble}") from None
 
     async def try_once(self, texts: tuple[str, ...]) -> list[str]:
         if not self.connected:

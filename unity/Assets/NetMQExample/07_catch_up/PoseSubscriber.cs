@@ -168,7 +168,8 @@ namespace NetMQExample
                 if (pose != null && uint.TryParse(words[0], NumberStyles.None, CultureInfo.InvariantCulture, out var n))
                     return (n, pose);
                 throw new GaveUpException(
-                    $"what answers at {snapshots} gives no snapshots: {LogText.Printable(text)}");
+                    $"what answers at {snapshots} gives no snapshots: {LogText.Printable(text)}; "
+                    + "is that lesson 07's second port?");
             }
             throw new TimeoutException(FormattableString.Invariant(
                 $"no snapshot from {snapshots} within {timeout.TotalSeconds} s; is the server running?"));

@@ -24,7 +24,7 @@ namespace NetMQExample
         private readonly TimeSpan timeout;
         private IWebConnection connection;
         private string[] asked, answer;
-        private string trouble = "; is the server running?";
+        private string trouble = "is the server running?";
         private bool sent, disposed;
 
         /// <summary>Connects with the first request.</summary>
@@ -134,7 +134,7 @@ namespace NetMQExample
                 return;
             }
             // The server behind is away: the connection will do for the next try.
-            trouble = $": {WebText.Printable($"{(reply as JObject)?["error"] ?? WebText.NoGateway}")}";
+            trouble = WebText.Printable($"{(reply as JObject)?["error"] ?? WebText.NoGateway}");
             sent = false;
             sinceTrouble.Restart();
         }
@@ -151,7 +151,7 @@ namespace NetMQExample
         {
             Close();
             return new TimeoutException(FormattableString.Invariant(
-                $"no reply from {endpoint} within {timeout.TotalSeconds} s{trouble}"));
+                $"no reply from {endpoint} within {timeout.TotalSeconds} s; {trouble}"));
         }
 
         /// <summary>A new connection, a moment later.</summary>
@@ -159,7 +159,7 @@ namespace NetMQExample
         protected void Again(string why)
         {
             if (why.Contains("403")) throw Refused();
-            trouble = $"; is the server running? ({WebText.Printable(why)})";
+            trouble = $"is the server running? ({WebText.Printable(why)})";
             Close();
             sinceTrouble.Restart();
         }
