@@ -67,9 +67,7 @@ class Connection(OneProcess):
         end = time.monotonic() + limit
         while not self.is_welcomed(accept):
             if (code := ended()) is not None:
-                raise TimeoutError(
-                    f"the launched simulator ended with code {code}: try it with --endpoint {self.endpoint}"
-                )
+                raise TimeoutError(f"the simulator ended with code {code}: try it with --endpoint {self.endpoint}")
             if time.monotonic() > end:
                 # Lesson 17's socket knows more.
                 why = getattr(self.socket, "told", "is it running?")
