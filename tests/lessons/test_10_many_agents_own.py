@@ -1,4 +1,4 @@
-"""Lesson 10, worlds of one's own: those of the page run as they stand there, in both languages, and are the same."""
+"""Lesson 10, worlds of one's own: those of the pages, as they stand there, and the same game in Python."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import importlib
 import sys
 import time
 import types
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -18,14 +18,15 @@ gymnasium = pytest.importorskip("gymnasium", reason="lesson 10 needs gymnasium: 
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 installs it")
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium import spaces  # noqa: E402
+from gymnasium.spaces import Box, Discrete  # noqa: E402
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 from pettingzoo.test import parallel_api_test  # noqa: E402
 
 KEY = "10_many_agents"
-from netmq_example.envs import ZmqParallelEnv  # noqa: E402
+from netmq_example.envs import ZmqParallelEnv, ZmqVectorEnv  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
-from netmq_example.simulation.simulator import EnvironmentClient  # noqa: E402
+from netmq_example.simulation.simulation import AgentSimulation  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 
 
@@ -41,18 +42,41 @@ def of_the_page(language, word, key=KEY):
     return body
 
 
+# Each agent sees its own place and the other's, and moves left, not at all, or right.
+SPACES = Box(-5, 5, (2,), np.float32), Discrete(3)
+
+
+class Tag(AgentSimulation):
+    """A cat and a mouse on a line of ten metres, as the page has it in C#."""
+
+    name, dt = "Tag", 0.1
+    agents: ClassVar = {"cat": SPACES, "mouse": SPACES}
+
+    def reset(self, chance, options):
+        self.place, self.steps = {"cat": -5, "mouse": 5 * next(chance)}, 0
+
+    def apply(self, actions):
+        self.steps += 1
+        for agent, action in actions.items():
+            speed = 3 if agent == "cat" else 2
+            self.place[agent] = min(5, max(-5, self.place[agent] + (action - 1) * speed * self.dt))
+
+    def observe(self, agent):
+        return [self.place[agent], self.place["mouse" if agent == "cat" else "cat"]]
+
+    def judge(self, agent):
+        caught = abs(self.place["cat"] - self.place["mouse"]) < 0.3
+        reward = 0 if not caught else 1 if agent == "cat" else -1
+        return {"reward": reward, "terminated": caught, "truncated": self.steps == 100}
+
+
 @pytest.fixture
-def tag(inside, monkeypatch):
-    """Makes the page's world in Python, and closes it."""
-    made, simulators = [], []
-    with monkeypatch.context() as patched:
-        # Its last line.
-        patched.setattr(EnvironmentClient, "run", lambda self, simulator: simulators.append(simulator))
-        exec(of_the_page("python", "class Tag"), world := {})
-    assert [type(one) for one in simulators] == [AgentSimulator]
+def tag(inside):
+    """Makes the environment of that world, and closes it."""
+    made = []
 
     def make(**where):
-        made.append(ZmqParallelEnv("Tag", socket=inside(AgentSimulator(world["Tag"]())).socket, **where))
+        made.append(ZmqParallelEnv("Tag", socket=inside(AgentSimulator(Tag())).socket, **where))
         return made[-1]
 
     yield make
@@ -178,7 +202,7 @@ def test_the_bridge_to_stable_baselines3(inside, bridge):
     plain.close()
 
 
-def test_the_pages_world_passes_pettingzoos_test(tag):
+def test_a_world_of_ones_own_passes_pettingzoos_test(tag):
     parallel_api_test(tag(), num_cycles=50)
 
 
@@ -192,15 +216,13 @@ def test_a_world_of_ones_own_goes_on_while_python_thinks_if_it_is_to(tag):
     assert seen["cat"][1] < before - 8 * 0.2 + 0.01
 
 
-def test_the_pages_world_is_the_same_in_both_languages(netmq, console, start, tmp_path):
-    """Two games, one of them to its end. The one in Python is started as the page says."""
-    (tmp_path / "tag.py").write_text(of_the_page("python", "class Tag"), encoding="utf-8")
+def test_the_pages_world_is_the_same_in_both_languages(netmq, console, start, tag, tmp_path):
+    """Two games, one of them to its end."""
     (tmp_path / "Tag.cs").write_text(of_the_page("csharp", "class Tag"), encoding="utf-8")
     endpoint = steady_endpoint()
     words = ["--endpoint", endpoint, "--timeout", "200"]
     player = start(PYTHON, ROOT / "kit.py", "play", tmp_path / "Tag.cs", *words)
-    ours = ZmqParallelEnv("Tag", launch=[str(PYTHON), str(tmp_path / "tag.py")])
-    envs, random = [ours, ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
+    envs, random = [tag(), ZmqParallelEnv("Tag", endpoint=endpoint, wait=500)], np.random.default_rng(1)
     try:
         for name in envs[0].possible_agents:
             assert envs[0].observation_space(name) == envs[1].observation_space(name)
@@ -211,8 +233,7 @@ def test_the_pages_world_is_the_same_in_both_languages(netmq, console, start, tm
                 assert data_equivalence(*(env.step(actions) for env in envs))
             assert envs[1].agents == []
     finally:
-        for env in envs:
-            env.close()
+        envs[1].close()
     assert player.wait() == 0, player.output
 
 
@@ -233,18 +254,18 @@ def test_areas_of_a_world_of_ones_own_are_registered_as_the_page_does_it(registe
     envs.close()
 
 
-def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(registered, netmq, console, start, tmp_path):
+def test_the_pages_areas_make_themselves_and_the_one_beside_them_is_none(netmq, console, start, tmp_path):
     """16, not 17, and only they connect; when Python is done the player ends, which has no --endpoint for that."""
     words = []
-    for name, key in (("Ball", "09_environment"), ("BallAreas", KEY)):
+    for name in ("Hover", "HoverAreas"):
         words.append(tmp_path / f"{name}.cs")
-        words[-1].write_text(of_the_page("csharp", f"class {name} :", key), encoding="utf-8")
+        words[-1].write_text(of_the_page("csharp", f"class {name} :", "reinforcement_learning"), encoding="utf-8")
     endpoint = steady_endpoint()
     player = start(PYTHON, ROOT / "kit.py", "play", *words, "--set", f"endpoint={endpoint}")
-    envs = gymnasium.make_vec("My/Ball-v0", num_envs=16, endpoint=endpoint, wait=500, max_episode_steps=3)
+    envs = ZmqVectorEnv(16, "Hover", endpoint=endpoint, wait=500, max_episode_steps=3)
     try:
         envs.reset(seed=1)
-        assert [envs.step(np.ones(16, int))[3].all() for _ in range(3)] == [False, False, True]
+        assert [envs.step(np.zeros((16, 1), np.float32))[3].all() for _ in range(3)] == [False, False, True]
     finally:
         envs.close()
     assert player.wait() == 0, player.output
