@@ -2,8 +2,9 @@
 //
 // Use: public sealed class MyAreas : PythonAreas<MyEnvironment> { }, where MyEnvironment is your PythonEnvironment of
 // lesson 09. Make a prefab of one area with it, put as many as you like below one GameObject, far enough apart for
-// physics, and add MyAreas to that. In Python register its name with vector_entry_point="vector:ZmqVectorEnv", as the
-// guide's page for this lesson shows, and make_vec("My/NAME-v0", num_envs=16).
+// physics, and add MyAreas to that. In Python register its name with
+// vector_entry_point="netmq_example.envs:ZmqVectorEnv", as the guide's page for this lesson shows, and call
+// make_vec("My/NAME-v0", num_envs=16).
 using System.Linq;
 using UnityEngine;
 
