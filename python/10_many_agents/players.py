@@ -49,7 +49,7 @@ class Game:
         return {agent: policy(agent, seen[agent]) for agent in env.agents}
 
     def count(self, terminated: Any, truncated: Any, infos: dict[str, Any]) -> None:
-        # What the game has told the environment is the same in the info of each agent.
+        # Each agent's info has the same message of the game to the environment.
         info = next(iter(infos.values()))
         told = info.get("told", {}).get("env", [])
         self.steps += 1
@@ -72,7 +72,7 @@ def drive(seen: Any) -> Any:
 
 
 class Crowd:
-    """So many steps of all areas. Where a pole falls, or a car leaves its road, the area begins anew by itself."""
+    """Steps all areas so often. An area resets by itself when its pole falls or its car leaves the road."""
 
     seed = 1
 

@@ -45,7 +45,7 @@ def play(env: gymnasium.Env[Any, Any], policy: Any, seed: int) -> int:
 
 
 def train(play_all: Callable[[list[Episode]], list[int]], seed: int, generations: int) -> list[float]:
-    """What the middle of each generation's best reaches, until it is good enough; prints a line for each."""
+    """The means of the generations, until one is good enough; prints a line for each."""
     check.function("play_all", play_all)
     random = np.random.default_rng(check.count("seed", seed, least=0))
     check.count("generations", generations, least=0)

@@ -87,7 +87,7 @@ def is_record(frames: list[Any]) -> bool:
 
 
 def read_frames(kind: int, frames: list[Any]) -> Any:
-    """What was received: a Record of this kind, or a Message."""
+    """The received Record of this kind, or Message."""
     return read(kind, frames[0]) if is_record(frames) else messages.read(frames)
 
 

@@ -43,7 +43,7 @@ def make(kind: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
 
 
 def hello_from(hello: Message, name: str) -> dict[str, Any]:
-    """What a simulator of this name describes of its spaces; MessageError says why its hello is refused."""
+    """The spaces that a simulator of this name describes; MessageError says why its hello is refused."""
     found = take(hello.values, "name", str)
     if found != name:
         raise MessageError("wrong-name", f"this environment is {name}, the simulator's is {found!a:.40}")
@@ -77,7 +77,7 @@ def frames_per_second(hello: Message) -> int:
 
 
 def options_as_bytes(options: Any, **others: Any) -> bytes:
-    """What reset sends, beside these others. ValueError names what no simulator could read."""
+    """The options that reset sends, beside these others. ValueError names a value that no simulator could read."""
     options = checked_options(options)
     try:
         data = write_dict({**options, **others}, "option") if options or others else b""
@@ -96,7 +96,7 @@ def checked_options(options: Any) -> dict[str, Any]:
 
 
 def info_in(data: Any) -> dict[str, Any]:
-    """What a simulator has said of one row."""
+    """A simulator's info of one row."""
     info = trees.read(data) if data else {}
     if type(info) is not dict:
         raise MessageError("bad-info", f"an info is a dict, not {info!a:.40}")

@@ -32,7 +32,7 @@ ENDPOINT = "tcp://127.0.0.1:5559"
 FREE_PORT = "tcp://127.0.0.1:*"
 # A request without an answer is sent again after so long.
 RESEND_SECONDS = 1.0
-# What requests in words are answered with; those of other lessons are not looked at.
+# The answers to requests in words; other kinds of messages are ignored.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
 Accept = Callable[[Message], None]
@@ -209,7 +209,7 @@ class Simulators:
         self.process: subprocess.Popen[bytes] | None = None
 
     def start(self, environment: object, accept: Accept) -> "weakref.finalize[[], object]":
-        """Find the first simulator. What is returned ends it when it is called, which is done once.
+        """Find the first simulator. The function that is returned ends it, and is called once.
 
         It is called also when nobody does so: when the environment is forgotten, and at the end of the program.
         """

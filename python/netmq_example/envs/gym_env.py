@@ -53,7 +53,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
         self.name = check.text("name", name)
         self.render_mode = known_render_mode(render_mode)
         self.spaces: list[Any] | None = None
-        # What was seen last, as it came, and the last picture.
+        # The last observation, as bytes, and the last picture.
         self.seen: Any = None
         self.picture = no_picture()
         self.simulators = Simulators(**where)
@@ -75,7 +75,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
         try:
             state = self.simulators.begin(self.accept, lambda _: self.connection.ask(request))
         except MessageError:
-            # Whoever steps after a reset that was refused would step half a world.
+            # A step after a refused reset would step half a world.
             self.seen = None
             raise
         return self.look(state), info_in(state.infos[0])

@@ -18,14 +18,14 @@ import sys
 import time
 from collections.abc import Sequence
 
-# What a program gets to end by itself.
+# How long a program gets to end by itself.
 END_SECONDS = 2
 # Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
 QUIET: dict[str, float] = {}
 
 
 def say_waiting(endpoint: str) -> None:
-    """Where nothing is launched."""
+    """For environments that launch nothing."""
     if time.monotonic() > QUIET.get(endpoint, 0.0):
         print(f"waiting for a simulator on {endpoint}: press Play", flush=True)
         QUIET[endpoint] = time.monotonic() + 1
@@ -51,7 +51,7 @@ def game(path: str | os.PathLike[str]) -> str:
     ending = {"win32": ".exe", "darwin": ".app/Contents/MacOS/*"}.get(sys.platform, ".x86_64")
     for pattern in (glob.escape(path), glob.escape(path) + ending):
         for file in filter(os.path.isfile, sorted(glob.glob(pattern))):
-            # What was unpacked from an archive may have forgotten that it is a program.
+            # An unpacked archive may have lost the right to be executed.
             if not os.access(file, os.X_OK):
                 os.chmod(file, 0o755)
             return os.path.abspath(file)

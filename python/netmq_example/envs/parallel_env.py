@@ -60,7 +60,7 @@ class RemoteAgents:
         self.dt = 0.0
         self.spaces: Spaces = {}
         self.bytes: dict[str, list[Bytes]] = {}
-        # What each agent saw last, as it came.
+        # Each agent's last observation, as bytes.
         self.last: dict[str, Any] = {}
         self.simulators = Simulators(default=ENDPOINT, **where)
         self.ask = self.simulators.connection.ask
@@ -113,7 +113,7 @@ class RemoteAgents:
 
 
 def told_in(data: Any) -> dict[str, list[Any]]:
-    """What the game has sent since the answer before: lists of infos by agent, those of the environment as `env`."""
+    """The game's infos since the last answer: a list for each agent, those of the environment as `env`."""
     told: dict[str, list[Any]] = {}
     pairs = trees.read(data) if data else []
     for pair in pairs if type(pairs) is list else [pairs]:

@@ -53,7 +53,7 @@ class RemoteAreas:
         # Generators, each with the seed that it was made of.
         self.random = [seeding.np_random() for _ in range(self.count)]
         self.steps = np.zeros(self.count, int)
-        # What each has seen last, as it came, and the last pictures.
+        # Each area's last observation, as bytes, and the last pictures.
         self.seen: list[Any] = []
         self.pictures = [no_picture()] * self.count
         self.simulators = Simulators(default=default, **where)
@@ -73,7 +73,7 @@ class RemoteAreas:
         self.fps = frames_per_second(hello)
 
     def options(self, options: Any = None) -> bytes:
-        """What goes with each reset."""
+        """The options of each reset."""
         return options_as_bytes(options)
 
     def action_rows(self, actions: Any) -> list[bytes]:
@@ -83,21 +83,21 @@ class RemoteAreas:
         """These areas begin anew: nothing of what they saw before is left."""
 
     def look(self, rows: Sequence[Any]) -> Any:
-        """What is seen in these rows, together."""
+        """The observations of these rows, as one batch."""
         seen = self.observations.read_all(rows)
         self.seen = list(rows)
         return seen
 
     def look_again(self) -> Any:
-        """What was seen last, anew: its user may have changed what he got."""
+        """The last observations, read again: the user may have changed those that he got."""
         return self.look(self.seen)
 
     def info(self, data: Any) -> dict[str, Any]:
-        """What an area has said, or what stands for nothing."""
+        """An area's info, or the value that stands for none."""
         return info_in(data)
 
     def begin(self, mask: Any, seed: Any = None, options: Any = None) -> tuple[Any, list[Any]]:
-        """What is seen, and the infos. In another simulator all areas begin anew: those not asked to were lost."""
+        """The observations and the infos. In another simulator all areas reset: those not asked to are lost."""
         data = self.options(options)
         new = mask
         why = ""

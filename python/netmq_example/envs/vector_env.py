@@ -78,7 +78,7 @@ class AreasEnv(MadeAnew, VectorEnv[Any, Any, Any]):
         return seen, rewards, terminated, truncated, self.gathered(infos)
 
     def begin_at_once(self, last: Any, truncated: Any, ends: list[Any]) -> tuple[Any, list[Any]]:
-        """Where an episode is over, the next one begins, and what it ended with is in its info."""
+        """Finished areas begin their next episode. Its info has the last observation and info of the old one."""
         each = list(iterate(self.observation_space, last))
         seen, infos = self.areas.begin(self.over)
         for area, over in enumerate(self.over):
@@ -105,7 +105,7 @@ class AreasEnv(MadeAnew, VectorEnv[Any, Any, Any]):
     np_random_seed = property(lambda self: tuple(seed for _, seed in self.areas.random))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """What an environment of one area would have by this name, once for each: they differ in pictures alone."""
+        """The attribute that an environment of one area would have, once for each: only pictures differ."""
         if name in ("reset", "step", "close"):
             raise ValueError(f"call {name} of the vector environment itself, not by call")
         if name == "render":

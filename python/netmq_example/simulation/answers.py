@@ -1,4 +1,4 @@
-"""What a simulator says: its hello, its answers to resets and steps, pictures, and refusals."""
+"""A simulator's messages: its hello, its answers to resets and steps, pictures, and refusals."""
 
 import math
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from netmq_example.space_numbers import exactly
 
 
 def hello_of(name: str, dt: float, spaces: dict[str, Any]) -> Message:
-    """What describes the spaces is its one array, a value (trees.py)."""
+    """Its one array describes the spaces, as a value (trees.py)."""
     data = trees.write(spaces)
     return Message("hello", 0, {"name": name, "dt": check.number("dt", dt, least=0)}, [trees.array_of(data)])
 

@@ -1,4 +1,4 @@
-"""Who launched this program: when that ends, in whatever way, so does this. In C# it is Launcher.cs.
+"""This program ends when the one that launched it does, in whatever way. In C# it is Launcher.cs.
 
     watch_launcher()            from now on; without a launcher nothing happens
 

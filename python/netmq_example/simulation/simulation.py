@@ -1,4 +1,4 @@
-"""What a world needs so that an environment can step it: no network, and no clock. Your own derives from one of these.
+"""The world that an environment steps, without network and clock. Your own derives from one of these classes.
 
     class Ball(Simulation):                                      one agent: worlds/cart_pole.py is an example
         name, dt, size = "Ball", 0.02, 2
@@ -75,7 +75,7 @@ class Simulation(ABC):
 
     @abstractmethod
     def observe(self) -> Any:
-        """What is seen now: something of the space `observation`."""
+        """The observation now, in the space `observation`."""
 
     @abstractmethod
     def judge(self) -> dict[str, Any]:
@@ -106,7 +106,7 @@ class AgentSimulation(ABC):
 
     @abstractmethod
     def observe(self, agent: str) -> Any:
-        """What it sees now."""
+        """The agent's observation now."""
 
     @abstractmethod
     def judge(self, agent: str) -> dict[str, Any]:

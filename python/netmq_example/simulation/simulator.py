@@ -51,14 +51,14 @@ class SimulatorBase(ABC):
         self.kept: list[Any] = []
 
     def hello(self) -> Message:
-        """What an environment has to know. Its requests are counted anew."""
+        """The hello, which tells an environment the spaces. Ids of requests start again."""
         self.id = 0
         hello = self.describe()
         self.kept = hello.frames()
         return hello
 
     def answer(self, request: Any) -> list[Any]:
-        """The frames of the answer to a new id, or those of the last answer. What is wrong is sent as an error."""
+        """The frames of the answer to a new id, or else of the last answer. A mistake is sent as an error."""
         if request.id > self.id:
             try:
                 answer = self.do(request) if isinstance(request, Record) else self.say(request)
@@ -221,7 +221,7 @@ class EnvironmentClient:
         socket.connect(where)
 
     def pause(self) -> None:
-        """What refuses at once is not asked again at once."""
+        """A peer that refuses at once is not asked again at once."""
         time.sleep(min(TRY_SECONDS / 5, self.timeout))
 
     def talk(self, socket: zmq.Socket[bytes], simulator: SimulatorBase, count: int) -> None:

@@ -78,7 +78,7 @@ namespace NetMQExample
                     // A refusal is told at once, and once; it says more than the silence that may come after it.
                     if (e is MessageException && why != e.Message) report($"trouble: {e.Message}");
                     if (e is MessageException || why == Nothing) why = e.Message;
-                    // Whoever refuses at once is not asked again at once.
+                    // A peer that refuses at once is not asked again at once.
                     stop.WaitHandle.WaitOne(timeout < Try ? timeout : Try / 5);
                 }
             }
@@ -105,7 +105,7 @@ namespace NetMQExample
             var request = Receive(limit, stop);
             if (request?.Kind != "welcome") throw new MessageException("no-welcome", "hello had another answer");
             report($"simulating {name} for {endpoint}");
-            // Without a request for so long, it says hello again. Who learns may be silent for an hour; lesson 17's hub
+            // Without a request for so long, it says hello again. A learner may be silent for an hour; lesson 17's hub
             // never is, and says for how long at most.
             var idle = TimeSpan.FromSeconds(
                 request.Values.GetValueOrDefault("silence") is double s && s > 0 && s < 3600 ? s : 3600);

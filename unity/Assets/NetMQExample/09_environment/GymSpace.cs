@@ -41,7 +41,7 @@ namespace NetMQExample
         /// <summary>What Python calls it: box, discrete, dict and so on.</summary>
         public string Kind { get; }
 
-        /// <summary>What a hello says of it.</summary>
+        /// <summary>Its description in a hello.</summary>
         public IReadOnlyList<object> Description => description;
 
         /// <summary>How many bytes it always has; -1 where that varies.</summary>

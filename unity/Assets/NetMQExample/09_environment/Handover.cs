@@ -51,7 +51,7 @@ namespace NetMQExample
             {
                 if (work == null && (timeout <= 0 || !Monitor.Wait(turn, timeout) || work == null)) return false;
                 try { work(); }
-                // Whoever has asked for it ends by it, and says so.
+                // It ends the thread that has asked for it, which reports it.
                 catch (Exception e) { mistake = ExceptionDispatchInfo.Capture(e); }
                 work = null;
                 Monitor.PulseAll(turn);

@@ -177,7 +177,7 @@ namespace NetMQExample
             var text = Encoding.ASCII.GetString(bytes.Span);
             if (Forms.TryGetValue(text, out var form)) return form;
             form = MessageJson.Read(bytes.Span);
-            // Whoever sends ever new ones, or long ones, fills no memory.
+            // A peer that sends ever new ones, or long ones, fills no memory.
             if (Forms.Count > MostForms) Forms.Clear();
             if (text.Length <= LongestForm) Forms[text] = form;
             return form;

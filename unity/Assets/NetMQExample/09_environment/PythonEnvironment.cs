@@ -62,8 +62,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
 
-        /// <summary>What a person does, from Input, when it is played by hand: the numbers of an action, by default
-        /// zeros.</summary>
+        /// <summary>The action of a person who plays by hand, from Input: its numbers, by default zeros.</summary>
         protected virtual double[] Heuristic() => SpaceReader.Nothing(Action);
 
         /// <inheritdoc/>

@@ -26,7 +26,7 @@ using System.Runtime.InteropServices;
 
 namespace NetMQExample
 {
-    /// <summary>What one area or agent is asked to do.</summary>
+    /// <summary>The order to one area or agent.</summary>
     public enum Order : byte
     {
         /// <summary>It has no part in this.</summary>
@@ -96,7 +96,7 @@ namespace NetMQExample
             Exchange = frame.Slice(Head + Each * Count + (int)options, (int)exchange);
         }
 
-        /// <summary>What this one is to do.</summary>
+        /// <summary>The order to this one.</summary>
         public Order OrderOf(int row) => (Order)Mark(row);
 
         /// <summary>Whether any has this order.</summary>
@@ -141,13 +141,13 @@ namespace NetMQExample
         private long id;
         private int count, rowsBefore, infosBefore;
 
-        /// <summary>What is seen, row after row: write one, then call EndRow.</summary>
+        /// <summary>The observations, row after row: write one, then call EndRow.</summary>
         public ArrayBufferWriter<byte> Rows { get; } = new ArrayBufferWriter<byte>();
 
-        /// <summary>What is told to all, a value; null: nothing.</summary>
+        /// <summary>A value for all; null: none.</summary>
         public byte[] Options { get; set; }
 
-        /// <summary>What the side channels have to say; null: there are none.</summary>
+        /// <summary>The messages of the side channels; null: there are none.</summary>
         public byte[] Exchange { get; set; }
 
         /// <summary>Begins the answer to a request.</summary>

@@ -15,10 +15,10 @@ namespace NetMQExample
         /// <summary>How many numbers its state has.</summary>
         int StateSize { get; }
 
-        /// <summary>What is seen.</summary>
+        /// <summary>The space of the observation.</summary>
         GymSpace Observation { get; }
 
-        /// <summary>What can be done.</summary>
+        /// <summary>The space of the action.</summary>
         GymSpace Action { get; }
 
         /// <summary>Begins an episode.</summary>

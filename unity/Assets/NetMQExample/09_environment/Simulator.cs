@@ -21,7 +21,7 @@ namespace NetMQExample
         /// <summary>How many steps were done.</summary>
         public int Steps { get; protected set; }
 
-        /// <summary>What it simulates.</summary>
+        /// <summary>The simulated world.</summary>
         public abstract string Name { get; }
 
         /// <summary>The last answer, where it was in words; else null, and it is in <see cref="Frame"/>.</summary>
@@ -34,7 +34,7 @@ namespace NetMQExample
         /// </summary>
         public bool Waiting { get; private set; }
 
-        /// <summary>What an environment has to know. Its requests are counted anew.</summary>
+        /// <summary>The hello, which tells an environment the spaces. Ids of requests start again.</summary>
         public Message Hello()
         {
             id = 0;
@@ -76,7 +76,7 @@ namespace NetMQExample
             try
             {
                 Words = Say(request);
-                // What cannot be written is found out here.
+                // A value that cannot be written is found here.
                 Words.Header();
             }
             catch (Exception e)

@@ -23,7 +23,7 @@ namespace NetMQExample
             this.low = low;
             this.high = high;
             itemSize = dtype == "int8" ? 1 : MessageArray.SizeOf(dtype);
-            // Whatever the bytes of a picture are, they are in the space.
+            // All bytes of a picture are in the space.
             limited = dtype != "uint8" || low.Any(one => one > 0) || high.Any(one => one < 255);
         }
 

@@ -131,7 +131,7 @@ namespace NetMQExample
             var read = new double[part.Count];
             if (!part.Read(bytes.Span, read, 0)) throw NotInSpace($"{GymSpace.Shown(read)} is");
             if (part.IsSingle) return part.Dtype == "int64" ? (object)BitConverter.ToInt64(bytes.Span) : read[0];
-            // What was received goes with its message; and a message has no int8.
+            // The received array goes with its message; and a message has no int8.
             return part.Dtype == "int8"
                 ? SpaceNumbers.Array("int32", read, part.Shape)
                 : new MessageArray(part.Dtype, bytes.ToArray(), part.Shape);

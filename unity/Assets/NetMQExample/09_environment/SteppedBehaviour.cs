@@ -32,13 +32,13 @@ namespace NetMQExample
         private readonly Stopwatch clock = new Stopwatch(), thinking = new Stopwatch();
         private volatile Handover handover;
 
-        /// <summary>Where the environment listens.</summary>
+        /// <summary>The address of the environment.</summary>
         protected abstract string Endpoint { get; }
 
         /// <summary>Whether Python steps it; else it has no network thread.</summary>
         protected virtual bool Connects => true;
 
-        /// <summary>What answers for this scene. Called on the network thread.</summary>
+        /// <summary>The simulator that answers for this scene. Called on the network thread.</summary>
         protected abstract SimulatorBase MakeSimulator();
 
         /// <inheritdoc/>
@@ -115,7 +115,7 @@ namespace NetMQExample
             clock.Restart();
             do
             {
-                // What is logged comes before the step that it was logged ahead of.
+                // Log lines come before the step that follows them.
                 while (DoNext(0)) { }
                 var left = MostMilliseconds - (int)clock.ElapsedMilliseconds;
                 var wait = handover.Quick ? left : handover.Stepped ? Math.Min(left, IdleMilliseconds) : 1;
@@ -136,7 +136,7 @@ namespace NetMQExample
         private void Slow()
         {
             if (!Fast.Remove(this) || Fast.Count > 0) return;
-            // What a script has set meanwhile stays.
+            // A value that a script has set meanwhile stays.
             if (QualitySettings.vSyncCount == 0) QualitySettings.vSyncCount = vSyncBefore;
             if (Application.targetFrameRate == -1) Application.targetFrameRate = rateBefore;
         }

@@ -3,7 +3,7 @@ using System.Collections.Generic;
 
 namespace NetMQExample
 {
-    /// <summary>What is said between two answers: no more than fits, and what was left out is counted.</summary>
+    /// <summary>The infos between two answers: no more than fit, and the others are counted.</summary>
     public sealed class InfoQueue
     {
         private const int LimitBytes = 12_000;

@@ -49,7 +49,7 @@ namespace NetMQExample
 
         private IEnumerable<Player> Rabbits => players.Where(player => !player.Hunts && player.Lives);
 
-        /// <summary>Where an agent is, and whether it is still in the game.</summary>
+        /// <summary>An agent's place, and whether it is still in the game.</summary>
         public (double X, double Y, bool Lives) Place(string agent)
         {
             var player = Find(agent);

@@ -66,7 +66,7 @@ namespace NetMQExample
             foreach (var cube in cubes)
             {
                 var (x, y, lives) = world.Place(cube.Key);
-                // Whoever is out is higher than the camera, which looks down. The world is 8 m wide.
+                // An agent that is out is higher than the camera, which looks down. The world is 8 m wide.
                 cube.Value.position = new Vector3((float)(4 * x), lives ? 0 : 20, (float)(4 * y));
             }
         }

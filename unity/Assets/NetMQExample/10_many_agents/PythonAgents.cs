@@ -8,8 +8,8 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>A scene as a PettingZoo environment: say who there is, what each can see and do, and reset, apply,
-    /// observe, judge.</summary>
+    /// <summary>A scene as a PettingZoo environment: declare the agents and their spaces, then write reset, apply,
+    /// observe and judge.</summary>
     public abstract class PythonAgents : SimulatorBehaviour, IAgentSimulation
     {
         [SerializeField, Tooltip("The environment")] private string endpoint = "tcp://127.0.0.1:5560";
@@ -56,8 +56,8 @@ namespace NetMQExample
         /// <inheritdoc/>
         public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
 
-        /// <summary>What a person does for an agent, from Input, when it is played by hand: the numbers of an action,
-        /// by default zeros.</summary>
+        /// <summary>The action of a person who plays an agent by hand, from Input: its numbers, by default
+        /// zeros.</summary>
         protected virtual double[] Heuristic(string agent) => SpaceReader.Nothing(ActionOf(agent));
 
         /// <inheritdoc/>

@@ -10,8 +10,8 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>A scene with many areas as a vector environment. What is found below it does not connect by
-    /// itself; one on its own GameObject does nothing.</summary>
+    /// <summary>A scene with many areas as a vector environment. The areas below it do not connect by
+    /// themselves; one on its own GameObject does nothing.</summary>
     /// <typeparam name="TArea">What each area has.</typeparam>
     public abstract class PythonAreas<TArea> : SteppedBehaviour, IStepsOthers where TArea : PythonEnvironment
     {

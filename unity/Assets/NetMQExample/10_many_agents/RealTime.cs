@@ -13,7 +13,7 @@ namespace NetMQExample
     /// <summary>Another game around a game.</summary>
     public sealed class RealTime : IAgentSimulation
     {
-        // Seconds. Who slept longer, as a computer does, has not that much made up for.
+        // Seconds. After a longer sleep of the computer it makes up for no more than this.
         private const double MostSeconds = 10;
 
         private readonly IAgentSimulation game;
