@@ -1,9 +1,9 @@
 // Lesson 10, agents: several of them in one world, and one message has an action for each that lives.
 //
-// A hello lists the agents and their spaces in "agents". A record (Records.cs) has a row for each of them, in that order,
-// and says of each whether it steps: all that live do. An agent that is over has no part in the next step. The answer's
-// options are the game's infos, [[agent, info], …]. The message info brings an info, as [agent, info], and takes back
-// the infos since then.
+// A hello lists the agents and their spaces in "agents". A record (Records.cs) has a row for each of them, in that
+// order, and says of each whether it steps: all that live do. An agent that is over has no part in the next step. The
+// answer's options are the game's infos, [[agent, info], …]. The message info brings an info, as [agent, info], and
+// takes back the infos since then.
 // The Python side is python/netmq_example/envs/parallel_env.py.
 // Trouble: stop the Python program in a game, and start it again.
 using System;
