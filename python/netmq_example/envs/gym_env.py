@@ -9,8 +9,8 @@
 
 The spaces come from the simulator's hello, see spaces.py, and any of Gymnasium's will do. A simulator that is lost ends
 the episode: `truncated` is true, and `info["lost"]` says why; the next reset waits for another one, or launches it.
-What `options` has goes to the simulator as it is, and `options["state"]`, an array, is where its world begins. A
-picture is uint8 [height, width, 3]. An environment belongs to one thread. A copy of it is made anew.
+The simulator gets `options` as they are; `options["state"]`, an array, is the first state of its world. A picture is
+uint8 [height, width, 3]. An environment belongs to one thread. A copy of it is a new environment.
 
 ValueError says what cannot be sent, MessageError what a simulator refuses or answers wrongly, TimeoutError that none
 came. The C# side is Simulator.cs.
@@ -88,7 +88,7 @@ class ZmqEnv(MadeAnew, gymnasium.Env[Any, Any]):
         try:
             state = self.connection.ask(Record(ASKS, 0, NO_SEED, [STEP], [self.actions.write(action)]))
         except Lost as lost:
-            # Nobody knows what came after this observation. It is read anew: its user may have changed what he got.
+            # The last observation stands for an unknown one. It is read again: its user may have changed it.
             return self.observations.read(self.seen), 0.0, False, True, {"lost": str(lost)}
         seen = self.look(state)
         (reward,) = rewards_in(state)

@@ -6,8 +6,8 @@
     env = ZmqParallelEnv("Pursuit", launch="Build/Pursuit")                 starts the game by its path
 
 An agent that ends leaves `agents`. A simulator that is lost ends the episode of all: they are truncated, and each one's
-info has `lost`; the next reset waits for another one. What the game has sent meanwhile is `told` in each one's info:
-lists of infos by agent, those of the environment as `env`. `send_info` is the other way, at any time. With
+info has `lost`; the next reset waits for another one. Each one's info has the game's infos as `told`: a list
+for each agent, those of the environment as `env`. `send_info` is the other way, at any time. With
 `real_time=True` the world goes on while Python thinks, and a step waits for the next tick. The C# side is
 AgentSimulator.cs.
 It needs pettingzoo.
@@ -183,7 +183,7 @@ class ZmqParallelEnv(MadeAnew, ParallelEnv[str, Any, Any]):  # type: ignore[misc
             state = self.remote.ask(self.remote.request(STEP, rows))
             seen, rewards, terminated, truncated, infos = self.remote.read(state, self.agents)
         except Lost as lost:
-            # Nobody knows what came after these observations. They are read anew: their user may have changed them.
+            # The last observations stand for unknown ones. They are read again: their user may have changed them.
             seen = self.remote.seen({agent: self.remote.last[agent] for agent in self.agents})
             rewards = dict.fromkeys(self.agents, 0.0)
             terminated = dict.fromkeys(self.agents, False)

@@ -34,7 +34,7 @@ GONE = "it has left the scene"
 
 
 class RemoteAreas:
-    """The areas as messages: some begin anew, or all step, one message each time.
+    """The areas as messages: one message resets some of them, or steps all.
 
     Each area has a random generator for its seeds and a time limit of its own, as if it were an environment by itself.
     `where` is what Simulators takes: endpoint, launch, wait, timeout, socket.
@@ -80,7 +80,7 @@ class RemoteAreas:
         return self.actions.write_all(self.count, actions)
 
     def forget(self, mask: Any) -> None:
-        """These areas begin anew: nothing of what they saw before is left."""
+        """Forget what these areas saw before they reset."""
 
     def look(self, rows: Sequence[Any]) -> Any:
         """The observations of these rows, as one batch."""
@@ -133,7 +133,7 @@ class RemoteAreas:
         try:
             answer = self.ask(Record(ASKS, 0, self.seeds_for(again), orders, rows, options=data))
         except Lost as lost:
-            # Nobody knows what came after these observations.
+            # The last observations stand for unknown ones.
             nothing = np.zeros(self.count)
             infos = [{**self.info(b""), "lost": str(lost)} for _ in range(self.count)]
             return self.look_again(), nothing, nothing > 0, nothing == 0, infos
@@ -149,7 +149,7 @@ class RemoteAreas:
         return self.pictures
 
     def seeds_for(self, mask: Any, seed: Any = None) -> bytes:
-        """By which chance an area begins anew: the seed that is given, or what its generator draws."""
+        """The seed of an area's next episode: the given one, or one that its generator draws."""
         if not mask.any():
             return bytes(8 * self.count)
         each = self.one_each(seed)

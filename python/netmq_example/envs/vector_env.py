@@ -5,9 +5,9 @@
 
     envs = gymnasium.make_vec("NetMQExample/CartPole-v0", num_envs=16)    waits for a simulator with 16 areas
 
-Arrays and infos are those of Gymnasium's SyncVectorEnv with as many environments. An area whose episode is over begins
-anew as `autoreset_mode` says: in the next step, which is Gymnasium's default, in the same one, or when reset gets a
-mask. A simulator that is lost ends all episodes: they are truncated, and `infos["lost"]` says why. The C# side is
+Arrays and infos are those of Gymnasium's SyncVectorEnv with as many environments. A finished area resets as
+`autoreset_mode` says: in the next step, which is Gymnasium's default, in the same one, or when reset gets a mask. A
+simulator that is lost ends all episodes: they are truncated, and `infos["lost"]` says why. The C# side is
 AreaSimulator.cs. For agents of lesson 11 it is unity_vector_env.py.
 """
 
@@ -29,7 +29,7 @@ from netmq_example.space_numbers import shown
 
 
 class AreasEnv(MadeAnew, VectorEnv[Any, Any, Any]):
-    """What RemoteAreas can do, as Gymnasium's vector environments do it."""
+    """RemoteAreas with the methods of Gymnasium's vector environments."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, Gymnasium's own way.
     # Until it is made: Gymnasium closes what is forgotten, also when there is nothing yet to be closed.

@@ -2,10 +2,10 @@
 
     EnvironmentClient("tcp://127.0.0.1:5560", timeout=30).run(AgentSimulator(Pursuit()))
 
-A hello describes in `agents` who there is and what each sees and does. A record (records.py) has a row for each of
-them, in that order, and says of each whether it steps: all that live do. An agent that is over has no part in the next
-step. The answer's options are what the game has told, [[agent, info], …]. The message `info` brings an info, as
-[agent, info], and takes back what was told meanwhile. In C# it is AgentSimulator.cs.
+A hello lists the agents and their spaces in `agents`. A record (records.py) has a row for each of them, in that order,
+and says of each whether it steps: all that live do. An agent that is over has no part in the next step. The answer's
+options are the game's infos, [[agent, info], …]. The message `info` brings an info, as [agent, info], and takes back
+the infos since then. In C# it is AgentSimulator.cs.
 """
 
 import struct

@@ -2,8 +2,8 @@
 
     EnvironmentClient("tcp://127.0.0.1:5560", timeout=30).run(AreaSimulator([CartPole() for _ in range(16)]))
 
-A record (records.py) has a row for each area, and says of each whether it steps or begins anew: so it is the
-environment alone that decides who begins anew. In C# it is AreaSimulator.cs.
+A record (records.py) has a row for each area, and says of each whether it steps or resets, so the environment
+alone decides that. In C# it is AreaSimulator.cs.
 """
 
 from collections.abc import Sequence

@@ -106,7 +106,7 @@ namespace NetMQExample
             return false;
         }
 
-        /// <summary>By which chance it begins anew.</summary>
+        /// <summary>The seed of its next episode.</summary>
         public long Seed(int row) => BitConverter.ToInt64(frame.Span.Slice(Head + 8 * row));
 
         /// <summary>Its action.</summary>

@@ -118,7 +118,7 @@ namespace NetMQExample
             && pair.Count == 2 && pair[0] is string agent ? (agent, pair[1])
             : throw new MessageException("bad-info", "it is no name with an info");
 
-        /// <summary>To throw: nobody knows what that is.</summary>
+        /// <summary>To throw: the request is unknown.</summary>
         protected static MessageException Unknown(Message request, string known) => new MessageException("unknown-kind",
             $"kind {MessageJson.Shown(request.Kind)} is none of reset, step, {known}, close");
 

@@ -1,7 +1,7 @@
 // Lesson 10, areas: many copies of one simulation, and one message steps them all.
 //
-// A record (Records.cs) has a row for each area, and says of each whether it steps or begins anew: so it is Python
-// alone that decides who begins anew. The Python side is python/netmq_example/envs/vector_env.py.
+// A record (Records.cs) has a row for each area, and says of each whether it steps or resets, so Python alone
+// decides that. The Python side is python/netmq_example/envs/vector_env.py.
 // Trouble: start it with another number of areas than num_envs.
 using System.Collections.Generic;
 using System.Linq;
