@@ -35,7 +35,12 @@ BLOCKS = [block for block in guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
 (CAR,) = (block.body for block in BLOCKS if "class MyCar" in block.body)
 (MEMBERS,) = (block.body for block in BLOCKS if "void Telemetry" in block.body)
 (VALUES,) = (block.body for block in BLOCKS if '"zoom"' in block.body and block.language == "python")
-(STEREO,) = (block.body for block in BLOCKS if 'pictures["left"]' in block.body)
+STEREO = """
+def drive(pictures, telemetry):
+    left = follow_road(pictures["left"], telemetry["speed"])
+    right = follow_road(pictures["right"], telemetry["speed"])
+    return [(a + b) / 2 for a, b in zip(left, right)]
+"""
 
 
 @pytest.fixture
