@@ -19,7 +19,7 @@ import zmq
 
 from netmq_example.program import encoded, listening, run, seconds, server_options
 
-# What listeners send are subscriptions, and those are short.
+# Listeners send nothing but subscriptions, and those are short.
 LARGEST_BYTES = 1000
 
 
@@ -36,7 +36,7 @@ def main() -> None:
     options = parser.parse_args()
     with listening(zmq.PUB, options, LARGEST_BYTES) as socket:
         for steps in itertools.count(1):
-            # Send never waits: a listener that is not there yet, or too slow, misses the message, and nobody is told.
+            # Sending never waits. A listener that is late or too slow misses the message, and nobody notices.
             socket.send(encoded(pose(steps)))
             if steps % 60 == 0:
                 socket.send_string(f"news/ the cube has made {steps} steps")

@@ -39,7 +39,7 @@ def drive_options(endpoint: str) -> argparse.Namespace:
 
 
 class Drive:
-    """What the car does by whose orders, and what it does when no orders come."""
+    """The car, steered by Python or by a person. It brakes when no action comes."""
 
     def __init__(self, options: argparse.Namespace, log: Callable[[str], object]) -> None:
         self.options = options
@@ -52,7 +52,7 @@ class Drive:
         self.frame = 0
         self.actions = 0
         self.manual = False
-        # What Python said last.
+        # The last text from Python.
         self.text = ""
         self._braking = False
         self._waited = 0

@@ -31,7 +31,7 @@ def main_camera(seen: dict[str, Any]) -> Any:
 
 
 def as_action(told: Any) -> dict[str, Any]:
-    """What a driver returns, three numbers or a dict with them and values of its own, as a message can have it."""
+    """The three numbers or the dict that a driver returns, as the values of a message."""
     if not isinstance(told, dict):
         try:
             throttle, brake, steer = told

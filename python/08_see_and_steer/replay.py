@@ -4,8 +4,8 @@
     python python/08_see_and_steer/replay.py runs/run_0001 --fps 50        as fast as it was driven
     python python/08_see_and_steer/replay.py runs/run_0001 --compare       says which actions have changed
 
-What was recorded from JPEG files is the same to the byte, and the same driver then gives the same actions to the bit.
-What was recorded from raw pictures has become JPEG on the way, which changes an action's last digits.
+A picture that came as a JPEG file is the same to the byte, and the same driver gives the same action to the bit.
+A raw picture has become JPEG in the recording, which changes an action's last digits.
 """
 
 import argparse

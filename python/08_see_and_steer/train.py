@@ -62,7 +62,7 @@ def steering(weights: Any, seen: Any) -> float:
 
 
 def load(path: str) -> Callable[[dict[str, Any], dict[str, Any]], tuple[float, float, float]]:
-    """What train.py has learned, as a driver."""
+    """A driver that steers by the numbers that train.py has learned."""
     try:
         # Without pickle, which would run what is in it: numpy's own default, too.
         weights = np.load(regular_file(Path(path), LARGEST_BYTES), allow_pickle=False)["weights"]
@@ -75,7 +75,7 @@ def load(path: str) -> Callable[[dict[str, Any], dict[str, Any]], tuple[float, f
 
 
 def examples(folder: Path) -> tuple[Any, Any]:
-    """What was seen and what was steered: by a person, or in answer to this very picture."""
+    """Pictures and their steering, by a person or in answer to this very picture."""
     seen, steer = [], []
     begin = time.monotonic()
     for row in recorded(folder):

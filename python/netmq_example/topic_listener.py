@@ -26,7 +26,7 @@ MOST_MESSAGES = 10_000
 
 
 class TopicListener:
-    """Every message that begins with a topic. What was sent before the publisher knew of this listener is lost."""
+    """Every message that begins with a topic. Messages from before the publisher knew of this listener are lost."""
 
     def __init__(self, socket: Socket, endpoint: str, topic: str) -> None:
         """The socket is a new SUB socket, which the caller closes; an empty topic means every message."""
@@ -35,7 +35,7 @@ class TopicListener:
             raise ValueError("socket takes a SUB socket")
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5553", beacon=True)
         self.search = BeaconSearch(endpoint)
-        # What it is connected to, and whether it looks where that is by now.
+        # The address that it is connected to, and whether it looks for a new one.
         self.where = ""
         self.looking = True
         self.topic = check.instance("topic", topic, str)

@@ -30,7 +30,7 @@ from netmq_example.program import SLICE_MS, limit, printable
 
 @dataclass
 class Action:
-    """What to do, about which picture, and how long it took to come. What is out of range is put back into it.
+    """An action, the picture that it answers, and the time it took. Each number is put back into its range.
 
     `values` has what Python returned beside the three: numbers, texts, true or false.
     """
@@ -75,7 +75,7 @@ class DriverClient(OneProcess):
         self.context = check.instance("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558", beacon=True)
         self.search = BeaconSearch(endpoint)
-        # What waits until it is known where the server is.
+        # The message that waits until the server is found.
         self.unsent: list[Any] = []
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)

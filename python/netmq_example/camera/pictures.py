@@ -28,7 +28,7 @@ except ImportError:
     Image = None  # type: ignore[assignment]
 
 CAMERAS = ("center", "left,right", "left,center,right")
-# What a frame needs besides its pictures, and of which types.
+# The values that a frame needs besides its pictures, and their types.
 NUMBERS = ("sim_time", "wall_time", "throttle", "brake", "steer", "speed")
 VALUES: dict[str, tuple[type, ...]] = {"frame": (int,), "run": (str,), "manual": (bool,)}
 VALUES |= dict.fromkeys(NUMBERS, (int, float))
@@ -38,7 +38,7 @@ MOST_SCANS = 20
 MOST_PARTS = 200
 # The height and width that a JPEG file can have.
 MOST_PIXELS = 65_500
-# What Pillow thinks of a peer's file is nothing for this terminal.
+# Pillow's opinion of a peer's file does not belong into this terminal.
 warnings.filterwarnings("ignore", module="PIL")
 # What may stand before the first scan, each with its length: sizes, tables, notes of applications, comments. The kinds
 # of JPEG that no camera writes are left out: some are ten times as slow to decode.
@@ -46,7 +46,7 @@ PART = re.compile(rb"\xff[\xc0-\xc2\xc4\xdb-\xef\xfe](..)", re.DOTALL)
 
 
 def pictures(frame: Message) -> dict[str, Any]:
-    """What each camera saw, read-only; MessageError says why there is nothing to see."""
+    """The view of each camera, read-only; MessageError says why there is nothing to see."""
     check_values(check.instance("frame", frame, Message))
     cameras, encoding = frame.values.get("cameras"), frame.values.get("encoding")
     if cameras not in CAMERAS:

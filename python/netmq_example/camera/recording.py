@@ -161,7 +161,7 @@ def told(frame: Message, action: Message) -> dict[str, Any]:
 
 
 class Table:
-    """A csv file. What was added since the last `keep` can be undone: a full disk leaves no half rows."""
+    """A csv file. Rows added since the last `keep` can be undone, so a full disk leaves no half rows."""
 
     def __init__(self, path: Path, columns: Iterable[str]) -> None:
         # Exclusive: what is there already is never written over. Without a buffer a row is in the file at once.
@@ -208,7 +208,7 @@ class Row(NamedTuple):
 
 
 def recorded(folder: Path | str, log: Callable[[str], object] = print_at_once) -> Iterator[Row]:
-    """What was recorded to a folder; OSError if there is none. `log` gets a line about each row that cannot be read."""
+    """The rows of a recording; OSError if there is none. `log` gets a line about each row that cannot be read."""
     folder = as_folder(folder)
     found = False
     # A byte that is no text makes one cell bad, and not the whole file.

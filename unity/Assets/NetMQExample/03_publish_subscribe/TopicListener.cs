@@ -2,8 +2,8 @@
 //
 // The Python side is python/03_publish_subscribe/server.py.
 // Bytes: UTF-8 text, one frame, which begins with its topic.
-// What was sent before the publisher knew of this listener is lost, and so is what comes when the queues are full;
-// neither is reported. Trouble: a topic is a prefix. `news` also gets newsflash/; the delimiter, `news/`, cures that.
+// Messages from before the publisher knew of this listener are lost, and so are those that find the queues full.
+// Nothing reports that. Trouble: a topic is a prefix. `news` also gets newsflash/; the delimiter, `news/`, cures that.
 using System;
 using System.Diagnostics;
 using System.Text;

@@ -154,7 +154,7 @@ namespace NetMQExample
                     Finish(ClientState.Connected, call.reply, pirate.Request(call.text, stop.Token));
                 }
                 catch (OperationCanceledException) { /* Dispose ends what waits. */ }
-                // Whatever it is, this thread goes on, and the caller gets to know.
+                // Any exception ends in the error callback, and this thread goes on.
                 catch (Exception e) { Finish(ClientState.Lost, call.error, LogText.Why(e)); }
             }
             pirate?.Dispose();

@@ -46,7 +46,7 @@ namespace NetMQExample
         }
 
         /// <summary>The same to await: <c>await client.AskAsync&lt;State, Order&gt;(state,
-        /// destroyCancellationToken)</c>. What awaits it goes on inside Poll.</summary>
+        /// destroyCancellationToken)</c>. The awaiting method goes on inside Poll.</summary>
         /// <exception cref="GaveUpException">There is no such answer; the message has the reason.</exception>
         public static async Task<TOrder> AskAsync<TState, TOrder>(this BackgroundClient client, TState state,
             CancellationToken cancel = default) where TOrder : new() =>

@@ -24,7 +24,7 @@ namespace NetMQExample
         private int repliesBefore, frames;
         private bool done;
 
-        /// <summary>What is drawn.</summary>
+        /// <summary>The text in the corner of the game.</summary>
         public string Text { get; private set; } = "";
 
         private void OnEnable()

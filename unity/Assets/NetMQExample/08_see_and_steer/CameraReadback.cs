@@ -18,7 +18,7 @@ namespace NetMQExample
     /// <summary>One picture of a camera on its way from the graphics card.</summary>
     public sealed class CameraReadback
     {
-        // Where Unity waits for each picture. One for all cameras: what it holds is copied out at once.
+        // For systems on which Unity waits for each picture. All cameras share it, since its pixels are copied at once.
         private static Texture2D copy;
 
         private readonly Camera camera;

@@ -9,7 +9,7 @@ namespace NetMQExample
     public static class CarCamera
     {
         /// <summary>Puts a camera on a car, 1.5 m above the ground and tilted down.</summary>
-        /// <param name="car">What carries it.</param>
+        /// <param name="car">The object that carries it.</param>
         /// <param name="right">Metres to the right of the middle.</param>
         public static Camera On(Transform car, double right)
         {
@@ -24,8 +24,8 @@ namespace NetMQExample
             return camera;
         }
 
-        /// <summary>The same with a texture, which whoever takes the camera away has to destroy.</summary>
-        /// <param name="car">What carries it.</param>
+        /// <summary>The same with a texture, which you destroy together with the camera.</summary>
+        /// <param name="car">The object that carries it.</param>
         /// <param name="right">Metres to the right of the middle.</param>
         /// <param name="width">Pixels of a row.</param>
         /// <param name="height">Rows of a picture.</param>

@@ -10,7 +10,7 @@ using System.Collections.Generic;
 
 namespace NetMQExample
 {
-    /// <summary>What can be driven: Car.cs, or a car of your own.</summary>
+    /// <summary>A car to drive: Car.cs, or one of your own.</summary>
     public interface ICar
     {
         /// <summary>In metres a second, backwards below 0.</summary>
@@ -19,7 +19,7 @@ namespace NetMQExample
         /// <summary>Where it is, to print, such as <c>0.4 m off the middle</c>.</summary>
         string Where { get; }
 
-        /// <summary>Adds numbers, texts, true or false by name to what Python is told beside a picture, at its moment.
+        /// <summary>Adds numbers, texts, true or false by name, which Python gets beside a picture of the same moment.
         /// </summary>
         void Telemetry(IDictionary<string, object> values);
 
@@ -30,7 +30,7 @@ namespace NetMQExample
         void Step(double throttle, double brake, double steer);
     }
 
-    /// <summary>What the car is told, by whom, and what it does when nobody tells it anything.</summary>
+    /// <summary>Steers a car by Python's actions or a person's. It brakes when none comes.</summary>
     public sealed class Drive
     {
         /// <summary>The seconds of one step: Unity's own Time.fixedDeltaTime.</summary>
@@ -47,7 +47,7 @@ namespace NetMQExample
         private bool braking;
 
         /// <summary>Begins with the brake on.</summary>
-        /// <param name="car">What is driven.</param>
+        /// <param name="car">The car to drive.</param>
         /// <param name="log">Gets the lines about the drive.</param>
         public Drive(ICar car, Action<string> log)
         {

@@ -12,7 +12,7 @@ using UnityEngine;
 
 namespace NetMQExample
 {
-    /// <summary>What CameraSender tells Python about, and what it steers.</summary>
+    /// <summary>The car that CameraSender shows to Python, and steers.</summary>
     public abstract class DrivenBehaviour : MonoBehaviour, ICar
     {
         [SerializeField, Tooltip("A camera whose view Python gets; none: one on the car")] private Camera eye;
@@ -25,7 +25,8 @@ namespace NetMQExample
         /// <summary>With each picture's action, for scripts.</summary>
         public event Action<DriveAction> Acted { add => acted.Raised += value; remove => acted.Raised -= value; }
 
-        /// <summary>What Python sees, or null for a camera on the car. Set it before CameraSender is enabled.</summary>
+        /// <summary>The camera whose view Python gets, or null for one on the car. Set it before CameraSender is
+        /// enabled.</summary>
         public Camera Eye { get => eye; set => eye = value; }
 
         /// <summary>For each so many of the world's steps there is a picture; in lock-step, for each one.</summary>
@@ -43,7 +44,7 @@ namespace NetMQExample
         /// <inheritdoc/>
         public abstract void Step(double throttle, double brake, double steer);
 
-        /// <summary>Adds values of your own to what Python is told beside each picture, at the moment that it shows:
+        /// <summary>Adds values of your own, which Python gets beside each picture of the same moment:
         /// <c>values["battery"] = battery;</c>. They are numbers, texts, true or false.</summary>
         public virtual void Telemetry(IDictionary<string, object> values)
         {

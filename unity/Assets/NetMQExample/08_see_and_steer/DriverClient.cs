@@ -12,12 +12,12 @@ using System.Threading;
 
 namespace NetMQExample
 {
-    /// <summary>What to do, and about which picture.</summary>
+    /// <summary>An action, and the picture that it answers.</summary>
     public readonly struct DriveAction
     {
         private readonly Dictionary<string, object> values;
 
-        /// <summary>What is out of range is put back into it.</summary>
+        /// <summary>Each number is put back into its range.</summary>
         public DriveAction(long frame, double throttle, double brake, double steer, double milliseconds = 0,
             Dictionary<string, object> values = null)
         {
@@ -83,11 +83,10 @@ namespace NetMQExample
 
         /// <summary>Sends a picture and waits for its action. A picture without one is not sent again: by then there is
         /// a newer one.</summary>
-        /// <param name="frame">What <see cref="Shot.ToMessage"/> made.</param>
+        /// <param name="frame">The message that <see cref="Shot.ToMessage"/> made.</param>
         /// <param name="stop">Ends the wait early.</param>
         /// <returns>The action, or null if there is none.</returns>
-        /// <exception cref="TimeoutException">So many in a row had none that it gives up: the last had no
-        /// reply.</exception>
+        /// <exception cref="TimeoutException">Too many in a row had none, and the last had no reply.</exception>
         /// <exception cref="MessageException">The last had a reply that is no action.</exception>
         public DriveAction? Ask(Message frame, CancellationToken stop = default)
         {

@@ -63,7 +63,7 @@ namespace NetMQExample
         /// <summary>The clock's time then in seconds, since 1970.</summary>
         public double WallTime { get; internal set; }
 
-        /// <summary>What was in force when the picture was taken: -1 to 1, 0 to 1, and -1, left, to 1, right.</summary>
+        /// <summary>The action in force at the picture: -1 to 1, 0 to 1, and -1, left, to 1, right.</summary>
         public DriveAction Action { get; internal set; }
 
         /// <summary>In metres a second.</summary>
@@ -75,7 +75,7 @@ namespace NetMQExample
         /// <summary>The drive that it belongs to: another text for each Play.</summary>
         public string Run { get; internal set; } = "";
 
-        /// <summary>What the car adds: numbers, texts, true or false by name.</summary>
+        /// <summary>Values of the car's own: numbers, texts, true or false by name.</summary>
         public Dictionary<string, object> Telemetry { get; } = new Dictionary<string, object>();
 
         /// <summary>The message to send.</summary>

@@ -90,7 +90,7 @@ namespace NetMQExample
         {
             foreach (var camera in cameras)
             {
-                // Whatever carried it may have been destroyed before.
+                // Its object may have been destroyed before.
                 if (camera == null) continue;
                 camera.targetTexture = null;
                 Object.Destroy(camera.gameObject);

@@ -2,6 +2,7 @@
 //
 // Use: put it on a game object somewhere below an agent's, with the camera; SensorComponent.cs says under which key it
 // comes. On the agent's own game object that is "camera".
+// From a script: sensor.Camera = camera;, with Width, Height and Greyscale, before the first answer.
 // The picture is uint8 [height, width, 3], or [height, width] in grey, the highest row first.
 // Trouble: each answer waits for its pictures, and the main thread with it. That is what lock-step means.
 using UnityEngine;

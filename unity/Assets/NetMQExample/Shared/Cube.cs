@@ -1,8 +1,8 @@
 // Cubes and other shapes for the lessons' scenes. They are made when play begins, because a material that a scene file
 // can name belongs to one render pipeline, and is magenta in the others.
 //
-// Use: Cube.Make in a script; as a component it is on what moves in the scenes of lessons 03, 07 and 21. An object of
-// your own has a shape of its own, and needs none.
+// Use: Cube.Make(size, colour, parent) in a script makes a cube, with its size in metres, and returns its transform. As
+// a component it is on what moves in the scenes of lessons 03, 07 and 21. An object of your own has its own shape.
 using System.Collections.Generic;
 using UnityEngine;
 using UnityEngine.Rendering;
