@@ -3,7 +3,7 @@
 //     dotnet run --project csharp-console -- 20                 150 poses of person 0, one in 25 is printed
 //     dotnet run --project csharp-console -- 20 --person 1      the other one
 //     dotnet run --project csharp-console -- 20 --hand left     a hand, of a server with --camera and --hands
-//     dotnet run --project csharp-console -- 20 --work 0.1      too slow: what it skips is not waited for
+//     dotnet run --project csharp-console -- 20 --work 0.1      too slow: it skips poses and is never late
 using System;
 using System.Threading;
 

@@ -91,7 +91,7 @@ def main() -> None:
     launch = options.launch or [sys.executable, str(LESSONS / "09_environment" / "client.py")]
     # A place for each on this machine, whatever its cores: simulators wait more than they compute.
     here = {"num_cpus": options.actors, "include_dashboard": False} if options.address == "local" else {}
-    # Where Ray's processes find the package.
+    # Ray's processes find the package there.
     path = {"env_vars": {"PYTHONPATH": str(LESSONS)}}
     players: list[Any] = []
     played_by: list[int] = []

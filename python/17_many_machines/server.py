@@ -10,7 +10,7 @@ From other machines, with lesson 15's keys; client.py --endpoint beacon://hub:55
 A simulator without work is sent home 15 seconds after the last trainer has left; see --idle.
 Bytes: messages of lesson 05; simulators speak as in lesson 09, trainers as in 10: see netmq_example/fleet/hub.py.
 Trouble on command: client.py --crash-after 200, --delay 8, --build 2; or Ctrl-Z, or pull the cable.
-What kit.py run starts as well, so that there are three simulators, one of which dies:
+kit.py run also starts these, so that there are three simulators and one of them dies:
     Also started: client.py
     Also started: client.py --crash-after 200
     Also started: train.py --areas 2 --episodes 100
@@ -60,11 +60,11 @@ def main() -> None:
                 message: list[Any] = socket.recv_multipart(0, copy=not allowed)
                 # Asked with each message: the handshake of a revoked key may have been long ago.
                 if not allowed or allowed.name_of(message[-1]):
-                    # Who comes: it says hello or join, or answers what it was asked.
+                    # A peer says hello or join, or answers a request.
                     hub.take(bytes(message[0]), message[1:])
-            # What is silent or gone gets its message again, and an episode without a simulator the next free one.
+            # A silent peer gets its message again, and an episode without a simulator gets the next free one.
             hub.tick()
-            # What was asked of whom.
+            # The table shows each simulator's request.
             board.show(hub)
 
 

@@ -4,7 +4,7 @@
     python python/17_many_machines/train.py --areas 2 --each         prints the return of each episode, by its seed
 
 It pushes each cart to where its pole falls. Each episode has a seed, and so its return is the same wherever it was
-simulated, and however often it was begun anew. What you train with comes in place of `play`.
+simulated, and however often it was begun anew. Your learning code replaces `play`.
 """
 
 import argparse
@@ -31,7 +31,7 @@ def policy(seen: Any) -> Any:
 
 
 def play(envs: Any, episodes: int) -> list[float]:
-    """The return of each episode, by its seed: 0, 1, 2, and so on. What is lost with a hub begins anew."""
+    """The return of each episode, by its seed: 0, 1, 2, and so on. Episodes lost with a hub begin anew."""
     areas = envs.num_envs
     nothing = np.zeros(areas, bool)
     seeds = list(range(areas))
@@ -49,7 +49,7 @@ def play(envs: Any, episodes: int) -> list[float]:
                 following += 1
         if over.any():
             begun, infos = envs.reset(seed=seeds, options={"reset_mask": over})
-            # Those that were not over, when the hub is lost just now.
+            # If the hub is lost just now, episodes that were not over are lost too.
             lost = lost | infos.get("_lost", nothing)
             seen = np.where((over | lost)[:, None], begun, seen)
             returns |= {seed: 0.0 for area, seed in enumerate(seeds) if over[area] or lost[area]}

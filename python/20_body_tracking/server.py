@@ -7,8 +7,8 @@
 Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
 that MediaPipe numbers: in metres from the middle of the hips, x to the right of the picture, y down, z away from the
 camera, with a decimal point. PERSON counts from 0, NUMBER from 1 at each start of the server, SECONDS with the
-computer's clock that nobody sets. Where no landmarks follow, nobody is there. `hand/left/` and `hand/right/` have 21
-landmarks, in metres from the middle of the hand.
+computer's clock that nobody sets. A pose without landmarks means that nobody is there.
+`hand/left/` and `hand/right/` have 21 landmarks, in metres from the middle of the hand.
 Trouble on command: a client with `--work 0.1` is too slow; stop this server while a client listens, and start it
 again.
 """
@@ -27,12 +27,12 @@ from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceE
 from netmq_example.program import encoded, listening, run, server_options, whole
 
 MODEL = Path("pose_landmarker_lite.task")
-# What listeners send are subscriptions, and those are short.
+# Listeners send only subscriptions, and those are short.
 LARGEST_BYTES = 1000
 
 
 def pose(topic: str, number: int, seconds: float, landmarks: list[Landmark]) -> str:
-    """One frame: so CONFLATE can keep the newest, and a person who left is told from a server that is gone."""
+    """One frame, because CONFLATE keeps the newest one. A person who left has a pose without landmarks."""
     return " ".join([f"{topic}/ {number} {seconds:.3f}", *as_text(landmarks)])
 
 

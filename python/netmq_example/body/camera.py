@@ -19,7 +19,7 @@ from netmq_example.body.people import LANDMARKS, Hands, Landmark, People, Source
 from netmq_example.errors import pip_install
 
 MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision"
-# Where a person is in the picture, from 0 to 1; None before that is known.
+# A person's place in the picture, from 0 to 1; None before it is known.
 Place = tuple[float, float] | None
 
 

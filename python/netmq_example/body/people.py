@@ -49,7 +49,7 @@ def write(path: Path, pictures: Iterable[tuple[float, People]]) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)
         for seconds, people in pictures:
-            # What `watch` yields is a pair too: of it nothing would be written.
+            # `watch` yields pairs too, of which nothing would be written.
             if not check.is_number(seconds):
                 raise TypeError("a picture is (seconds, people), such as (time.monotonic(), people)")
             for person, body in enumerate(people):

@@ -27,13 +27,13 @@ from netmq_example.messages import Message, MessageError, take
 from netmq_example.program import Socket
 
 TICK_SECONDS = 0.1
-# Of silence, until the last message is sent again.
+# After so much silence the hub sends its last message again.
 RESEND_SECONDS = 0.5
-# Until a simulator that is connected and does not answer is given up.
+# The hub then gives up a simulator that is connected and does not answer.
 UNANSWERED_SECONDS = 60.0
-# So many simulators may be lost at one request: what ends each of them must not go round.
+# So many simulators may be lost at one request: a deadly one must not end the whole fleet.
 MOST_LOST = 10
-# What is kept, in bytes: a hello of each name, and the episodes of one trainer and of all.
+# The bytes that the hub keeps: a hello of each name, and the episodes of one trainer and of all.
 MOST_HELLO_BYTES = 256 * 1024 * 1024
 MOST_EPISODE_BYTES = 256 * 1024 * 1024
 MOST_BYTES = 4 * MOST_EPISODE_BYTES

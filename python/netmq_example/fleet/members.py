@@ -174,7 +174,7 @@ def offer(hello: Message, areas: int) -> Message:
 
 def accept(hello: Message, build: str, hello_here: Message | None) -> None:
     """Refused unless it is of this build, and like those of its name that are here."""
-    # What no trainer could be sent is found out now.
+    # A hello that no trainer could get fails now.
     offer(hello, MOST_AREAS).frames()
     if size_of(hello) > LARGEST_HELLO_BYTES:
         raise Refused("too-big", f"a hello of {size_of(hello)} bytes; the hub takes {LARGEST_HELLO_BYTES}")

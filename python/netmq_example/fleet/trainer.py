@@ -6,7 +6,7 @@
 
 That environment expects a bound ROUTER socket, to which a simulator comes. Here a DEALER socket goes to the hub, says
 `join` {name, areas}, and looks like one: what it receives is of a peer named `hub`.
-Where there are keys, `prepare` is what lesson 15 has for them: ClientKeys(folder).apply.
+With keys `prepare` is lesson 15's ClientKeys(folder).apply.
 """
 
 import time
@@ -22,14 +22,14 @@ from netmq_example.program import limit
 from netmq_example.records import is_record
 
 PEER = b"hub"
-# The environment asks again each second: if it is silent for so long, it waits for a simulator, and the hub is told.
+# The environment asks again each second. If it is silent for longer, it waits for a simulator, and tells the hub.
 SILENCE_SECONDS = 2.0
 
 
 class FleetSocket(OneProcess):
     """`prepare` gets each new socket before it connects."""
 
-    # What the environment says of a peer to which nothing can be sent.
+    # The environment's words for a peer that it cannot reach.
     gone = "the hub is gone"
 
     def __init__(self, endpoint: str, name: str, areas: int, prepare: Callable[[Any], object] | None = None) -> None:
@@ -44,7 +44,7 @@ class FleetSocket(OneProcess):
         self.sent = 0.0
         self.waits = True
         self.missing = 0
-        # What is known of the hub, which the environment gives up with.
+        # The environment gives up with these words about the hub.
         self.told = "is the hub running?"
 
     def recv_multipart(self) -> list[bytes]:

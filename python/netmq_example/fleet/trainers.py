@@ -37,7 +37,7 @@ class Trainer:
         self.send = send
         self.count = count
         self.room = room
-        # What its episodes take, in bytes.
+        # The size of its episodes in bytes.
         self.size = 0
         self.episodes: list[Episode | None] = [None] * areas
         self.request: Any = Message("join")
@@ -117,7 +117,7 @@ class Trainer:
         if errors:
             for area, episode in enumerate(episodes):
                 if not episode.seen:
-                    # What was begun wrongly is none.
+                    # An episode that began with an error is none.
                     episode.release()
                     self.episodes[area] = None
             self.refuse(MessageError(str(errors[0].get("code")), str(errors[0].get("text"))))

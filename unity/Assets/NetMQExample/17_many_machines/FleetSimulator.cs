@@ -14,9 +14,9 @@ namespace NetMQExample
         private readonly SimulatorBase simulator;
         private readonly string build;
 
-        /// <summary>For a simulator, which from then on nobody else asks.</summary>
+        /// <summary>Wraps a simulator, which nobody else may ask from then on.</summary>
         /// <param name="simulator">Of one world: a Simulator, or a SceneSimulator with one agent.</param>
-        /// <param name="build">What the hub must expect.</param>
+        /// <param name="build">The build that the hub must expect.</param>
         public FleetSimulator(SimulatorBase simulator, string build)
         {
             this.simulator = Require.Given("simulator", simulator);

@@ -11,8 +11,8 @@ namespace NetMQExample
         private readonly Vector3 hangs;
 
         /// <summary>Call it in the T-pose.</summary>
-        /// <param name="root">Whose forward is where the avatar looks.</param>
-        /// <param name="bone">What is turned.</param>
+        /// <param name="root">Its forward is where the avatar looks.</param>
+        /// <param name="bone">The bone to turn.</param>
         /// <param name="end">The next bone, to which it points; null for one that turns with the body's axes.</param>
         public AvatarBone(Transform root, Transform bone, Transform end)
         {

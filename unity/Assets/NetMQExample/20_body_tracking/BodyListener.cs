@@ -34,10 +34,10 @@ namespace NetMQExample
             listener = new TopicListener(endpoint, Topic);
         }
 
-        /// <summary>What it has subscribed to.</summary>
+        /// <summary>The topic that it has subscribed to.</summary>
         public string Topic { get; }
 
-        /// <summary>Whom it listens to, in words.</summary>
+        /// <summary>The person or hand that it listens to, in words.</summary>
         public string Name { get; }
 
         /// <summary>How many poses were skipped, because a newer one was there.</summary>
@@ -73,7 +73,7 @@ namespace NetMQExample
             return pose;
         }
 
-        /// <summary>What is to be seen of a pose that was just received, in one line.</summary>
+        /// <summary>One line about a pose that was just received.</summary>
         public string Line(BodyPose pose)
         {
             if (pose.Places == null) return $"{Name}: pose {pose.Number}, nobody is there";

@@ -1,9 +1,9 @@
-// Application 20, smoothing: what a webcam sees trembles, and comes 30 times a second where Unity shows 60 frames.
+// Application 20, smoothing: webcam poses tremble, and come 30 times a second where Unity shows 60 frames.
 //
 // The One Euro filter (Casiez, Roussel, Vogel 2012) is a low-pass filter whose cutoff frequency rises with the speed:
-// who stands still does not tremble, who moves is not followed late. An average of the last poses can be only one of
-// both. Added to it is a limit of speed: when the server is started again, or two persons are mixed up, the body gets
-// there within some frames and does not jump. It needs neither NetMQ nor UnityEngine.
+// a person who stands still does not tremble, and one who moves is followed at once. An average of the last poses does
+// one or the other. A limit of speed is added: after a restart of the server, or when two persons are mixed up, the
+// body gets there within some frames and does not jump. It needs neither NetMQ nor UnityEngine.
 using System;
 
 namespace NetMQExample
