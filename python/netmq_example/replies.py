@@ -26,17 +26,18 @@ def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
         return f"error: {error!r}".encode()
 
 
-seen: set[tuple[str, int | None]] = set()
+seen: set[tuple[type[Exception], str, int | None]] = set()
 again = Trouble(show)
 
 
 def tell(error: Exception) -> None:
     """With its traceback the first time; then it is a line a second at most, since a client may go on asking."""
     place = traceback.extract_tb(error.__traceback__)[-1]
-    if (place.filename, place.lineno) in seen:
+    mistake = type(error), place.filename, place.lineno
+    if mistake in seen:
         again(repr(error))
         return
-    seen.add((place.filename, place.lineno))
+    seen.add(mistake)
     traceback.print_exc()
 
 
