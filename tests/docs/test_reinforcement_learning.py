@@ -27,8 +27,23 @@ FEWER = {
 }
 
 
-def run(number: int, folder: Path) -> str:
-    script = elsewhere(PYTHON[number])
+# An environment of lesson 11, which the page's program gets.
+COINS = """
+import sys
+
+sys.path.append("python/11_observations")
+import gymnasium
+import netmq_example.envs
+from collector import ACTION, seen_space
+
+spaces = {"observation_space": seen_space(False), "action_space": ACTION}
+launch = [sys.executable, "python/11_observations/client.py"]
+env = gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", max_episode_steps=200, launch=launch, **spaces)
+"""
+
+
+def run(number: int, folder: Path, before: str = "", after: str = "") -> str:
+    script = elsewhere(before + PYTHON[number] + after)
     for many, few in FEWER.items():
         script = script.replace(many, few)
     script = script.replace('"MlpPolicy", env, seed=1', '"MlpPolicy", env, n_steps=512, seed=1')
@@ -79,7 +94,7 @@ def test_a_scene_of_ones_own_is_learnt(folder: Path) -> None:
 
 @needs("stable_baselines3")
 def test_attributes_are_learnt(folder: Path) -> None:
-    run(3, folder)
+    run(3, folder, before=COINS, after="env.close()\n")
 
 
 @needs("torch", "gymnasium")
