@@ -8,10 +8,12 @@ from __future__ import annotations
 import base64
 import csv
 import importlib
+import importlib.util
 import io
 import itertools
 import json
 import math
+import os
 import random
 import re
 import shutil
@@ -564,16 +566,42 @@ class ZMQCamera:
         assert config.words == ("127.0.0.1", 5555, "center")
     def connect(self): pass
     def read(self): return __import__("numpy").zeros((240, 320, 3), "uint8")
+class LeRobotDataset:
+    @classmethod
+    def create(cls, repo_id, fps, features, root=None, robot_type=None, use_videos=True):
+        made = cls()
+        made.features, made.frames, made.fps = features, 0, fps
+        return made
+    def add_frame(self, frame):
+        assert frame.pop("task") and frame.keys() == self.features.keys()
+        for name, value in frame.items():
+            kind = self.features[name]["dtype"]
+            assert value.shape == self.features[name]["shape"] and value.dtype == ("uint8" if kind == "image" else kind)
+        self.frames += 1
+    def save_episode(self): print("saved", self.frames, "at", self.fps)
+    def finalize(self): print("whole")
 """
 
 
-def test_lerobot_gets_what_the_page_gives_it(tmp_path, start):
+def test_lerobot_gets_what_the_page_gives_it(tmp_path, plain, start):
     page = guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
-    (camera,) = (block.body for block in page if "test_lerobot_gets" in block.source)
-    (tmp_path / "lerobot" / "cameras").mkdir(parents=True)
-    (tmp_path / "lerobot" / "cameras" / "zmq.py").write_text(LEROBOT, encoding="utf-8")
-    eye = start(PYTHON, "-c", camera, folder=tmp_path, PYTHONPATH=str(tmp_path))
-    assert eye.wait() == 0 and eye.lines == ["(240, 320, 3)"], eye.output
+    camera, dataset = (block.body for block in page if "test_lerobot_gets" in block.source)
+    recorder = Recorder(tmp_path / "runs")
+    for number in (1, 2, 3):
+        seen = frame(number, plain)
+        recorder.add(seen, Message("action", number, {"frame": number, "throttle": 0.5, "brake": 0.0, "steer": 0.1}))
+    if importlib.util.find_spec("lerobot"):
+        where = {"PYTHONPATH": str(ROOT / "python"), "HF_HUB_OFFLINE": "1"}
+    else:
+        for name in ("cameras/zmq.py", "datasets/lerobot_dataset.py"):
+            (tmp_path / "lerobot" / name).parent.mkdir(parents=True)
+            (tmp_path / "lerobot" / name).write_text(LEROBOT, encoding="utf-8")
+        where = {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT / "python")])}
+        eye = start(PYTHON, "-c", camera, folder=tmp_path, **where)
+        assert eye.wait() == 0 and eye.lines == ["(240, 320, 3)"], eye.output
+    made = start(PYTHON, "-c", dataset, folder=tmp_path, **where)
+    assert made.wait() == 0, made.output
+    assert importlib.util.find_spec("lerobot") or made.lines == ["saved 2 at 50", "whole"]
 
 
 def test_a_driver_that_says_nan_is_told_so(driven, ask, plain):
