@@ -20,7 +20,10 @@ from netmq_example.trouble import Trouble
 def reply_to(answer: Callable[[str], str], request: bytes) -> bytes:
     """The reply that `answer` gives to a request. A mistake in it is reported to both sides, and ends neither."""
     try:
-        return encoded(answer(request.decode(errors="replace")), "strict")
+        text = answer(request.decode(errors="replace"))
+        if not isinstance(text, str):
+            raise TypeError(f"answer returned {text!r:.40}: return a text")
+        return encoded(text, "strict")
     except Exception as error:
         tell(error)
         return f"error: {error!r}".encode()

@@ -313,7 +313,7 @@ def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(start, context):
     endpoint = server.wait_for(r"^listening on (\S+)")[1]
     wrong = {
         b"raise": b"error: ValueError('no\\nsuch world')",
-        b"none": b"error: AttributeError(",
+        b"none": b"error: TypeError('answer returned None: return a text')",
         b"half": b"error: UnicodeEncodeError(",
     }
     for text, reply in wrong.items():
