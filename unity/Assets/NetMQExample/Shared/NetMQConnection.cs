@@ -311,8 +311,7 @@ namespace NetMQExample
             {
                 // A name that was known goes on meaning what it meant while no name server knows it.
                 if (socket != null && Known.TryGetValue(endpoint, out var last)) socket.Connect(last);
-                else if (e is TimeoutException) throw;
-                else throw Bad(endpoint, $"unknown host '{host}'; check its spelling, or ");
+                else throw e is TimeoutException ? e : Bad(endpoint, $"unknown host '{host}'; check its spelling, or ");
             }
         }
 
