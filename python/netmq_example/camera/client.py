@@ -75,8 +75,9 @@ class DriverClient(OneProcess):
         self.context = check.instance("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5558", beacon=True)
         self.search = BeaconSearch(endpoint)
-        # The message that waits until the server is found.
+        # The message that waits until the server is found, and where that is.
         self.unsent: list[Any] = []
+        self.where = ""
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.log = check.function("log", log)
