@@ -15,6 +15,10 @@ def tried(count: int) -> str:
 
 
 def pip_install(*words: str) -> str:
-    """The command that installs these for the Python that runs this, as this system's shell takes it."""
-    command = [sys.executable, "-m", "pip", "install", *words]
-    return subprocess.list2cmdline(command) if sys.platform == "win32" else shlex.join(command)
+    """The command that installs these for the Python that runs this."""
+    return shell(sys.executable, "-m", "pip", "install", *words)
+
+
+def shell(*words: str) -> str:
+    """A command as this system's shell takes it."""
+    return subprocess.list2cmdline(words) if sys.platform == "win32" else shlex.join(words)

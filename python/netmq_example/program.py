@@ -47,10 +47,14 @@ LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
 
 
 class Options(argparse.ArgumentParser):
-    """In a thread of another program a server has its defaults: the words are those of that program."""
+    """In a thread of another program, or in a notebook, a server has its defaults: the words are that program's."""
 
     def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
-        foreign = threading.current_thread() is not threading.main_thread()
+        foreign = (
+            threading.current_thread() is not threading.main_thread()
+            # A notebook has no file, and the words are those of its kernel.
+            or not hasattr(sys.modules["__main__"], "__file__")
+        )
         return super().parse_args([] if words is None and foreign else words, namespace)
 
 
@@ -261,13 +265,16 @@ def importing(needs: str, stopped: str | None = None) -> Iterator[None]:
     try:
         yield
     except ImportError as error:
-        sys.exit(f"{error}: this lesson needs {needs}")
+        raise SystemExit(f"{error}: this lesson needs {needs}") from None
     except KeyboardInterrupt:
-        sys.exit(stopped)
+        raise SystemExit(stopped) from None
 
 
 def run(main: Callable[[], None], stopped: str | None = None) -> None:
-    """Run a program to its end. Ctrl-C ends a server with code 0, and a client with `stopped` and code 1."""
+    """Run a program to its end. Ctrl-C ends a server with code 0, and a client with `stopped` and code 1.
+
+    Its end is `from None`: in a notebook %run shows every error that one was raised from.
+    """
     if stopped is None:
         sys.stdout, sys.stderr = unhindered(sys.stdout), unhindered(sys.stderr)
     # In a pipe Windows would use another encoding, and a character that it lacks would end the program. A program that
@@ -279,12 +286,12 @@ def run(main: Callable[[], None], stopped: str | None = None) -> None:
     try:
         main()
     except (TimeoutError, GaveUp) as error:
-        sys.exit(f"gave up: {printable(str(error), most=1000)}")
+        raise SystemExit(f"gave up: {printable(str(error), most=1000)}") from None
     except KeyboardInterrupt:
-        sys.exit(stopped)
+        raise SystemExit(stopped) from None
     except BrokenPipeError:
         # Nobody reads any more, as behind `| head -1`. What is still to be written goes nowhere.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+        raise SystemExit(1) from None
     except OSError as error:
-        sys.exit(f"failed: {error}")
+        raise SystemExit(f"failed: {error}") from None

@@ -13,7 +13,7 @@ from kitlib.docs import guide
 from kitlib.lessons import lessons
 from kitlib.setup import dotnet
 from tests.conftest import PYTHON
-from tests.programs import ROOT, elsewhere, finished
+from tests.programs import ROOT, elsewhere, finished, steady_endpoint
 
 PAGE = ROOT / "docs" / "guide" / "without_unity.md"
 
@@ -60,8 +60,8 @@ def test_the_python_program_runs(tmp_path, serve):
 def test_a_notebook():
     """Beside a server of the kit; and no process is left, or the test would not end."""
     pytest.importorskip("gymnasium")
-    _, cells = (block.body for block in guide.blocks(PAGE) if block.language == "python")
-    server = '01_request_reply/server.py"'
-    done = finished([PYTHON, "-c", elsewhere(cells.replace(server, f'{server}, "--endpoint", "tcp://127.0.0.1:*"'))])
+    _, serving, cell = (block.body for block in guide.blocks(PAGE) if block.language == "python")
+    again = serving.replace('"--quiet"', f'"--quiet", "--endpoint", "{steady_endpoint()}"')
+    done = finished([PYTHON, "-c", elsewhere(f"{again}\n{again}\n{cell}")])
     assert (done.returncode, done.stderr) == (0, ""), done
     assert "simulating CartPole" in done.stdout

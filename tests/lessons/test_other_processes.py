@@ -10,6 +10,7 @@ import importlib
 import inspect
 import pickle
 import pkgutil
+import re
 import shlex
 import subprocess
 import sys
@@ -303,6 +304,32 @@ def test_a_server_in_a_thread_of_another_program():
     assert taken.startswith(f"cannot listen on {endpoint}: Address already in use"), done
     assert loop.startswith("a loop runs here already, as in a notebook: "), done
     assert done.returncode == 1
+
+
+# A cell has no file. IPython shows each error that an end was raised from, and before 8.27 some 150 lines for two.
+CELL = """
+import runpy, sys
+sys.path[:0] = [sys.argv[1]]
+del __file__
+words, sys.argv = sys.argv[2:], ["host", "-f", "kernel.json"]
+from netmq_example import program
+print(program.server_options("", "tcp://127.0.0.1:5551").parse_args().endpoint)
+sys.argv = words
+try:
+    runpy.run_path(words[0], run_name="__main__")
+except SystemExit as end:
+    print(end, end.__suppress_context__)
+"""
+
+
+def test_a_cell_of_a_notebook(tmp_path):
+    (tmp_path / "cell.py").write_text(CELL, encoding="utf-8")
+    client = ROOT / "python" / "01_request_reply" / "client.py"
+    words = [client, "--endpoint", steady_endpoint(), "--timeout", "0.2"]
+    done = finished([PYTHON, tmp_path / "cell.py", ROOT / "python", *words])
+    first, *_, last = done.stdout.splitlines()
+    assert first == "tcp://127.0.0.1:5551", done
+    assert re.fullmatch("gave up: .* True", last), done
 
 
 @pytest.mark.parametrize(

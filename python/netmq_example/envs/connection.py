@@ -23,6 +23,7 @@ import zmq
 
 from netmq_example import check, records
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program
+from netmq_example.errors import shell
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
@@ -57,8 +58,8 @@ class Connection(OneProcess):
         self.id = 0
         self.closed = False
 
-    def wait(self, limit: float, accept: Accept, ended: Callable[[], int | None]) -> None:
-        """Wait so many seconds for a simulator's hello, or until its program has ended.
+    def wait(self, limit: float, accept: Accept, ended: Callable[[], str]) -> None:
+        """Wait so many seconds for a simulator's hello, or until `ended` says that its program has ended.
 
         What `accept` raises is sent to the simulator as well.
         """
@@ -66,12 +67,12 @@ class Connection(OneProcess):
         self.peer = b""
         end = time.monotonic() + limit
         while not self.is_welcomed(accept):
-            if (code := ended()) is not None:
-                raise TimeoutError(f"the simulator ended with code {code}: try it with --endpoint {self.endpoint}")
+            if why := ended():
+                raise TimeoutError(why)
             if time.monotonic() > end:
                 # Lesson 17's socket knows more.
-                why = getattr(self.socket, "told", "is it running?")
-                raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; {why}")
+                told = getattr(self.socket, "told", "is it running?")
+                raise TimeoutError(f"no simulator came to {self.endpoint} within {limit:g} s; {told}")
 
     def is_welcomed(self, accept: Accept) -> bool:
         """Whether the next message was the hello of a simulator, which then is the peer."""
@@ -230,8 +231,17 @@ class Simulators:
             self.process = start_program([*self.launch, "--endpoint", endpoint])
         else:
             say_waiting(endpoint)
-        self.connection.wait(self.wait, accept, lambda: self.process.poll() if self.process else None)
+        self.connection.wait(self.wait, accept, self.ended)
         QUIET.pop(endpoint, None)
+
+    def ended(self) -> str:
+        """Why the launched program will not come; empty as long as it runs."""
+        code = self.process.poll() if self.process else None
+        if code is None:
+            return ""
+        # In a notebook its own words are in another window.
+        by_hand = shell(*self.launch, "--endpoint", self.connection.endpoint)
+        return f"the simulator ended with code {code}: in {os.getcwd()}, {by_hand} shows why"
 
     def begin(self, accept: Accept, ask: Callable[[Lost | None], Any]) -> Any:
         """What `ask` for a reset returns, in another simulator if one is lost; it gets what was lost before.
