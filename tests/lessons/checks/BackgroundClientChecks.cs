@@ -358,6 +358,7 @@ namespace NetMQExample.Tests
             public string reply;
             public UnityEngine.Vector3 place;
             public UnityEngine.Vector3? none = null;
+            public DayOfWeek day = DayOfWeek.Friday;
             [NonSerialized] public int secret;
         }
 
@@ -366,6 +367,7 @@ namespace NetMQExample.Tests
             public string say = "nothing";
             public int times = 7;
             public List<UnityEngine.Vector3> way = null;
+            public DayOfWeek day = DayOfWeek.Monday;
             public float Speed { get; set; }
         }
 
@@ -379,20 +381,24 @@ namespace NetMQExample.Tests
             };
             using var client = new BackgroundClient(endpoint, TimeSpan.FromSeconds(20));
             string Show(Order order) => FormattableString.Invariant(
-                $"{order.say} {order.times} {order.Speed} {(order.way == null ? "-" : string.Join(" ", order.way))}");
+                $"{order.say} {order.times} {order.Speed} {order.day:D} {(order.way == null ? "-" : string.Join(" ", order.way))}");
             foreach (var (reply, wanted) in new[]
             {
-                (@"{""say"":""hi"",""times"":2,""Speed"":0.5,""way"":[{""x"":1,""y"":-2,""z"":0.5}]}", "hi 2 0.5 (1.00, -2.00, 0.50)"),
-                (@"{""SAY"":""grün ✓""}", "grün ✓ 7 0 -"),
-                ("{}", "nothing 7 0 -"),
+                (@"{""say"":""hi"",""times"":2,""Speed"":0.5,""way"":[{""x"":1,""y"":-2,""z"":0.5}]}", "hi 2 0.5 1 (1.00, -2.00, 0.50)"),
+                (@"{""SAY"":""grün ✓""}", "grün ✓ 7 0 1 -"),
+                ("{}", "nothing 7 0 1 -"),
                 ("error: no 'guest'", "! error: no 'guest'"),
-                (@"{""sya"":1}", "! the reply {\"sya\":1} is no Order: Could not find member 'sya' on object of type 'Order'. Path 'sya', line 1, position 7."),
-                (@"{""times"":""two""}", "! the reply {\"times\":\"two\"} is no Order: Could not convert string to integer: two. Path 'times', line 1, position 14."),
-                (@"{""way"":[{""w"":1}]}", "! the reply {\"way\":[{\"w\":1}]} is no Order: Could not find member 'w' on object of type 'Vector3'. Path 'way[0].w', line 1, position 13."),
-                ("null", "! the reply null is no Order: It is no object."),
-                ("", "! the reply  is no Order: It is no object."),
-                ("wo\nrld", "! the reply wo?rld is no Order: Unexpected character encountered while parsing value: w. Path '', line 0, position 0."),
-                (@"{""$type"":""System.IO.FileInfo"",""say"":""x""}", "x 7 0 -"),
+                (@"{""sya"":1}", "! the reply {\"sya\":1} does not fit Order: Could not find member 'sya' on object of type 'Order'. Path 'sya', line 1, position 7."),
+                (@"{""times"":""two""}", "! the reply {\"times\":\"two\"} does not fit Order: Could not convert string to integer: two. Path 'times', line 1, position 14."),
+                (@"{""way"":[{""w"":1}]}", "! the reply {\"way\":[{\"w\":1}]} does not fit Order: Could not find member 'w' on object of type 'Vector3'. Path 'way[0].w', line 1, position 13."),
+                (@"{""day"":""Sunday""}", "nothing 7 0 0 -"),
+                (@"{""day"":3}", "nothing 7 0 3 -"),
+                (@"{""day"":""Someday""}", "! the reply {\"day\":\"Someday\"} does not fit Order: Error converting value \"Someday\" to type 'System.DayOfWeek'. Path 'day', line 1, position 16."),
+                (@"{""way"":[[1,2,3]]}", "! the reply {\"way\":[[1,2,3]]} does not fit Order: Cannot deserialize the current JSON array (e.g. [1,2,3]) into type 'UnityEngine.Vector3' because the type requires a JSON object (e.g. {\"name\":\"value\"}) to deserialize correctly. Path 'way[0]', line 1, position 9."),
+                ("null", "! the reply null does not fit Order: It is no object."),
+                ("", "! the reply  does not fit Order: It is no object."),
+                ("wo\nrld", "! the reply wo?rld does not fit Order: Unexpected character encountered while parsing value: w. Path '', line 0, position 0."),
+                (@"{""$type"":""System.IO.FileInfo"",""say"":""x""}", "x 7 0 1 -"),
             })
             {
                 var (got, wish) = ("", new Wish { reply = reply });
@@ -407,7 +413,7 @@ namespace NetMQExample.Tests
             string sent = null;
             Check(client.Ask<Wish, Order>(state, order => sent = order.say, why => sent = why), "refused");
             Until(() => sent != null, client);
-            Equal(@"{""reply"":""the state"",""place"":{""x"":1.0,""y"":2.5,""z"":-3.0},""none"":null}", sent);
+            Equal(@"{""reply"":""the state"",""place"":{""x"":1.0,""y"":2.5,""z"":-3.0},""none"":null,""day"":""Friday""}", sent);
             try
             {
                 client.Ask<Wish, Order>(new Wish { reply = new string('x', 70_000) }, null, null);

@@ -9,6 +9,7 @@ using System.Reflection;
 using System.Threading;
 using System.Threading.Tasks;
 using Newtonsoft.Json;
+using Newtonsoft.Json.Converters;
 using Newtonsoft.Json.Serialization;
 
 namespace NetMQExample
@@ -16,10 +17,12 @@ namespace NetMQExample
     /// <summary>Requests and replies that are objects instead of texts.</summary>
     public static class BackgroundClientJson
     {
-        // A misspelt key is an error, a missing one leaves its field as it is. No reply may name the class to make.
+        // A misspelt key is an error, a missing one leaves its field as it is. An enum is sent as its name, so that
+        // another order of its members changes nothing. No reply may name the class to make.
         private static readonly JsonSerializerSettings Rules = new JsonSerializerSettings
         {
             ContractResolver = new UnityFields(),
+            Converters = { new StringEnumConverter() },
             MissingMemberHandling = MissingMemberHandling.Error,
             TypeNameHandling = TypeNameHandling.None,
         };
@@ -52,18 +55,21 @@ namespace NetMQExample
             CancellationToken cancel = default) where TOrder : new() =>
             Read<TOrder>(await client.RequestAsync(JsonConvert.SerializeObject(state, Rules), cancel));
 
-        private static TOrder Read<TOrder>(string text)
+        private static TOrder Read<TOrder>(string reply)
         {
-            if (text.StartsWith("error:", StringComparison.Ordinal)) throw new GaveUpException(text);
+            if (reply.StartsWith("error:", StringComparison.Ordinal)) throw new GaveUpException(reply);
             try
             {
                 // Of null and of an empty text Newtonsoft makes null.
-                var order = JsonConvert.DeserializeObject<TOrder>(text, Rules);
+                var order = JsonConvert.DeserializeObject<TOrder>(reply, Rules);
                 return order is null ? throw new JsonSerializationException("It is no object.") : order;
             }
             catch (Exception e)
             {
-                var why = $"the reply {LogText.Printable(text, 80)} is no {typeof(TOrder).Name}: {e.Message}";
+                // Of Newtonsoft's texts of several lines the first says what is wrong, and the last where.
+                var lines = e.Message.Split('\n');
+                var trouble = lines.Length > 1 ? $"{lines[0].Trim()} {lines[^1]}" : e.Message;
+                var why = $"the reply {LogText.Printable(reply, 80)} does not fit {typeof(TOrder).Name}: {trouble}";
                 throw new GaveUpException(LogText.Printable(why, 400));
             }
         }
