@@ -57,6 +57,9 @@ class Fields(dict[str, Any]):
     def __missing__(self, key: str) -> Any:
         raise Misfit(f"the request has no {key!r}; it has {', '.join(map(repr, self)) or 'nothing'}")
 
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"a key of the request is written state[{name!r}]")
+
 
 def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[[str], str]:
     """Write @json_answer above `answer(state: dict) -> dict`: both are JSON objects on the wire.

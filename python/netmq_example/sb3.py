@@ -46,6 +46,8 @@ class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
         if envs.metadata["autoreset_mode"] != AutoresetMode.SAME_STEP:
             raise ValueError('Stable-Baselines3 wants the next episode at once: make_vec(…, autoreset_mode="SameStep")')
         self.envs = envs
+        # VecVideoRecorder takes its rate from here.
+        self.metadata = envs.metadata
         self.plain = Plain(envs.single_observation_space, envs.single_action_space)
         super().__init__(envs.num_envs, self.plain.observation_space, self.plain.action_space)
 

@@ -22,8 +22,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check, records
-from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program
-from netmq_example.errors import shell
+from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
@@ -230,18 +229,10 @@ class Simulators:
             self.end()
             self.process = start_program([*self.launch, "--endpoint", endpoint])
         else:
-            say_waiting(endpoint)
-        self.connection.wait(self.wait, accept, self.ended)
+            # A socket of lesson 17 has a hub there.
+            say_waiting(endpoint, ": press Play" if self.owns_socket else "")
+        self.connection.wait(self.wait, accept, lambda: why_ended(self.process))
         QUIET.pop(endpoint, None)
-
-    def ended(self) -> str:
-        """Why the launched program will not come; empty as long as it runs."""
-        code = self.process.poll() if self.process else None
-        if code is None:
-            return ""
-        # In a notebook its own words are in another window.
-        by_hand = shell(*self.launch, "--endpoint", self.connection.endpoint)
-        return f"the simulator ended with code {code}: in {os.getcwd()}, {by_hand} shows why"
 
     def begin(self, accept: Accept, ask: Callable[[Lost | None], Any]) -> Any:
         """What `ask` for a reset returns, in another simulator if one is lost; it gets what was lost before.

@@ -4,7 +4,7 @@
     process = start_program([*words, "-batchmode"])
     end_program(process)
 
-It needs only Python.
+It needs Python and errors.py.
 """
 
 import contextlib
@@ -18,16 +18,18 @@ import sys
 import time
 from collections.abc import Sequence
 
+from netmq_example.errors import shell
+
 # How long a program gets to end by itself.
 END_SECONDS = 2
 # Until when nobody is told again that an endpoint waits: each wrong hello ends an environment, and begins the next one.
 QUIET: dict[str, float] = {}
 
 
-def say_waiting(endpoint: str) -> None:
+def say_waiting(endpoint: str, cure: str) -> None:
     """For environments that launch nothing."""
     if time.monotonic() > QUIET.get(endpoint, 0.0):
-        print(f"waiting for a simulator on {endpoint}: press Play", flush=True)
+        print(f"waiting for a simulator on {endpoint}{cure}", flush=True)
         QUIET[endpoint] = time.monotonic() + 1
 
 
@@ -75,6 +77,15 @@ def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
     with contextlib.suppress(OSError):
         os.write(process.stdin.fileno(), b"\n")  # type: ignore[union-attr]
     return process
+
+
+def why_ended(process: subprocess.Popen[bytes] | None) -> str:
+    """Why a launched program will not come; empty as long as it runs, and where none was launched."""
+    code = process.poll() if process else None
+    if process is None or code is None:
+        return ""
+    # In a notebook its own words are in another window.
+    return f"the simulator ended with code {code}: in {os.getcwd()}, {shell(*process.args)} shows why"  # type: ignore[misc]
 
 
 def end_program(process: subprocess.Popen[bytes]) -> None:

@@ -170,7 +170,8 @@ def split(request: Any, count: int) -> list[Any]:
             return [Message("render") for _ in range(count)]
         raise MessageError("unknown-kind", f"kind {request.kind!a:.40} is none of reset, step, render, close")
     if len(request.marks) != count:
-        raise MessageError("wrong-areas", f"{len(request.marks)} rows are not one for each of {count} areas")
+        cure = f"make_vec(…, num_envs={count}), and register a vector_entry_point"
+        raise MessageError("wrong-areas", f"{count} simulators were asked for, and not {len(request.marks)}: {cure}")
     options = bytes(request.options)
     parts: list[Any] = []
     for area, (order, row) in enumerate(zip(request.marks, request.rows, strict=True)):

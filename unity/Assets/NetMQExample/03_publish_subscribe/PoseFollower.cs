@@ -13,7 +13,8 @@ namespace NetMQExample
     public sealed class PoseFollower : NetworkBehaviour
     {
         [SerializeField, Tooltip("Publisher, or beacon://NAME:5553")] private string endpoint = "tcp://127.0.0.1:5553";
-        [SerializeField, Min(0), Tooltip("End after so many poses")] private int count = 300;
+        [SerializeField, Tooltip("How the messages begin")] private string topic = "pose/";
+        [SerializeField, Min(0), Tooltip("End after so many poses; 0: never")] private int count = 300;
         [SerializeField, Min(0), Tooltip("Log one pose in so many; 0: none")] private int every = 60;
         [SerializeField, Min(0.01f), Tooltip("Seconds to wait for each pose")] private float timeout = 5;
         [SerializeField, Tooltip("With each pose that a frame finds")] private Arrival<Pose> moved = new();
@@ -36,9 +37,9 @@ namespace NetMQExample
         /// <inheritdoc/>
         protected override void Talk(CancellationToken stop)
         {
-            Log($"listening to 'pose/' from {endpoint}");
-            using var listener = new TopicListener(endpoint, "pose/");
-            for (var i = 0; i < count;)
+            Log($"listening to '{topic}' from {endpoint}");
+            using var listener = new TopicListener(endpoint, topic);
+            for (var i = 0; count == 0 || i < count;)
             {
                 // A publisher that is away ends nothing: the cube stands still until it is back.
                 if (!TryReceive(() => listener.Newest(Seconds(timeout), stop), out var message)) continue;
@@ -49,7 +50,7 @@ namespace NetMQExample
             Log($"done: received {count}");
         }
 
-        // The words of `pose/ NUMBER x y z qx qy qz qw`; null if these are others, since anybody can publish on a port.
+        // The words of `TOPIC NUMBER x y z qx qy qz qw`; null if these are others, since anybody can publish on a port.
         private static float[] Parse(string message)
         {
             var words = message.Split(' ');

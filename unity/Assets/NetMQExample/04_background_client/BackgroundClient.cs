@@ -130,8 +130,10 @@ namespace NetMQExample
             NetworkThread.Join(thread);
             lock (gate)
             {
+                var why = "the client was disposed";
+                if (status.state == ClientState.Retrying) why += $"; {status.error}";
                 status.state = ClientState.Disposed;
-                while (waiting.TryDequeue(out var call)) done.Enqueue((call.error, "the client was disposed"));
+                while (waiting.TryDequeue(out var call)) done.Enqueue((call.error, why));
             }
             try { Poll(); }
             // After one that throws, the others run all the same.

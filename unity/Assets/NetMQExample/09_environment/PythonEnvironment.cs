@@ -60,7 +60,8 @@ namespace NetMQExample
         public abstract (double Reward, bool Terminated, bool Truncated) Judge(IDictionary<string, object> info);
 
         /// <inheritdoc/>
-        public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
+        public virtual MessageArray Render() => throw new MessageException("no-picture",
+            $"{Name} draws none: override Render, or tell check_env skip_render_check=True");
 
         /// <summary>The action of a person who plays by hand, from Input: its numbers, by default zeros.</summary>
         protected virtual double[] Heuristic() => SpaceReader.Nothing(Action);

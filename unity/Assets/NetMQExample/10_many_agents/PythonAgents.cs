@@ -54,7 +54,8 @@ namespace NetMQExample
         protected void SendInfo(string agent, IReadOnlyDictionary<string, object> info) => Infos.Send(agent, info);
 
         /// <inheritdoc/>
-        public virtual MessageArray Render() => throw new MessageException("no-picture", $"{Name} draws none");
+        public virtual MessageArray Render() => throw new MessageException("no-picture",
+            $"{Name} draws none: override Render, or tell check_env skip_render_check=True");
 
         /// <summary>The action of a person who plays an agent by hand, from Input: its numbers, by default
         /// zeros.</summary>
