@@ -31,6 +31,9 @@ if __name__ == "__main__":
     envs = gymnasium.make_vec("My/Seeker-v0", 16, launch=launch, wait=300)
     film = open_film("sixteen.gif")
     try:
+        for seed in range(8):
+            alike, _ = envs.reset(seed=[seed] * 16)
+            assert (alike == alike[0]).all(), "an area sees its neighbours"
         seen, _ = envs.reset(seed=1)
         found = 0
         for step in range(120):
