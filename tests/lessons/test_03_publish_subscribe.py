@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
-import signal
-import socket
-import sys
 import time
-from pathlib import Path
 
 import pytest
 import zmq
@@ -244,39 +239,3 @@ def test_the_bytes_of_the_stream(serve):
             ahead = x + (qx * qz + qw * qy) / 15, z + (1 - 2 * (qx * qx + qy * qy)) / 30
             last = number
     assert server.stop() == 0
-
-
-def memory(program):
-    """What a process occupies, in MB."""
-    status = Path(f"/proc/{program.process.pid}/status")
-    if not status.exists():
-        pytest.skip("only Linux says how much memory another process occupies")
-    return int(re.search(r"VmRSS:\s+(\d+) kB", status.read_text(encoding="utf-8"))[1]) / 1000
-
-
-@pytest.mark.parametrize("key", [KEY, "07_catch_up"])
-def test_an_endless_subscription_costs_nothing(key, serve, start, client_command):
-    server, endpoint = serve(key)
-    others = [word for name, place in server.endpoints().items() if name != "endpoint" for word in (f"--{name}", place)]
-    before = memory(server)
-    with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2]))) as rude:
-        # By hand, because a SUB socket with such a subscription would fall first.
-        rude.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32))
-        ready = b"\x05READY" + b"\x0bSocket-Type" + (3).to_bytes(4, "big") + b"SUB"
-        rude.sendall(bytes([4, len(ready)]) + ready)
-        size = 4_000_000
-        with contextlib.suppress(OSError):
-            rude.sendall(b"\x02" + size.to_bytes(8, "big") + b"\x01" + b"x" * (size - 1))
-        deadline = time.monotonic() + 3
-        while time.monotonic() < deadline and memory(server) < before + 100:
-            time.sleep(0.05)
-        assert memory(server) < before + 100
-    client = start(*client_command("python", key, endpoint, *others, "--count", "60"))
-    assert client.wait() == 0, client.output
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-def test_a_server_that_never_waits_ends_at_once(serve):
-    server, _ = serve(KEY, "--interval", "0")
-    assert server.stop(signal.SIGTERM, limit=30) == 0
-    assert "Traceback" not in server.output

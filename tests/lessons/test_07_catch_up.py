@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import re
-import sys
 import threading
 import time
 
@@ -474,13 +473,6 @@ def test_the_bytes_of_the_stream_and_of_a_snapshot(publish, context):
                 target = snapshot_of(request(context, snapshots, b"pose/"))
         assert (checksum, len(runs)) == (target[0], 1)
     assert server.stop() == 0
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
-def test_a_server_that_never_waits_ends_at_once(publish):
-    server, _, _ = publish("--interval", "0")
-    assert server.stop(limit=30) == 0
-    assert "Traceback" not in server.output
 
 
 def test_where_100_higher_is_no_port_it_says_so(runs):
