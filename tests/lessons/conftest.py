@@ -1,10 +1,11 @@
-"""What the lessons' tests share: a context for peers that are not the kit's, and one request of such a peer; the C#
-side of lesson 05's messages without a client around it; and environments, with the simulators that they launch, or
-that answer in the test's own process.
+"""What the lessons' tests share: a context for peers that are not the kit's, one request of such a peer, and a server
+of that kind; the C# side of lesson 05's messages without a client around it; and environments, with the simulators
+that they launch, or that answer in the test's own process.
 """
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import threading
 
@@ -51,6 +52,29 @@ def ask(context, endpoint, *frames, kind=zmq.REQ):
         asker.send_multipart(frames)
         assert asker.poll(100_000), f"no reply to {frames!r:.80}"
         return asker.recv_multipart()
+
+
+@contextlib.contextmanager
+def answering(context, answer):
+    """A server by hand on a thread of its own, with the reply's frames for a request's; and where it is."""
+    over = threading.Event()
+
+    def serve():
+        with rep:
+            while not over.is_set():
+                if rep.poll(50):
+                    rep.send_multipart(answer(rep.recv_multipart()))
+
+    rep = context.socket(zmq.REP)
+    rep.linger = 0
+    endpoint = f"tcp://127.0.0.1:{rep.bind_to_random_port('tcp://127.0.0.1')}"
+    thread = threading.Thread(target=serve)
+    thread.start()
+    try:
+        yield endpoint
+    finally:
+        over.set()
+        thread.join()
 
 
 @pytest.fixture

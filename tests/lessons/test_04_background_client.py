@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
+import itertools
 import random
 import re
 import socket
@@ -17,6 +18,7 @@ import zmq
 from kitlib.setup import dotnet
 from netmq_example.background_client import BackgroundClient
 from tests.bad_peers import SlowLine, web_server
+from tests.lessons.conftest import answering
 from tests.programs import LIMIT, ROOT, steady_endpoint, steady_port
 
 KEY = "04_background_client"
@@ -171,30 +173,20 @@ def all_strangers():
 # --- the clients in a terminal and in Unity
 
 
-class Rep:
-    """A server for each of these clients, one after the other, that checks what the protocol asks of them."""
+def oddly(ids):
+    """Answers six requests of each client in this way; the ids are kept."""
+    # Whatever is not [id][text] with the request's own id is no reply to it.
+    answers = itertools.cycle([[b"W\xc3\xb6rld"], None, [b"one", b"two"], [b"1", b"2", b"3"], None, None])
 
-    def __init__(self, context, clients):
-        self.context, self.clients, self.ids = context, clients, []
-        self.socket = context.socket(zmq.REP)
-        self.socket.linger = 0
-        self.endpoint = f"tcp://127.0.0.1:{self.socket.bind_to_random_port('tcp://127.0.0.1')}"
-        self.thread = threading.Thread(target=self.run, daemon=True)
-        self.thread.start()
+    def answer(frames):
+        name, text = frames
+        ids.append(name if text.decode() == "echo grün ✓" else text)
+        if len(ids) % 6 == 0:
+            # Not a wait for something: the frames go on meanwhile.
+            time.sleep(1)
+        return next(answers) or [name, "größer".encode()]
 
-    def run(self):
-        with self.socket:
-            for _ in range(self.clients):
-                # Whatever is not [id][text] with the request's own id is no reply to it.
-                for answer in ([b"W\xc3\xb6rld"], None, [b"one", b"two"], [b"1", b"2", b"3"], None, None):
-                    if not self.socket.poll(LIMIT * 1000):
-                        return
-                    name, text = self.socket.recv_multipart()
-                    self.ids.append(name if text.decode() == "echo grün ✓" else text)
-                    if len(self.ids) % 6 == 0:
-                        # Not a wait for something: the frames go on meanwhile.
-                        time.sleep(1)
-                    self.socket.send_multipart([name, "größer".encode()] if answer is None else answer)
+    return answer
 
 
 @pytest.mark.parametrize("side", ["python", "csharp"])
@@ -204,18 +196,19 @@ def test_clients_in_a_terminal_and_in_unity(side, serve, runs, context, monkeypa
     kinds = [[], ["--unity"]] if side == "csharp" else [[]]
     server, endpoint = serve(KEY)
     _, slow = serve(KEY, "--slow-on", "3")
-    rep, nowhere = Rep(context, len(kinds)), steady_endpoint()
-    found = runs(
-        side,
-        KEY,
-        [
-            # Patient, so that none is sent twice: the server's lines are counted below.
-            *([*kind, "--endpoint", endpoint, "--timeout", "30"] for kind in kinds),
-            *([*kind, "--endpoint", rep.endpoint, *RETRIED] for kind in kinds),
-            *([*kind, "--endpoint", nowhere, "--timeout", "0.5", "--tries", "3"] for kind in kinds),
-            ["--endpoint", slow, "--naive"],
-        ],
-    )
+    ids, nowhere = [], steady_endpoint()
+    with answering(context, oddly(ids)) as odd:
+        found = runs(
+            side,
+            KEY,
+            [
+                # Patient, so that none is sent twice: the server's lines are counted below.
+                *([*kind, "--endpoint", endpoint, "--timeout", "30"] for kind in kinds),
+                *([*kind, "--endpoint", odd, *RETRIED] for kind in kinds),
+                *([*kind, "--endpoint", nowhere, "--timeout", "0.5", "--tries", "3"] for kind in kinds),
+                ["--endpoint", slow, "--naive"],
+            ],
+        )
     for kind, run in zip(kinds, found, strict=False):
         assert run.code == 0, run.lines
         *replies, last, before = [line for line in run.lines if "now true" not in line]
@@ -225,12 +218,10 @@ def test_clients_in_a_terminal_and_in_unity(side, serve, runs, context, monkeypa
     # The server prints after it has replied: its last line may come later than the client's end.
     server.wait_for(f"^{10 * len(kinds)}: sent")
     assert server.lines[1:] == [f"{i}: sent b'world'" for i in range(1, 10 * len(kinds) + 1)]
-    rep.thread.join(LIMIT)
     for number, run in enumerate(found[len(kinds) : 2 * len(kinds)]):
         assert run.code == 0, run.lines
-        ids = rep.ids[6 * number : 6 * number + 6]
-        assert ids[0] == ids[1] != ids[2] == ids[3] == ids[4] != ids[5], "a retry repeats its id, and no other request"
-        assert len(set(ids)) == 3
+        own = ids[6 * number : 6 * number + 6]
+        assert own[0] == own[1] != own[2] == own[3] == own[4] != own[5], "a retry repeats its id, and no other request"
         replies = [line for line in run.lines if "received" in line]
         assert replies == [f"{i}: sent echo grün ✓, received größer" for i in (1, 2, 3)]
         # What is shown is what a frame saw; a retry between two frames may stay unseen.
@@ -239,7 +230,7 @@ def test_clients_in_a_terminal_and_in_unity(side, serve, runs, context, monkeypa
         assert trouble and all(re.fullmatch(dropped, line) for line in trouble)
         assert len(set(trouble)) == len(trouble)
         assert frames(run)[0] > 15, "more than one for each reply: a slow answer stops none"
-    assert len(set(rep.ids)) == 3 * len(kinds)
+    assert len(set(ids)) == 3 * len(kinds)
     for run in found[2 * len(kinds) : -1]:
         assert run.code == 1
         assert run.lines.count(f"gave up: {lost(nowhere, 2)}") == 1

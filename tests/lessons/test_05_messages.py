@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
 import re
 import shutil
 import struct
-import threading
 
 import pytest
 import zmq
@@ -17,7 +15,7 @@ from netmq_example import messages
 from netmq_example.messages import Array, Message, MessageError
 from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.conftest import ask
+from tests.lessons.conftest import answering, ask
 from tests.programs import PATIENT, ROOT, finished, steady_endpoint
 
 KEY = "05_messages"
@@ -251,29 +249,6 @@ def test_an_answer_that_cannot_be_written_is_answered_with_an_error():
 # The clients, and servers that are not the kit's.
 
 
-@contextlib.contextmanager
-def answering(context, answer):
-    """A server by hand on a thread of its own, with the reply's frames for a request's; and where it is."""
-    over = threading.Event()
-
-    def serve():
-        with rep:
-            while not over.is_set():
-                if rep.poll(50):
-                    rep.send_multipart(answer(rep.recv_multipart()))
-
-    rep = context.socket(zmq.REP)
-    rep.linger = 0
-    endpoint = f"tcp://127.0.0.1:{rep.bind_to_random_port('tcp://127.0.0.1')}"
-    thread = threading.Thread(target=serve)
-    thread.start()
-    try:
-        yield endpoint
-    finally:
-        over.set()
-        thread.join()
-
-
 def echo(frames):
     def answer(request):
         if request.kind != "echo":
@@ -293,7 +268,7 @@ def test_all_clients_send_the_same_bytes_under_a_german_locale_as_well(kind, con
 
     with answering(context, answer) as endpoint:
         # As where output in a pipe is no UTF-8.
-        command = client_command(kind, KEY, endpoint, "--count", "1", *PATIENT)
+        command = client_command(kind, KEY, endpoint, "--count", "1", "--timeout", "60.5")
         client = start(*command, PYTHONIOENCODING="cp437", LANG="de_DE.UTF-8", LC_ALL="de_DE.UTF-8")
         assert client.wait() == 0, client.output
     ((header, pixels),) = asked

@@ -14,6 +14,7 @@ from netmq_example.errors import GaveUp
 from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
+from tests.lessons.conftest import answering, ask
 from tests.programs import LIMIT, PATIENT, free_port, steady_endpoint, two_ports
 
 KEY = "07_catch_up"
@@ -52,13 +53,8 @@ def numbers(lines, pattern):
 
 
 def request(context, endpoint, *frames):
-    with context.socket(zmq.REQ) as asker:
-        asker.linger = 0
-        asker.connect(endpoint)
-        asker.send_multipart(frames)
-        assert asker.poll(100_000), f"no reply to {frames!r:.80}"
-        (reply,) = asker.recv_multipart()
-        return reply
+    (reply,) = ask(context, endpoint, *frames)
+    return reply
 
 
 def while_running(client):
@@ -352,26 +348,11 @@ NO_SNAPSHOTS = [
 @pytest.mark.parametrize("kind", TERMINAL)
 def test_what_is_no_snapshot_ends_the_client_with_one_line(kind, context, runs):
     """Each has a server of its own: a client without a processor asks twice."""
-    routers, over = [context.socket(zmq.ROUTER) for _ in NO_SNAPSHOTS], threading.Event()
-    places = [bound(router) for router in routers]
-
-    def serve():
-        while not over.is_set():
-            for router, answer in zip(routers, NO_SNAPSHOTS, strict=True):
-                while router.poll(1):
-                    *way, _ = router.recv_multipart()
-                    router.send_multipart([*way, answer])
-        for router in routers:
-            router.close()
-
-    thread = threading.Thread(target=serve)
-    thread.start()
-    try:
+    with contextlib.ExitStack() as stack:
+        servers = [answering(context, lambda frames, reply=reply: [reply]) for reply in NO_SNAPSHOTS]
+        places = [stack.enter_context(server) for server in servers]
         words = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "30", "--snapshots"]
         found = runs(kind, KEY, [[*words, place] for place in places])
-    finally:
-        over.set()
-        thread.join()
     for where, (code, lines) in zip(places, found, strict=True):
         assert code == 1, lines
         assert lines[-1].startswith(f"gave up: what answers at {where} gives no snapshots:")

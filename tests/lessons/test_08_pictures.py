@@ -10,7 +10,8 @@ import struct
 import pytest
 
 from netmq_example.messages import Array, Message, MessageError
-from tests.lessons.test_05_messages import answering, echo
+from tests.lessons.conftest import answering
+from tests.lessons.test_05_messages import echo
 from tests.programs import finished
 
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
