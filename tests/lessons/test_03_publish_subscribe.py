@@ -175,32 +175,6 @@ def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):
     assert client.lines[-1] == "done: received 7"
 
 
-WRONG = {
-    "socket": [None, 0],
-    "endpoint": [None, 0, "", "127.0.0.1:5553", "tcp://127.0.0.1:0"],
-    "topic": [None, 0, b"pose/"],
-}
-
-
-@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
-def test_what_a_listener_cannot_use_is_named(name, values):
-    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
-        for value in values:
-            with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
-                TopicListener(**{"socket": socket, "endpoint": "tcp://127.0.0.1:5553", "topic": "pose/", name: value})
-
-
-def test_what_a_listener_cannot_wait_for_is_named():
-    with zmq.Context() as context, context.socket(zmq.REQ) as req, context.socket(zmq.SUB) as sub:
-        with pytest.raises(ValueError, match=r"^socket takes a SUB socket$"):
-            TopicListener(req, "tcp://127.0.0.1:5553", "pose/")
-        listener = TopicListener(sub, steady_endpoint(), "pose/")
-        for receive in (listener.receive, listener.newest):
-            for timeout in (None, -1, float("nan"), float("inf"), "", "1"):
-                with pytest.raises(ValueError, match=r"^timeout takes seconds, "):
-                    receive(timeout)
-
-
 def test_a_socket_that_is_closed_is_named():
     with zmq.Context() as context, context.socket(zmq.SUB) as socket:
         listener = TopicListener(socket, steady_endpoint(), "pose/")

@@ -339,21 +339,6 @@ def test_a_callback_that_asks_again_does_not_make_one_frame_last_for_ever():
         assert len(ends) == 1
 
 
-WRONG = {
-    "endpoint": [None, 0, "", "127.0.0.1:5554", "tcp://127.0.0.1:0"],
-    "timeout": [None, 0, -1, float("nan"), float("inf"), "1"],
-    "tries": [None, 0, -1, float("nan"), 1.5, ""],
-    "capacity": [None, 0, -1, float("nan"), 1.5, ""],
-}
-
-
-@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
-def test_what_the_python_client_cannot_use_is_named(name, values):
-    for value in values:
-        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
-            BackgroundClient(**{"endpoint": "tcp://127.0.0.1:5554", name: value})
-
-
 def test_a_wrong_request_to_the_python_client_takes_no_place():
     """It is named where it is made, and not a frame later."""
     with contextlib.closing(BackgroundClient("tcp://127.0.0.1:5554", capacity=1)) as client:

@@ -294,23 +294,6 @@ def test_against_a_server_by_hand(side, context, runs):
 # The Python client in code
 
 
-WRONG: dict[str, list[object]] = {
-    "context": [None, 0],
-    "endpoint": [None, 0, "", "127.0.0.1:5556", "tcp://127.0.0.1:0"],
-    "window": [None, 0, -1, float("nan"), 1.5, ""],
-    "timeout": [None, 0, -1, float("nan"), float("inf"), "1"],
-    "tries": [None, 0, -1, float("nan"), 1.5, ""],
-    "report": [None, 0],
-}
-
-
-@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
-def test_what_a_requester_cannot_use_is_named(name, values, context):
-    for value in values:
-        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
-            ManyRequester(**{"context": context, "endpoint": "tcp://127.0.0.1:5556", name: value})
-
-
 def test_requests_that_are_no_texts_are_named(context):
     with contextlib.closing(ManyRequester(context, steady_endpoint())) as requester:
         # A text alone would be a request for each of its letters.
@@ -332,13 +315,7 @@ def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing():
         ManyRequester(context, "nonsense://x")
 
 
-def test_worker_threads_name_what_they_cannot_use():
-    for number in (None, 0, -1, float("nan"), 1.5, "", 100_000):
-        with pytest.raises(ValueError, match=r"^number takes a whole number from 1 to 256, not "):
-            WorkerThreads(number, str)
-    for answer in (None, 0):
-        with pytest.raises(TypeError, match=r"^answer takes a function, not "):
-            WorkerThreads(1, answer)
+def test_worker_threads_take_only_bytes():
     for request in (None, "text"):
         with pytest.raises(TypeError, match=r"^request takes a bytes, not "):
             WorkerThreads(1, str).begin("key", request)

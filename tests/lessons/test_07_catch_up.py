@@ -11,7 +11,7 @@ import pytest
 import zmq
 
 from netmq_example.errors import GaveUp
-from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
+from netmq_example.pose_stream import PoseSubscriber
 from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS
 from tests.lessons.conftest import answering, ask
@@ -464,31 +464,6 @@ def test_where_100_higher_is_no_port_it_says_so(runs):
 
 
 # The class, without a program around it
-
-WRONG = {
-    "stream": lambda stream, where: PoseSubscriber(None, where),
-    "report": lambda stream, where: PoseSubscriber(stream, where, report=0),
-    "bad endpoint ''": lambda stream, where: PoseSubscriber(stream, ""),
-    "bad endpoint 'None'": lambda stream, where: PoseSubscriber(stream, None),
-    "bad endpoint '-1'": lambda stream, where: PoseSubscriber(stream, where, -1),
-    "bad endpoint 'tcp://127.0.0.1:65600'": lambda stream, where: PoseSubscriber(stream, "tcp://127.0.0.1:65500"),
-    "bad endpoint 'tcp://127.0.0.1'": lambda stream, where: snapshots_beside("tcp://127.0.0.1"),
-    **{
-        f"timeout takes seconds, .* not {timeout!r}": lambda stream, where, timeout=timeout: PoseSubscriber(
-            stream, where
-        ).receive(timeout)
-        for timeout in (0, -1, None, float("nan"), "5")
-    },
-}
-
-
-def test_what_a_subscriber_cannot_use_is_named(context):
-    for says, call in WRONG.items():
-        with context.socket(zmq.SUB) as stream, pytest.raises((ValueError, TypeError), match=says) as refusal:
-            call(stream, "tcp://127.0.0.1:5557")
-        assert "\n" not in str(refusal.value)
-    with context.socket(zmq.REQ) as socket, pytest.raises(ValueError, match="stream takes a SUB socket"):
-        PoseSubscriber(socket, "tcp://127.0.0.1:5557")
 
 
 def test_what_is_no_publisher_is_no_timeout(context):

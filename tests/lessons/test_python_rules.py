@@ -1,0 +1,76 @@
+"""Each Python client of lessons 02 to 07 says in one line which value it cannot use (in C#: test_csharp_rules.py)."""
+
+from __future__ import annotations
+
+import pytest
+import zmq
+
+from netmq_example.background_client import BackgroundClient
+from netmq_example.lazy_pirate import LazyPirate
+from netmq_example.many_requester import ManyRequester
+from netmq_example.pose_stream import PoseSubscriber, snapshots_beside
+from netmq_example.topic_listener import TopicListener
+from netmq_example.worker_threads import WorkerThreads
+
+NAN, INFINITE = float("nan"), float("inf")
+WHOLE: list[object] = [None, 0, -1, NAN, 1.5, ""]
+WRONG: dict[str, list[object]] = {
+    "context": [None, 0],
+    "stream": [None, 0],
+    "socket": [None, 0],
+    "endpoint": [None, 0, "", "127.0.0.1:5552", "tcp://127.0.0.1:0"],
+    "snapshots": [-1, "127.0.0.1:5552", "tcp://127.0.0.1:0"],
+    "timeout": [None, 0, -1, NAN, INFINITE, "1"],
+    "tries": WHOLE,
+    "window": WHOLE,
+    "capacity": WHOLE,
+    "number": [*WHOLE, 100_000],
+    "topic": [None, 0, b"pose/"],
+    "report": [None, 0],
+    "answer": [None, 0],
+}
+WHERE = "tcp://127.0.0.1:5552"
+
+
+def needs(context, sub):
+    """What each is made with, and what else it takes."""
+    return [
+        (LazyPirate, {"context": context, "endpoint": WHERE}, ["timeout", "tries", "report"]),
+        (ManyRequester, {"context": context, "endpoint": WHERE}, ["window", "timeout", "tries", "report"]),
+        (BackgroundClient, {"endpoint": WHERE}, ["timeout", "tries", "capacity"]),
+        (TopicListener, {"socket": sub, "endpoint": WHERE, "topic": "pose/"}, []),
+        (PoseSubscriber, {"stream": sub, "endpoint": WHERE}, ["snapshots", "report"]),
+        (WorkerThreads, {"number": 1, "answer": str}, []),
+    ]
+
+
+def test_what_a_class_cannot_use_is_named(context):
+    with context.socket(zmq.SUB) as sub:
+        for kind, right, more in needs(context, sub):
+            for name in (*right, *more):
+                for value in WRONG[name]:
+                    words = {**right, name: value}
+                    with pytest.raises((ValueError, TypeError), match=rf"^({name} |bad endpoint ).+$"):
+                        kind(**words)
+
+
+def test_what_only_one_of_them_refuses(context):
+    with context.socket(zmq.REQ) as req, context.socket(zmq.SUB) as sub:
+        for says, make in {
+            "socket takes a SUB socket": lambda: TopicListener(req, WHERE, "pose/"),
+            "stream takes a SUB socket, not ": lambda: PoseSubscriber(req, WHERE),
+            "bad endpoint 'tcp://127.0.0.1:65600'": lambda: PoseSubscriber(sub, "tcp://127.0.0.1:65500"),
+            "bad endpoint 'tcp://127.0.0.1'": lambda: snapshots_beside("tcp://127.0.0.1"),
+        }.items():
+            with pytest.raises(ValueError, match=f"^{says}"):
+                make()
+
+
+def test_what_cannot_be_waited_for_is_named(context):
+    with context.socket(zmq.SUB) as one, context.socket(zmq.SUB) as other:
+        listener = TopicListener(one, WHERE, "pose/")
+        receives = (listener.receive, [-1]), (listener.newest, [-1]), (PoseSubscriber(other, WHERE).receive, [0, -1])
+        for receive, wrong in receives:
+            for timeout in (None, *wrong, NAN, INFINITE, "", "1"):
+                with pytest.raises(ValueError, match=r"^timeout takes seconds, "):
+                    receive(timeout)
