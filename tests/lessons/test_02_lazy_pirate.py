@@ -7,7 +7,6 @@ import itertools
 import os
 import random
 import re
-import socket
 import sqlite3
 import subprocess
 import sys
@@ -233,13 +232,8 @@ def test_a_bad_request_gets_an_error_and_changes_nothing(pirate_server, context)
     assert "Traceback" not in server.output
 
 
-def test_peers_that_leave_half_way_and_envelopes_that_are_none(pirate_server, context):
+def test_envelopes_that_are_none(pirate_server, context):
     server, endpoint = pirate_server()
-    port = int(endpoint.rpartition(":")[2])
-    greeting = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32)
-    for noise in [b"GET / HTTP/1.1\r\n\r\n", b"\0" * 5000, greeting[:20], greeting + b"\x04\xff" + bytes(40)]:
-        with socket.create_connection(("127.0.0.1", port)) as raw:
-            raw.sendall(noise)
     # Too little, and no text; a DEALER may leave out REQ's empty frame.
     for frames in ([b""], [b"", b"", b""], [b"add 1"], [b"x", b"y", b"add 1"]):
         assert ask(context, endpoint, *frames, kind=zmq.DEALER)[-1].startswith(b"error: expected ")
@@ -369,22 +363,6 @@ def test_what_a_client_sends_is_printed_without_harm(serve, journal, context):
     ]
 
 
-def test_a_request_that_is_too_large_is_not_read(pirate_server, context):
-    server, endpoint = pirate_server()
-    with context.socket(zmq.REQ) as rude:
-        rude.linger = 0
-        # It is disconnected when the server has met what it announces.
-        monitor = rude.get_monitor_socket(zmq.EVENT_DISCONNECTED)
-        rude.connect(endpoint)
-        rude.send_multipart([b"i" * 10_000_000, b"add 1"])
-        assert monitor.poll(100_000), "it is still connected"
-        assert ask(context, endpoint, b"1", b"add 1") == [b"1", b"1"]
-        rude.disable_monitor()
-    server.wait_for("^request 1, ")
-    assert server.stop() == 0
-    assert len(server.lines) == 3
-
-
 def test_a_flood_of_bad_requests_is_no_flood_of_lines(pirate_server, context):
     """Nor does it drive what was done out of the journal."""
     server, endpoint = pirate_server()
@@ -400,40 +378,6 @@ def test_a_flood_of_bad_requests_is_no_flood_of_lines(pirate_server, context):
     assert len(server.lines) == 3
     with contextlib.closing(sqlite3.connect(server.lines[0].split()[1].rstrip(","))) as db:
         assert db.execute("SELECT id FROM journal").fetchall() == [(b"first",)]
-
-
-def test_a_mistake_in_ones_own_answer_is_told_to_both_sides(start, journal, context):
-    code = (
-        f"import sys; sys.path.insert(0, {str(SERVER.parent)!r}); import server\n"
-        "right = server.answer\n"
-        "def answer(db, text):\n"
-        "    reply = right(db, text)\n"
-        "    if text == 'add 7':\n"
-        "        raise KeyError('no such\\nkey')\n"
-        "    return reply\n"
-        "server.answer = answer; server.main()"
-    )
-    server = start(PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:0", "--journal", journal)
-    endpoint = server.wait_for(r"^listening on (\S+)")[1]
-    assert ask(context, endpoint, b"bad", b"add 7") == [b"bad", b"error: KeyError('no such\\nkey')"]
-    server.wait_for("^Traceback")
-    assert ask(context, endpoint, b"good", b"add 1") == [b"good", b"1"]
-
-
-WRONG = {
-    "context": [None, 0],
-    "endpoint": [None, 0, "", "127.0.0.1:5552", "tcp://127.0.0.1:0"],
-    "timeout": [None, 0, -1, float("nan"), float("inf"), "1"],
-    "tries": [None, 0, -1, float("nan"), 1.5, ""],
-    "report": [None, 0],
-}
-
-
-@pytest.mark.parametrize(("name", "values"), WRONG.items(), ids=WRONG)
-def test_what_a_lazy_pirate_cannot_use_is_named(name, values, context):
-    for value in values:
-        with pytest.raises((ValueError, TypeError), match=rf"^(bad )?{name} .+$"):
-            LazyPirate(**{"context": context, "endpoint": "tcp://127.0.0.1:5552", name: value})
 
 
 def test_a_request_that_cannot_be_sent_is_refused_at_once(context):
@@ -458,7 +402,7 @@ def test_a_context_that_is_ended_is_named():
             use()
 
 
-def test_a_journal_refuses_what_it_could_not_keep(journal):
+def test_a_journal_refuses_what_it_could_not_keep(journal, capsys):
     for path in (None, 0, 5):
         with pytest.raises(TypeError, match=r"^path takes a str"):
             Journal(path)
@@ -470,6 +414,14 @@ def test_a_journal_refuses_what_it_could_not_keep(journal):
     # A mistake in the work: nobody would be answered, the first time and ever after.
     for reply in (None, 5, ""):
         assert book.do(b"1", "", lambda db, text, reply=reply: reply).startswith("error: ValueError(")
+
+    def raises(db, text):
+        db.execute("UPDATE account SET balance = 7")
+        raise KeyError("no such\nkey")
+
+    assert book.do(b"1", "", raises) == "error: KeyError('no such\\nkey')"
+    assert capsys.readouterr().err.count("Traceback") == 4
+    assert book.db.execute("SELECT balance FROM account").fetchone() == (0,), "what it changed is taken back"
     assert book.find(b"1") == ""
     assert book.do(b"1", "", lambda db, text: "1") == book.find(b"1") == "1"
     with pytest.raises(sqlite3.IntegrityError):
@@ -480,19 +432,16 @@ def test_a_journal_refuses_what_it_could_not_keep(journal):
 class Storm:
     """A server that is killed again and again, and clients that want their additions done."""
 
-    def __init__(self, start, journal, command, clients, adds, mean):
-        self.start, self.journal, self.mean = start, journal, mean
+    def __init__(self, start, journal, command, clients, adds):
+        self.start, self.journal = start, journal
         self.endpoint = steady_endpoint()
         self.kills = 0
-        self.servers = [self.begin()]
-        self.ready()
+        self.begin().wait_for("^listening on ")
         self.clients = [start(*command(self.endpoint, "--count", str(adds), "--tries", "20")) for _ in range(clients)]
 
     def begin(self):
-        return self.start(PYTHON, SERVER, "--endpoint", self.endpoint, "--journal", self.journal)
-
-    def ready(self):
-        return self.servers[-1].wait_for(r"^listening on ")
+        self.server = self.start(PYTHON, SERVER, "--endpoint", self.endpoint, "--journal", self.journal)
+        return self.server
 
     def running(self):
         return [client for client in self.clients if client.process.poll() is None]
@@ -500,35 +449,28 @@ class Storm:
     def rage(self):
         """Kill and restart until every client has ended."""
         while self.running():
-            self.let_it_serve(random.randrange(2 * self.mean))
+            self.let_it_serve(random.randrange(20))
             self.kill()
             # Now and then in its first moments, while it opens the journal that the last kill left.
             if random.random() < 0.2:
-                self.servers.append(self.begin())
-                try:
-                    self.servers[-1].process.wait(random.uniform(0, 0.3))
-                except subprocess.TimeoutExpired:
-                    pass
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self.begin().process.wait(random.uniform(0, 0.3))
                 self.kill()
-            self.servers.append(self.begin())
-            self.ready()
+            self.begin().wait_for("^listening on ")
             self.wait_for_answers()
 
     def kill(self):
-        self.servers[-1].kill()
+        self.server.kill()
         self.kills += 1
 
     def let_it_serve(self, requests):
         """Wait until this server's life has so many requests more, or nobody is left to ask."""
-        server = self.servers[-1]
-        wanted = len(server.lines) + requests
+        wanted = len(self.server.lines) + requests
         deadline = time.monotonic() + LIMIT
-        while len(server.lines) < wanted and self.running():
+        while len(self.server.lines) < wanted and self.running():
             assert time.monotonic() < deadline, f"stuck; {[client.lines[-1] for client in self.clients]}"
-            try:
-                server.wait_for("", limit=0.05, start=wanted - 1)
-            except AssertionError:
-                assert server.process.poll() is None, server.output
+            assert self.server.process.poll() is None, self.server.output
+            time.sleep(0.01)
 
     def wait_for_answers(self):
         """Sometimes wait until each client is answered; at other times the next kill may come before."""
@@ -548,7 +490,7 @@ def test_a_sum_stays_exact_while_the_server_is_killed(kind, start, journal, clie
     # A fast machine may be done with all additions before it was hit often.
     for number in itertools.count():
         own = journal.with_name(f"{number}.sqlite3")
-        storm = Storm(start, own, lambda *words: client_command(kind, KEY, *words), clients=3, adds=25, mean=10)
+        storm = Storm(start, own, lambda *words: client_command(kind, KEY, *words), clients=3, adds=25)
         storm.rage()
         for client in storm.clients:
             assert client.wait() == 0, client.output
