@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import re
 import socket
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 import zmq
@@ -412,13 +410,10 @@ def test_what_the_server_answers_and_whom_it_refuses(serve, connect, context):
     # REQ puts an empty frame first, which is an id like any other.
     assert ask(connect(endpoint, zmq.REQ), b"sleep 0.01") == [b"slept 0.01"]
 
-    # A message that is too large ends its connection only: it connects again, and what it asks then is answered.
-    assert ask(other, b"1", b"sleep 0") == [b"1", b"slept 0"]
+    # The longest request, and what was sent behind one that is too long, over another connection.
     assert ask(client, b"1", b"echo " + b"x" * 65_000) == [b"1", b"x" * 65_000]
     client.send_multipart([b"2", b"echo " + b"x" * 10_000_000])
-    client.send_multipart([b"3", b"echo c"])
-    assert receive(client) == [b"3", b"c"]
-    assert ask(other, b"2", b"echo b") == [b"2", b"b"]
+    assert ask(client, b"3", b"echo c") == [b"3", b"c"]
 
     # A place is free again when its request is done.
     for _ in range(2):
@@ -450,25 +445,3 @@ def test_what_the_server_answers_and_whom_it_refuses(serve, connect, context):
     # It ends at once with all its workers at work.
     assert server.stop(limit=30) == 0
     assert "Traceback" not in server.output
-
-
-def test_a_client_that_never_reads_does_not_fill_the_servers_memory(serve, connect):
-    server, endpoint = serve(KEY)
-    status = Path(f"/proc/{server.process.pid}/status")
-    if not status.exists():
-        pytest.skip("this system has no /proc to read the server's memory from")
-
-    def memory():
-        return int(re.search(r"VmRSS:\s+(\d+) kB", status.read_text())[1]) * 1024
-
-    silent, other = connect(endpoint), connect(endpoint)
-    # It takes nothing in, so that its replies stay on the server's side.
-    silent.setsockopt(zmq.RCVHWM, 1)
-    text = b"echo " + b"x" * 20_000
-    ask(other, b"1", text)
-    before = memory()
-    for i in range(5000):
-        silent.send_multipart([b"%d" % i, text])
-        if i % 100 == 0:
-            ask(other, b"1", text)
-    assert memory() - before < 50e6, "a hundred million bytes of replies were due"
