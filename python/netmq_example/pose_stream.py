@@ -26,12 +26,8 @@ import zmq
 from netmq_example import check
 from netmq_example.errors import GaveUp
 from netmq_example.one_process import OneProcess
-from netmq_example.program import encoded
+from netmq_example.program import SLICE_MS, Socket, encoded, limit
 
-# The largest frame that is taken, in bytes: a peer that announces a larger one is disconnected before it arrives.
-LARGEST_BYTES = 65_536
-# The longest wait in one piece, in milliseconds: on Windows Ctrl-C is heard only between two waits.
-SLICE_MS = 200
 # After so much silence a subscriber asks for a snapshot: the message that was lost may have been the last one.
 SILENCE_SECONDS = 1.0
 # New connections without a pose after which the stream's port is taken for closed.
@@ -105,7 +101,7 @@ class PoseSubscriber(OneProcess):
 
     def __init__(
         self,
-        stream: zmq.Socket[bytes],
+        stream: Socket,
         endpoint: str,
         snapshots: str = "",
         report: Callable[[str], object] = print,
@@ -123,8 +119,7 @@ class PoseSubscriber(OneProcess):
         self.received = 0
         self.missed = 0
         self.connections = 0
-        stream.linger = 0
-        stream.maxmsgsize = LARGEST_BYTES
+        limit(stream)
         stream.subscribe("pose/")
         stream.connect(self.endpoint)
 
@@ -180,8 +175,7 @@ class PoseSubscriber(OneProcess):
         while (left := end - time.monotonic()) > 0:
             # Each try has a new socket, as in lesson 02, and more time: a new connection takes four round trips.
             with self.stream.context.socket(zmq.REQ) as socket:
-                socket.linger = 0
-                socket.maxmsgsize = LARGEST_BYTES
+                limit(socket)
                 socket.connect(self.snapshots)
                 socket.send_string("pose/")
                 text = take(socket, min(wait, left))
@@ -196,7 +190,7 @@ class PoseSubscriber(OneProcess):
         raise TimeoutError(f"no snapshot from {self.snapshots} within {timeout:g} s; is the server running?")
 
 
-def take(socket: zmq.Socket[bytes], timeout: float) -> str | None:
+def take(socket: Socket, timeout: float) -> str | None:
     """The next message, or None. One of several frames is no pose and no snapshot, and as good as an empty one."""
     end = time.monotonic() + timeout
     while not socket.poll(SLICE_MS) and time.monotonic() < end:
