@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 
@@ -13,7 +12,7 @@ import pytest
 import zmq
 
 from netmq_example import replies
-from tests.bad_peers import ProtocolBreaker, zmtp_frame
+from tests.bad_peers import ProtocolBreaker
 from tests.conftest import CLIENTS, PYTHON
 from tests.lessons.conftest import answering, ask
 from tests.programs import PATIENT, ROOT, finished, steady_endpoint
@@ -133,43 +132,6 @@ def test_a_text_that_the_server_would_not_take_is_named(run, serve):
     assert long.code == 2 and "--text takes at most 65536 bytes" in long.lines[-1], long
     right = run("python", KEY, "--endpoint", serve(KEY)[1], "--text", "ü" * 32_768, "--count", "1", *PATIENT)
     assert right.lines[-1] == "done: 1 replies", right
-
-
-def test_peers_that_leave_half_way_and_one_that_is_no_req(serve, context):
-    server, endpoint = serve(KEY)
-    # A request whose sender has gone before the reply.
-    for _ in range(20):
-        with context.socket(zmq.REQ) as leaver:
-            leaver.linger = 100
-            leaver.connect(endpoint)
-            leaver.send(b"Hello")
-    # A DEALER without REQ's empty delimiter frame: REP drops that, as ZeroMQ's request-reply protocol says.
-    # (When such a peer also leaves at once, libzmq up to 4.3.5 loses the next client's reply: a case for lesson 02.)
-    with context.socket(zmq.DEALER) as dealer:
-        dealer.linger = 0
-        dealer.connect(endpoint)
-        dealer.send(b"Hello")
-        dealer.send_multipart([b"", b"Hello"])
-        assert dealer.poll(100_000)
-        assert dealer.recv_multipart() == [b"", b"World"]
-    assert ask(context, endpoint, b"", b"Hello", kind=zmq.DEALER) == [b"", b"World"]
-    assert server.stop() == 0
-
-
-def test_a_zmtp_client_that_shares_no_library_with_the_server(serve):
-    """The ZMTP 3.0 protocol (rfc.zeromq.org/spec/23) by hand, as a client of any other make would speak it."""
-    _, endpoint = serve(KEY)
-    port = int(endpoint.rpartition(":")[2])
-    with socket.create_connection(("127.0.0.1", port), timeout=20) as raw, raw.makefile("rb") as stream:
-        raw.sendall(b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + b"\0" + bytes(31))
-        assert stream.read(64)[12:16] == b"NULL"
-        ready = b"\x05READY" + b"\x0bSocket-Type" + (3).to_bytes(4, "big") + b"REQ"
-        raw.sendall(bytes([4, len(ready)]) + ready)
-        flags, size = stream.read(2)
-        assert flags == 4
-        assert stream.read(size).startswith(b"\x05READY")
-        raw.sendall(zmtp_frame(b"", more=True) + zmtp_frame(b"Hello"))
-        assert stream.read(2 + 2 + 5) == zmtp_frame(b"", more=True) + zmtp_frame(b"World")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to end a program with")
