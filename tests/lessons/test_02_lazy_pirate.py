@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import os
 import random
 import re
@@ -414,78 +413,42 @@ def test_a_journal_refuses_what_it_could_not_keep(journal, capsys):
     book.db.close()
 
 
-class Storm:
-    """A server that is killed again and again, and clients that want their additions done."""
-
-    def __init__(self, start, journal, command, clients, adds):
-        self.start, self.journal = start, journal
-        self.endpoint = steady_endpoint()
-        self.kills = 0
-        self.begin().wait_for("^listening on ")
-        self.clients = [start(*command(self.endpoint, "--count", str(adds), "--tries", "20")) for _ in range(clients)]
-
-    def begin(self):
-        self.server = self.start(PYTHON, SERVER, "--endpoint", self.endpoint, "--journal", self.journal)
-        return self.server
-
-    def running(self):
-        return [client for client in self.clients if client.process.poll() is None]
-
-    def rage(self):
-        """Kill and restart until every client has ended."""
-        while self.running():
-            self.let_it_serve(random.randrange(20))
-            self.kill()
-            # Now and then in its first moments, while it opens the journal that the last kill left.
-            if random.random() < 0.2:
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    self.begin().process.wait(random.uniform(0, 0.3))
-                self.kill()
-            self.begin().wait_for("^listening on ")
-            self.wait_for_answers()
-
-    def kill(self):
-        self.server.kill()
-        self.kills += 1
-
-    def let_it_serve(self, requests):
-        """Wait until this server's life has so many requests more, or nobody is left to ask."""
-        wanted = len(self.server.lines) + requests
+@pytest.mark.parametrize("kind", ["python", "csharp"])
+def test_a_sum_stays_exact_while_the_server_is_killed(kind, pirate_server, journal, start, client_command, context):
+    endpoint = steady_endpoint()
+    server, _ = pirate_server(endpoint=endpoint)
+    command = client_command(kind, KEY, endpoint, "--count", "25", "--tries", "20")
+    clients = [start(*command) for _ in range(3)]
+    kills = 0
+    while asking := [client for client in clients if client.process.poll() is None]:
+        # After so many more requests, or when nobody is left to ask.
+        wanted = len(server.lines) + random.randrange(20)
         deadline = time.monotonic() + LIMIT
-        while len(self.server.lines) < wanted and self.running():
-            assert time.monotonic() < deadline, f"stuck; {[client.lines[-1] for client in self.clients]}"
-            assert self.server.process.poll() is None, self.server.output
-            time.sleep(0.01)
-
-    def wait_for_answers(self):
-        """Sometimes wait until each client is answered; at other times the next kill may come before."""
+        while len(server.lines) < wanted and any(client.process.poll() is None for client in asking):
+            assert time.monotonic() < deadline and server.process.poll() is None, server.output
+            with contextlib.suppress(AssertionError):
+                server.wait_for("", limit=0.05, start=wanted - 1)
+        server.kill()
+        kills += 1
+        # Now and then once more in its first moments, while it opens the journal that the last kill left.
         if random.random() < 0.2:
-            return
-        seen = {client: len(client.lines) for client in self.running()}
-        for client, lines in seen.items():
+            early = start(PYTHON, SERVER, "--endpoint", endpoint, "--journal", journal)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                early.process.wait(random.uniform(0, 0.3))
+            early.kill()
+        server, _ = pirate_server(endpoint=endpoint)
+        # Most are answered before the next kill, others perhaps not.
+        heard = {client: len(client.lines) for client in asking if random.random() < 0.8}
+        for client, lines in heard.items():
             try:
                 client.wait_for("received", start=lines)
             except AssertionError:
                 assert client.wait() == 0, client.output
-
-
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_a_sum_stays_exact_while_the_server_is_killed(kind, start, journal, client_command, context):
-    kills = 0
-    # A fast machine may be done with all additions before it was hit often.
-    for number in itertools.count():
-        own = journal.with_name(f"{number}.sqlite3")
-        storm = Storm(start, own, lambda *words: client_command(kind, KEY, *words), clients=3, adds=25)
-        storm.rage()
-        for client in storm.clients:
-            assert client.wait() == 0, client.output
-            assert client.lines[-1] == "done: 25 replies"
-            balances = [int(line.rpartition(" ")[2]) for line in replies(client)]
-            assert len(balances) == 25
-            assert balances == sorted(set(balances)), "each addition is answered with the balance after it"
-        assert balance(context, storm.endpoint) == 25 * len(storm.clients)
-        kills += storm.kills
-        storm.kill()
-        if kills >= 4:
-            return
-        assert number < 10, storm.kills
+    for client in clients:
+        assert client.wait() == 0, client.output
+        assert client.lines[-1] == "done: 25 replies"
+        balances = [int(line.rpartition(" ")[2]) for line in replies(client)]
+        assert len(balances) == 25
+        assert balances == sorted(set(balances)), "each addition is answered with the balance after it"
+    assert balance(context, endpoint) == 25 * len(clients)
+    assert kills >= 3
