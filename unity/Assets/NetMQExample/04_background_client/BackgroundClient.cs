@@ -38,7 +38,6 @@ namespace NetMQExample
     /// <summary>Asks a server without ever making the calling thread wait. Each client has its own thread.</summary>
     public sealed class BackgroundClient : IDisposable
     {
-
         private readonly ConcurrentQueue<(Action<string> callback, string text)> done = new();
         // With room for as many as may usually wait: to grow when the network is late would allocate memory in a frame.
         private readonly Queue<(string text, Action<string> reply, Action<string> error)> waiting = new(64);

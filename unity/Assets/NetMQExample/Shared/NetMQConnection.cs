@@ -1,8 +1,8 @@
 // A socket as every client of this kit uses it: with a checked endpoint, limits, and waits that can be ended.
 //
 //     using var connection = new NetMQConnection("tcp://127.0.0.1:5551", () => new RequestSocket());
-//     connection.Send(timeout, stop, "Hello");
-//     var frames = connection.Receive(timeout, stop);
+//     if (!connection.TrySend(timeout, stop, "Hello") || !connection.TryReceive(timeout, stop, out var frames))
+//         throw connection.NoReply(timeout);
 using System;
 using System.Collections;
 using System.Collections.Concurrent;
@@ -211,18 +211,6 @@ namespace NetMQExample
             }
             return false;
         }
-
-        /// <summary>Sends as <see cref="TrySend"/> does.</summary>
-        /// <exception cref="TimeoutException">It was not sent.</exception>
-        public void Send(TimeSpan timeout, CancellationToken stop, params string[] frames)
-        {
-            if (!TrySend(timeout, stop, frames)) throw NoReply(timeout);
-        }
-
-        /// <summary>Receives as <see cref="TryReceive"/> does.</summary>
-        /// <exception cref="TimeoutException">No message came.</exception>
-        public List<string> Receive(TimeSpan timeout, CancellationToken stop) =>
-            TryReceive(timeout, stop, out var frames) ? frames : throw NoReply(timeout);
 
         /// <summary>Closes the socket, with what it has not sent yet.</summary>
         public void Close()
