@@ -42,9 +42,9 @@ def answer(text):
 
 def test_classes_of_ones_own_in_csharp(serve_own, start, netmq):
     dll = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
-    program = start("dotnet", dll, "background", f"ask={serve_own(TOLD)[1]}")
+    program = start("dotnet", dll, "background", f"Ask={serve_own(TOLD)[1]}")
     assert program.wait() == 0, program.output
-    assert program.lines == ["ask: ok"]
+    assert program.lines == ["Ask: ok"]
 
 
 JSON = """

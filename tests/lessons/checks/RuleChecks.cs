@@ -72,6 +72,7 @@ namespace NetMQExample.Tests
                     Refused($"{typeof(T).Name} after Dispose", "disposed", "a use", () => use(client));
             }
             var hi = new Message("hi");
+            var tooLong = new string('ä', 32_769);
             Client(new HelloRequester(Endpoint), "text", it => it.Request(null, second),
                 it => it.Request("x", second), it => it.Send("x", second), it => it.Receive(second));
             Client(new LazyPirateRequester(Endpoint, second, 1, Quiet), "text", it => it.Request(null),
@@ -95,7 +96,7 @@ namespace NetMQExample.Tests
             Client(new MessageDealer(Endpoint, second), "", null, it => it.Send(hi, default),
                 it => it.Receive(second, default));
             Client(new BackgroundClient(Endpoint), "text", it => it.Request(null, null));
-            var tooLong = new string('ä', 32_769);
+            Client(new BackgroundClient(Endpoint), "text has more", it => it.Request(tooLong, null));
             Client(new HelloRequester(Endpoint), "text has more", it => it.Request(tooLong, second));
             Client(new LazyPirateRequester(Endpoint, second, 1, Quiet), "text has more", it => it.Request(tooLong));
             Client(new SecureRequester(Endpoint, null, second, 1, Quiet), "text has more", it => it.Request(tooLong));
