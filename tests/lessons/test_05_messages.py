@@ -140,7 +140,7 @@ def test_csharp_writes_no_value_that_the_standard_lacks(messages_program):
     *wrong, one, two, most, more = done.stdout.splitlines()[1:]
     assert wrong == ["bad-value"] * 3 + ["wrong-type"] * 3 + ["too-big"]
     assert ('"it":1.0}' in one, '"it":2}' in two) == (True, True), done.stdout
-    assert (most, more) == ("ok", "too-big")
+    assert most.startswith('{"kind":"echo"') and more == "too-big"
 
 
 def test_a_requester_that_was_refused_asks_again(messages_program, context):
