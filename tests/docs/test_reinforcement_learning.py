@@ -8,7 +8,6 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -42,7 +41,7 @@ env = gymnasium.make("NetMQExample/Unity-v0", env_name="Coins", max_episode_step
 """
 
 
-def run(number: int, folder: Path, before: str = "", after: str = "") -> str:
+def run(number, folder, before="", after=""):
     script = elsewhere(before + PYTHON[number] + after)
     for many, few in FEWER.items():
         script = script.replace(many, few)
@@ -64,7 +63,7 @@ def run(number: int, folder: Path, before: str = "", after: str = "") -> str:
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     """A reader's, with the scripts of the page."""
     for code in CSHARP:
         name = re.search(r"class (\w+)", code)
@@ -73,13 +72,13 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def needs(*modules: str) -> pytest.MarkDecorator:
+def needs(*modules):
     lacking = [name for name in modules if not importlib.util.find_spec(name)]
     return pytest.mark.skipif(bool(lacking), reason=f"it needs {', '.join(lacking)}")
 
 
 @needs("stable_baselines3")
-def test_a_pole_is_learnt_and_filmed(folder: Path) -> None:
+def test_a_pole_is_learnt_and_filmed(folder):
     assert re.search(r"^512 steps: \d+ of 500$", run(0, folder), re.MULTILINE)
     if importlib.util.find_spec("moviepy"):
         run(1, folder)
@@ -88,15 +87,15 @@ def test_a_pole_is_learnt_and_filmed(folder: Path) -> None:
 
 @needs("stable_baselines3")
 @pytest.mark.skipif(not shutil.which("dotnet"), reason="it needs .NET")
-def test_a_scene_of_ones_own_is_learnt(folder: Path) -> None:
+def test_a_scene_of_ones_own_is_learnt(folder):
     assert re.search(r"^2048 steps: \d+ of 500$", run(2, folder), re.MULTILINE)
 
 
 @needs("stable_baselines3")
-def test_attributes_are_learnt(folder: Path) -> None:
+def test_attributes_are_learnt(folder):
     run(3, folder, before=COINS, after="env.close()\n")
 
 
 @needs("torch", "gymnasium")
-def test_the_loop_learns(folder: Path) -> None:
+def test_the_loop_learns(folder):
     assert re.search(r"^8192 steps: \d+ of 500$", run(4, folder), re.MULTILINE)
