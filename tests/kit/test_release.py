@@ -6,7 +6,6 @@ import io
 import subprocess
 import tarfile
 import zipfile
-from pathlib import Path
 
 import pytest
 
@@ -16,7 +15,7 @@ from kitlib.unity import install
 
 
 @pytest.fixture
-def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def checkout(tmp_path, monkeypatch):
     """A small repository, NetMQ's DLLs in a folder of NuGet's, and a changelog that has the version."""
     root = tmp_path / "kit"
     root.mkdir()
@@ -35,7 +34,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return root
 
 
-def test_it_has_what_was_committed_and_unitys_package(checkout: Path, tmp_path: Path) -> None:
+def test_it_has_what_was_committed_and_unitys_package(checkout, tmp_path):
     release.release(tmp_path / "out")
     with zipfile.ZipFile(tmp_path / "out" / "NetMQExample-1.2.3.zip") as sources:
         names = {name for name in sources.namelist() if not name.endswith("/")}
@@ -55,7 +54,7 @@ def test_it_has_what_was_committed_and_unitys_package(checkout: Path, tmp_path: 
         ("CHANGELOG.md", "# Changelog\n\n## [1.2.2] - 2026-01-01\n", r"CHANGELOG.md has no section \[1.2.3\]"),
     ],
 )
-def test_what_is_not_ready_is_said(checkout: Path, tmp_path: Path, name: str, text: str, why: str) -> None:
+def test_what_is_not_ready_is_said(checkout, tmp_path, name, text, why):
     (checkout / name).write_text(text)
     with pytest.raises(KitError, match=why):
         release.release(tmp_path / "out")
