@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from tests.programs import ROOT, Program, steady_endpoint
+from tests.programs import ROOT, steady_endpoint
 from tests.unity.conftest import NEAREST
 
 np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: pip install numpy")
@@ -23,10 +22,9 @@ from netmq_example.envs.vector_env import ZmqVectorEnv  # noqa: E402
 
 AREAS = 4
 ID, CLIENT = "NetMQExample/CartPole-v0", ROOT / "python" / "10_many_agents" / "client.py"
-Play = Callable[..., Program]
 
 
-def test_areas_of_a_scene_are_those_of_a_terminal(play: Play) -> None:
+def test_areas_of_a_scene_are_those_of_a_terminal(play):
     """None of them connects by itself, and physics moves once for all of them."""
     endpoint = steady_endpoint()
     program = play("areas", str(AREAS), "warn", "--endpoint", endpoint, runtime=NEAREST)
@@ -55,9 +53,7 @@ def test_areas_of_a_scene_are_those_of_a_terminal(play: Play) -> None:
         ("off", ["2 30", "0 -1", "2 30"]),
     ],
 )
-def test_frames_are_as_fast_as_they_can_while_python_steps_and_no_longer(
-    what: str, said: list[str], play: Play
-) -> None:
+def test_frames_are_as_fast_as_they_can_while_python_steps_and_no_longer(what, said, play):
     endpoint = steady_endpoint()
     program = play("areas", "2", what, "--endpoint", endpoint)
     envs = gymnasium.make_vec(ID, 2, endpoint=endpoint)
@@ -77,7 +73,7 @@ def test_frames_are_as_fast_as_they_can_while_python_steps_and_no_longer(
     assert [line for line in program.lines if line.startswith("frames: ")] == [f"frames: {each}" for each in said]
 
 
-QUIET: dict[str, Callable[[str], Any]] = {
+QUIET: dict[str, Any] = {
     "world": lambda endpoint: ZmqEnv("Quiet", endpoint=endpoint),
     "areas": lambda endpoint: ZmqVectorEnv(3, "Quiet", endpoint=endpoint),
     "game": lambda endpoint: ZmqParallelEnv("Quiet", endpoint=endpoint),
@@ -85,7 +81,7 @@ QUIET: dict[str, Callable[[str], Any]] = {
 
 
 @pytest.mark.parametrize("what", QUIET)
-def test_a_frame_in_which_python_steps_leaves_nothing_to_collect(what: str, play: Play) -> None:
+def test_a_frame_in_which_python_steps_leaves_nothing_to_collect(what, play):
     endpoint = steady_endpoint()
     program = play("quiet", what, "--endpoint", endpoint)
     env = QUIET[what](endpoint)
@@ -102,13 +98,13 @@ def test_a_frame_in_which_python_steps_leaves_nothing_to_collect(what: str, play
     assert steps >= 200, "one in each frame, and as a rule a hundred"
 
 
-def test_a_scene_without_areas_says_so(play: Play) -> None:
+def test_a_scene_without_areas_says_so(play):
     program = play("areas", "0", "play")
     assert program.wait() == 1
     assert "gave up: field has no CartPoleEnvironment below it; put one into each area" in program.output
 
 
-def test_physics_is_given_back_by_the_last_one_that_steps_it(play: Play) -> None:
+def test_physics_is_given_back_by_the_last_one_that_steps_it(play):
     program = play("areas", "2", "switch")
     assert program.wait() == 0, program.output
     said = [line for line in program.lines if line.startswith("physics: ")]
