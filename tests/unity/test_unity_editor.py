@@ -8,13 +8,12 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from tests.programs import ROOT, Mark, finds_processes, steady_endpoint
-from tests.unity.conftest import NEAREST, PACKAGE, Editor
+from tests.unity.conftest import NEAREST, PACKAGE
 
 # They share what was built.
 pytestmark = pytest.mark.xdist_group("player")
@@ -23,7 +22,7 @@ WINDOW = "menu Tools/NetMQ Example/Lessons"
 OURS = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 
 
-def test_what_is_for_the_editor_alone_needs_no_more_than_net_framework() -> None:
+def test_what_is_for_the_editor_alone_needs_no_more_than_net_framework():
     """Unity compiles them against it by default (Player Settings, Editor Assemblies Compatibility Level), the tests do
     against .NET Standard 2.1. So here is what the kit uses elsewhere, and .NET Framework 4.8 lacks."""
     lacking = re.compile(
@@ -37,7 +36,7 @@ def test_what_is_for_the_editor_alone_needs_no_more_than_net_framework() -> None
 
 
 @finds_processes
-def test_a_server_outlives_a_reload_and_ends_with_the_editor(editor: Callable[..., Editor], project: Path) -> None:
+def test_a_server_outlives_a_reload_and_ends_with_the_editor(editor, project):
     mark = Mark()
     unity = editor(project, **mark.environment, PATH=OURS)
     unity.do(WINDOW)
@@ -53,7 +52,7 @@ def test_a_server_outlives_a_reload_and_ends_with_the_editor(editor: Callable[..
     drawn = unity.do("draw")
     assert "[Stop the server]" in drawn and any(line.startswith("listening on") for line in drawn)
 
-    def servers() -> list[str]:
+    def servers():
         return [command for command in mark.processes().values() if "server.py" in command]
 
     assert len(servers()) == 1
@@ -69,10 +68,10 @@ def test_a_server_outlives_a_reload_and_ends_with_the_editor(editor: Callable[..
 
 
 @finds_processes
-def test_the_next_editor_finds_the_server_of_one_that_crashed(editor: Callable[..., Editor], project: Path) -> None:
+def test_the_next_editor_finds_the_server_of_one_that_crashed(editor, project):
     mark = Mark()
 
-    def servers() -> list[int]:
+    def servers():
         return [number for number, command in mark.processes().items() if "server.py" in command]
 
     try:
@@ -98,7 +97,7 @@ def test_the_next_editor_finds_the_server_of_one_that_crashed(editor: Callable[.
             os.kill(number, signal.SIGKILL)
 
 
-def test_another_program_with_the_servers_number_is_left_alone(editor: Callable[..., Editor], project: Path) -> None:
+def test_another_program_with_the_servers_number_is_left_alone(editor, project):
     """Numbers are given again; and a note may be cut short."""
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
         folder = project / "Library" / "NetMQExample"
@@ -117,9 +116,7 @@ def test_another_program_with_the_servers_number_is_left_alone(editor: Callable[
         assert other.returncode == 0
 
 
-def test_a_server_speaks_also_where_a_program_is_given_no_output(
-    editor: Callable[..., Editor], project: Path, tmp_path: Path
-) -> None:
+def test_a_server_speaks_also_where_a_program_is_given_no_output(editor, project, tmp_path):
     """As on Windows, where a program with windows has none that it could hand on; and in folders of any name."""
     kit, bare, game = (tmp_path / f"über all ({name})" for name in ("kit", "bare", "game"))
     game.mkdir()
@@ -152,7 +149,7 @@ def test_a_server_speaks_also_where_a_program_is_given_no_output(
     unity.do("quit")
 
 
-def test_without_the_kit_the_window_says_where_the_servers_are(editor: Callable[..., Editor], project: Path) -> None:
+def test_without_the_kit_the_window_says_where_the_servers_are(editor, project):
     unity = editor(project, PATH=OURS)
     unity.do(WINDOW)
     drawn = unity.do("draw")
@@ -175,9 +172,7 @@ def test_without_the_kit_the_window_says_where_the_servers_are(editor: Callable[
     unity.draw_until("^this is doctor$")
 
 
-def test_a_python_without_pyzmq_is_named_with_its_cure(
-    editor: Callable[..., Editor], project: Path, tmp_path: Path
-) -> None:
+def test_a_python_without_pyzmq_is_named_with_its_cure(editor, project, tmp_path):
     """A kit without .venv, and on the PATH one Python, without packages."""
     kit = tmp_path / "kit"
     for key in ("05_messages", "20_body_tracking"):
@@ -209,7 +204,7 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(
     assert "no Python 3.11 or later" in error and "python.org" in error
 
 
-def test_a_scene_is_opened_where_unity_opens_scenes(editor: Callable[..., Editor], project: Path) -> None:
+def test_a_scene_is_opened_where_unity_opens_scenes(editor, project):
     unity = editor(project)
     unity.do(WINDOW)
     unity.do(f"folder {ROOT}")
@@ -227,7 +222,7 @@ def test_a_scene_is_opened_where_unity_opens_scenes(editor: Callable[..., Editor
     assert copy.read_bytes() == (PACKAGE / "03_publish_subscribe" / "03_publish_subscribe.unity").read_bytes()
 
 
-def test_in_the_kits_own_project_the_servers_are_found(editor: Callable[..., Editor]) -> None:
+def test_in_the_kits_own_project_the_servers_are_found(editor):
     unity = editor(ROOT / "unity")
     unity.do(WINDOW)
     assert "Lesson: 01_request_reply" in unity.do("draw")
