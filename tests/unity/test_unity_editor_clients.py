@@ -5,23 +5,20 @@ from __future__ import annotations
 import re
 import shutil
 import time
-from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from kitlib.unity.meta import PREFAB, own_guid
-from tests.programs import Program, steady_port
-from tests.unity.conftest import NEAREST, PACKAGE, Editor
+from tests.programs import steady_port
+from tests.unity.conftest import NEAREST, PACKAGE
 
 # They share what was built.
 pytestmark = pytest.mark.xdist_group("player")
-Serve = Callable[..., tuple[Program, str]]
-Open = Callable[..., Editor]
 
 
-def test_the_inspector_shows_the_state_and_has_buttons(editor: Open, project: Path, serve: Serve) -> None:
+def test_the_inspector_shows_the_state_and_has_buttons(editor, project, serve):
     unity = editor(project)
     _, endpoint = serve("04_background_client")
     unity.do(f"play 4 {endpoint} 2")
@@ -42,7 +39,7 @@ def test_the_inspector_shows_the_state_and_has_buttons(editor: Open, project: Pa
     assert unity.do("draw") == []
 
 
-def test_the_inspector_shows_why_a_client_gave_up(editor: Open, project: Path) -> None:
+def test_the_inspector_shows_why_a_client_gave_up(editor, project):
     unity = editor(project)
     unity.do("play 1 127.0.0.1:5551 3")
     drawn = unity.draw_until("^Error: gave up$")
@@ -50,7 +47,7 @@ def test_the_inspector_shows_why_a_client_gave_up(editor: Open, project: Path) -
     unity.do("stop")
 
 
-def test_the_buttons_are_for_all_that_are_selected_and_play(editor: Open, project: Path) -> None:
+def test_the_buttons_are_for_all_that_are_selected_and_play(editor, project):
     unity = editor(project)
     unity.do("play 1 tcp://127.0.0.1:9 3")
     unity.do("another tcp://127.0.0.1:9")
@@ -67,7 +64,7 @@ def test_the_buttons_are_for_all_that_are_selected_and_play(editor: Open, projec
     unity.do("stop")
 
 
-def exchanged(drawn: str) -> list[str]:
+def exchanged(drawn):
     """The messages of the window, without time and endpoint."""
     return [line.split(" ", 2)[2] for line in drawn.splitlines() if re.match(r"\d\d:\d\d:\d\d\.\d{3} tcp://", line)]
 
@@ -84,7 +81,7 @@ SEEN = {
 }
 
 
-def test_the_traffic_window_shows_what_the_clients_say(editor: Open, project: Path, serve: Serve) -> None:
+def test_the_traffic_window_shows_what_the_clients_say(editor, project, serve):
     unity = editor(project)
     unity.do("menu Tools/NetMQ Example/Traffic")
     for number, (key, sent, received) in SEEN.items():
@@ -96,7 +93,7 @@ def test_the_traffic_window_shows_what_the_clients_say(editor: Open, project: Pa
         unity.do("stop")
 
 
-def test_the_traffic_window_filters_pauses_and_copies(editor: Open, project: Path, serve: Serve) -> None:
+def test_the_traffic_window_filters_pauses_and_copies(editor, project, serve):
     unity = editor(project)
     unity.do("menu Tools/NetMQ Example/Traffic")
     _, endpoint = serve("01_request_reply")
@@ -120,7 +117,7 @@ def test_the_traffic_window_filters_pauses_and_copies(editor: Open, project: Pat
     assert exchanged("\n".join(unity.do("clipboard"))) == copied, "nothing is kept in a pause"
 
 
-def test_long_messages_are_no_more_than_unity_can_draw(editor: Open, project: Path) -> None:
+def test_long_messages_are_no_more_than_unity_can_draw(editor, project):
     """A text has 65,535 vertices at the most, four for each character."""
     unity = editor(project)
     unity.do("menu Tools/NetMQ Example/Traffic")
@@ -131,12 +128,12 @@ def test_long_messages_are_no_more_than_unity_can_draw(editor: Open, project: Pa
     assert len(exchanged("\n".join(unity.do("clipboard")))) == 100
 
 
-def test_a_program_that_is_not_the_editor_holds_no_call(editor: Open, project: Path) -> None:
+def test_a_program_that_is_not_the_editor_holds_no_call(editor, project):
     """Not even what it would be given is made. The lessons' own calls, compiled for the editor, are seen."""
     assert editor(project).do("counted") == ["seen 0, made 0", "seen 1"]
 
 
-def test_one_asset_says_where_the_servers_are(editor: Open, project: Path, serve: Serve) -> None:
+def test_one_asset_says_where_the_servers_are(editor, project, serve):
     unity = editor(project)
     assert "created Assets/Resources/NetMQServerAddress.asset" in unity.do("menu Tools/NetMQ Example/Server address")
     assert not any("created" in line for line in unity.do("menu Tools/NetMQ Example/Server address"))
@@ -163,21 +160,21 @@ def test_one_asset_says_where_the_servers_are(editor: Open, project: Path, serve
     ],
     ids=["the last one, as in Python", "of one class"],
 )
-def test_a_build_takes_the_endpoint_from_its_command_line(words: str, editor: Open, project: Path) -> None:
+def test_a_build_takes_the_endpoint_from_its_command_line(words, editor, project):
     unity = editor(project, words=words.split())
     unity.do("play 1 tcp://127.0.0.1:5551 3")
     unity.play_until("asking tcp://127.0.0.1:9")
     unity.do("stop")
 
 
-def test_an_endpoint_option_without_an_endpoint_is_said(editor: Open, project: Path) -> None:
+def test_an_endpoint_option_without_an_endpoint_is_said(editor, project):
     unity = editor(project, words=["--endpoint"])
     unity.do("play 1 tcp://127.0.0.1:5551 3")
     unity.draw_until("^Error: bad endpoint '': write it like ")
     unity.do("stop")
 
 
-def test_a_device_is_warned_of_what_cannot_work_there(editor: Open, project: Path, tmp_path: Path) -> None:
+def test_a_device_is_warned_of_what_cannot_work_there(editor, project, tmp_path):
     unity = editor(project)
     plist = tmp_path / "Info.plist"
     before = (
@@ -208,7 +205,7 @@ def test_a_device_is_warned_of_what_cannot_work_there(editor: Open, project: Pat
 PLIST = '<?xml version="1.0" encoding="UTF-8"?>\n<plist version="1.0">\n<dict>\n\t<key>A</key>\n</dict>\n</plist>\n'
 
 
-def test_a_mac_asks_for_the_local_network(editor: Open, project: Path, tmp_path: Path) -> None:
+def test_a_mac_asks_for_the_local_network(editor, project, tmp_path):
     """And is not warned of 127.0.0.1: that is the same Mac. A program that was signed before is signed again, once."""
     # Where there is no codesign, its line is said.
     codesign = tmp_path / "bin" / "codesign"
@@ -234,7 +231,7 @@ def test_a_mac_asks_for_the_local_network(editor: Open, project: Path, tmp_path:
         assert plist.read_text(encoding="utf-8").count("<key>NSLocalNetworkUsageDescription</key>") == 1
 
 
-def test_android_17_asks_for_the_local_network(editor: Open, project: Path, tmp_path: Path) -> None:
+def test_android_17_asks_for_the_local_network(editor, project, tmp_path):
     unity = editor(project)
     ask = (
         "from Android 17 on the user decides whether a game may talk to the local network: declare android.permission."
@@ -247,7 +244,7 @@ def test_android_17_asks_for_the_local_network(editor: Open, project: Path, tmp_
     assert ask not in "\n".join(unity.do(f"build Android {tmp_path} 37"))
 
 
-def test_the_menu_adds_the_prefab(editor: Open, project: Path) -> None:
+def test_the_menu_adds_the_prefab(editor, project):
     """By its GUID, wherever the package lies; and what the prefab refers to is there."""
     unity = editor(project)
     assert "undo: Add NetMQ client" in unity.do("menu GameObject/NetMQ Example/Background client")
@@ -260,7 +257,7 @@ def test_the_menu_adds_the_prefab(editor: Open, project: Path) -> None:
     assert client and f"  client: {{fileID: {client[1]}}}\n" in text
 
 
-def test_clients_that_a_script_forgot_are_counted_once_after_stop(editor: Open, project: Path) -> None:
+def test_clients_that_a_script_forgot_are_counted_once_after_stop(editor, project):
     unity = editor(project)
     # What has ended a moment after Stop is nothing to speak of.
     unity.do("play 1 tcp://127.0.0.1:9 3")
@@ -284,7 +281,7 @@ def test_clients_that_a_script_forgot_are_counted_once_after_stop(editor: Open, 
     unity.do("remember")
 
 
-def test_the_profiler_shows_the_network_threads(editor: Open, project: Path) -> None:
+def test_the_profiler_shows_the_network_threads(editor, project):
     unity = editor(project)
     unity.do("play 1 tcp://127.0.0.1:9 3")
     unity.draw_until("^asking ")
