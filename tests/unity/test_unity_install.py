@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,7 +20,7 @@ TARGET = "Assets/NetMQExample"
 
 
 @pytest.fixture
-def project(tmp_path: Path) -> Path:
+def project(tmp_path):
     """A Unity project as Unity Hub makes it, as far as this matters."""
     root = tmp_path / "My Game"
     for folder in ("Assets", "Packages", "ProjectSettings"):
@@ -32,13 +31,13 @@ def project(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(autouse=True)
-def python(monkeypatch: pytest.MonkeyPatch) -> None:
+def python(monkeypatch):
     """Which Python the lessons run with is not the question here."""
     monkeypatch.setattr(python_setup, "interpreter", lambda *extras: Path("KIT/.venv/bin/python"))
 
 
 @pytest.fixture
-def nuget(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def nuget(tmp_path, monkeypatch):
     """A NuGet folder with stand-ins of the DLLs: what is copied does not depend on what is in them."""
     folder = tmp_path / "packages"
     for package, version, inside in unity_install.LIBRARIES:
@@ -49,15 +48,15 @@ def nuget(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     yield folder
 
 
-def plugins(project: Path) -> set[str]:
+def plugins(project):
     return {path.name for path in (project / TARGET / "Plugins").glob("*.dll")}
 
 
-def listing(root: Path) -> dict[str, bytes]:
+def listing(root):
     return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
 
 
-def test_copies_everything_with_its_meta(project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_copies_everything_with_its_meta(project, nuget, capsys):
     unity_install.install(project, None, False)
     files = listing(project / TARGET)
     for path in PACKAGE.rglob("*.cs"):
@@ -76,9 +75,7 @@ def test_copies_everything_with_its_meta(project: Path, nuget: Path, capsys: pyt
     assert not list(project.glob(".netmqexample-*"))
 
 
-def test_the_page_shows_what_is_printed(
-    project: Path, nuget: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_page_shows_what_is_printed(project, nuget, tmp_path, monkeypatch, capsys):
     page = ROOT / "docs" / "guide" / "unity_project.md"
     (shown,) = [block.body for block in guide.blocks(page) if "test_the_page_shows_what_is_printed" in block.source]
     kit = tmp_path / "KIT"
@@ -90,7 +87,7 @@ def test_the_page_shows_what_is_printed(
     assert guide.same(shown.splitlines(), printed.replace(f"{tmp_path.as_posix()}/", "").splitlines())
 
 
-def test_again_changes_nothing(project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_again_changes_nothing(project, nuget, capsys):
     unity_install.install(project, None, False)
     before = listing(project)
     capsys.readouterr()
@@ -99,7 +96,7 @@ def test_again_changes_nothing(project: Path, nuget: Path, capsys: pytest.Captur
     assert "wrote" not in capsys.readouterr().out
 
 
-def test_a_newer_kit_replaces_what_it_wrote(project: Path, nuget: Path) -> None:
+def test_a_newer_kit_replaces_what_it_wrote(project, nuget):
     unity_install.install(project, None, False)
     dll = nuget / "netmq" / unity_install.LIBRARIES[0][1] / "lib" / "netstandard2.1" / "NetMQ.dll"
     dll.write_bytes(b"MZ newer")
@@ -107,7 +104,7 @@ def test_a_newer_kit_replaces_what_it_wrote(project: Path, nuget: Path) -> None:
     assert (project / TARGET / "Plugins" / "NetMQ.dll").read_bytes() == b"MZ newer"
 
 
-def test_never_overwrites_a_changed_file(project: Path, nuget: Path) -> None:
+def test_never_overwrites_a_changed_file(project, nuget):
     unity_install.install(project, None, False)
     mine = project / TARGET / "01_request_reply" / "HelloClient.cs"
     mine.write_text("// mine\n")
@@ -121,7 +118,7 @@ def test_never_overwrites_a_changed_file(project: Path, nuget: Path) -> None:
     assert mine.read_bytes() == (PACKAGE / "01_request_reply" / "HelloClient.cs").read_bytes()
 
 
-def test_keeps_a_meta_file_that_unity_wrote(project: Path, nuget: Path) -> None:
+def test_keeps_a_meta_file_that_unity_wrote(project, nuget):
     unity_install.install(project, None, False)
     meta = project / TARGET / "01_request_reply" / "HelloClient.cs.meta"
     meta.write_text("guid: 00000000000000000000000000000001\n")
@@ -129,7 +126,7 @@ def test_keeps_a_meta_file_that_unity_wrote(project: Path, nuget: Path) -> None:
     assert "0001" in meta.read_text()
 
 
-def test_one_lesson_takes_only_what_it_uses() -> None:
+def test_one_lesson_takes_only_what_it_uses():
     """Whatever type of the kit a copied file uses has come along, also where its file has another name."""
     scripts = [*PACKAGE.glob("[0-9]*/*.cs"), *PACKAGE.glob("Shared/*.cs")]
     code = {path.name: re.sub(r"//.*", "", path.read_text(encoding="utf-8")) for path in scripts}
@@ -178,14 +175,12 @@ def test_one_lesson_takes_only_what_it_uses() -> None:
             assert {homes[word] for word in homes.keys() & words[name]} <= copied, f"{key}: {name}"
 
 
-def test_a_lean_project_gets_what_the_scripts_need_of_unity(
-    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_lean_project_gets_what_the_scripts_need_of_unity(project, nuget, capsys):
     manifest = project / "Packages" / "manifest.json"
     own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))["dependencies"]
 
-    def added() -> set[str]:
-        dependencies: dict[str, str] = json.loads(manifest.read_text(encoding="utf-8"))["dependencies"]
+    def added():
+        dependencies = json.loads(manifest.read_text(encoding="utf-8"))["dependencies"]
         assert dependencies.pop("com.unity.ugui") == "1.0.0"
         assert dependencies.items() <= own.items()
         return dependencies.keys() | set()
@@ -206,16 +201,14 @@ def test_a_lean_project_gets_what_the_scripts_need_of_unity(
 
 
 @pytest.mark.parametrize("dependencies", ["null", "[]", '"x"'])
-def test_a_manifest_without_an_object_is_refused_before_anything_is_copied(
-    dependencies: str, project: Path, nuget: Path
-) -> None:
+def test_a_manifest_without_an_object_is_refused_before_anything_is_copied(dependencies, project, nuget):
     (project / "Packages" / "manifest.json").write_text(f'{{"dependencies": {dependencies}}}')
     with pytest.raises(KitError, match=r"manifest\.json is no valid manifest: its dependencies are no object"):
         unity_install.install(project, "4", False)
     assert not (project / TARGET).exists()
 
 
-def test_what_lessons_need_that_are_there_already_is_added_too(project: Path, nuget: Path) -> None:
+def test_what_lessons_need_that_are_there_already_is_added_too(project, nuget):
     """All lessons are one assembly: one without its module, and none compiles."""
     unity_install.install(project, "20", False)
     (project / "Packages" / "manifest.json").write_text('{"dependencies": {}}')
@@ -223,9 +216,7 @@ def test_what_lessons_need_that_are_there_already_is_added_too(project: Path, nu
     assert "com.unity.modules.animation" in (project / "Packages" / "manifest.json").read_text()
 
 
-def test_the_assembly_that_unity_refuses_is_named(
-    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_assembly_that_unity_refuses_is_named(project, nuget, capsys):
     """An early kit brought it, and no record says so."""
     old = project / TARGET / "ServiceModel" / "System.ServiceModel.Primitives.asmdef"
     old.parent.mkdir(parents=True)
@@ -234,7 +225,7 @@ def test_the_assembly_that_unity_refuses_is_named(
     assert f"delete {old.relative_to(project).as_posix()}: Unity refuses this name" in capsys.readouterr().out
 
 
-def test_what_is_there_by_another_route_is_not_added(project: Path, nuget: Path) -> None:
+def test_what_is_there_by_another_route_is_not_added(project, nuget):
     package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
     brought = [name for name in package["dependencies"] if name.startswith("com.unity.modules.")]
     lock = {"dependencies": {name: {"depth": 1} for name in brought}}
@@ -245,15 +236,13 @@ def test_what_is_there_by_another_route_is_not_added(project: Path, nuget: Path)
     assert (project / "Packages" / "manifest.json").read_bytes() == before
 
 
-def test_two_copies_of_netmq_do_not_compile(project: Path, nuget: Path) -> None:
+def test_two_copies_of_netmq_do_not_compile(project, nuget):
     (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-5"}}')
     unity_install.install(project, None, False)
     assert not (project / TARGET / "Plugins").exists()
 
 
-def test_an_old_example_of_the_same_folder_is_not_mixed_with_the_kit(
-    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_old_example_of_the_same_folder_is_not_mixed_with_the_kit(project, nuget, capsys):
     """Its scripts would become a part of the kit's assembly, and its NetMQ is years old."""
     (project / "Assets" / "Plugins").mkdir()
     (project / "Assets" / "Plugins" / "NetMQ.dll").write_bytes(b"MZ old")
@@ -273,7 +262,7 @@ def test_an_old_example_of_the_same_folder_is_not_mixed_with_the_kit(
 
 
 @pytest.mark.parametrize("where", ["packages-lock.json", "PackageCache", "packages.config"])
-def test_a_netmq_that_another_package_brings_is_seen(where: str, project: Path, nuget: Path) -> None:
+def test_a_netmq_that_another_package_brings_is_seen(where, project, nuget):
     """manifest.json does not name it; Unity writes down what it has resolved."""
     if where == "PackageCache":
         (project / "Library" / "PackageCache" / "org.nuget.netmq@4.0.2-1234").mkdir(parents=True)
@@ -289,7 +278,7 @@ def test_a_netmq_that_another_package_brings_is_seen(where: str, project: Path, 
 
 
 @pytest.mark.parametrize("text", ["{", "[]", "{}", "null"])
-def test_a_damaged_lock_or_record_is_none(text: str, project: Path, nuget: Path) -> None:
+def test_a_damaged_lock_or_record_is_none(text, project, nuget):
     (project / "Packages" / "packages-lock.json").write_text(text)
     (project / TARGET).mkdir()
     (project / TARGET / ".kit.json").write_text(text)
@@ -308,7 +297,7 @@ FOR_EDITOR = "    Any:\n      enabled: 0\n      settings: {}\n    Editor:\n     
 @pytest.mark.parametrize(
     "where", ["manifest", "lock", "cache", "config", "Library/PackageCache/com.unity.some@1.0.0", "Assets/Other"]
 )
-def test_a_dll_of_nets_own_that_another_package_brings_is_not_copied(where: str, project: Path, nuget: Path) -> None:
+def test_a_dll_of_nets_own_that_another_package_brings_is_not_copied(where, project, nuget):
     name = SHARED_DLLS[len(where) % len(SHARED_DLLS)]
     package = f"org.nuget.{name.removesuffix('.dll').lower()}"
     if where == "manifest":
@@ -331,7 +320,7 @@ def test_a_dll_of_nets_own_that_another_package_brings_is_not_copied(where: str,
         assert not (project / TARGET / "Plugins" / f"{name}.meta").exists()
 
 
-def test_a_dll_that_unity_ignores_is_none(project: Path, nuget: Path) -> None:
+def test_a_dll_that_unity_ignores_is_none(project, nuget):
     """A folder that ends with ~ or begins with a dot; and in a package, where Unity writes none, one without .meta."""
     for where in ("Library/PackageCache/a@1/Server~", "Library/PackageCache/a@1", "Assets/.tools"):
         (project / where).mkdir(parents=True, exist_ok=True)
@@ -341,7 +330,7 @@ def test_a_dll_that_unity_ignores_is_none(project: Path, nuget: Path) -> None:
     assert plugins(project) == ALL_DLLS
 
 
-def test_the_dlls_go_where_netmq_comes_from_elsewhere(project: Path, nuget: Path) -> None:
+def test_the_dlls_go_where_netmq_comes_from_elsewhere(project, nuget):
     unity_install.install(project, "4", False)
     (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-5"}}')
     unity_install.install(project, "4", False, scripts_only=True)
@@ -351,9 +340,7 @@ def test_the_dlls_go_where_netmq_comes_from_elsewhere(project: Path, nuget: Path
 
 
 @pytest.mark.parametrize(("theirs", "ours"), [(FOR_BUILDS, (0, 1)), (FOR_EDITOR, (1, 0))])
-def test_one_that_serves_builds_or_the_editor_alone_is_supplemented(
-    theirs: str, ours: tuple[int, int], project: Path, nuget: Path
-) -> None:
+def test_one_that_serves_builds_or_the_editor_alone_is_supplemented(theirs, ours, project, nuget):
     cache = project / "Library" / "PackageCache" / "com.unity.some@1.0.0" / "Tests"
     cache.mkdir(parents=True)
     (cache / SHARED_DLLS[0]).write_bytes(b"MZ other")
@@ -365,16 +352,14 @@ def test_one_that_serves_builds_or_the_editor_alone_is_supplemented(
     assert f"Exclude Editor: {1 - ours[1]}" in meta
 
 
-def test_no_script_of_the_game_sees_the_dlls_of_nets_own(project: Path, nuget: Path) -> None:
+def test_no_script_of_the_game_sees_the_dlls_of_nets_own(project, nuget):
     unity_install.install(project, "4", False)
     for path in (project / TARGET / "Plugins").glob("*.dll.meta"):
         hidden = path.name.removesuffix(".meta") in SHARED_DLLS
         assert f"isExplicitlyReferenced: {int(hidden)}\n" in path.read_text(), path.name
 
 
-def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(
-    project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(project, nuget, capsys):
     """Two scripts with one class do not compile, nor does an assembly definition with a name of Unity's own."""
     unity_install.install(project, "4", False)
     record = project / TARGET / ".kit.json"
@@ -417,9 +402,7 @@ def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(
         ("6000.7.0a1", None, ""),
     ],
 )
-def test_an_older_unity_gets_what_compiles_there(
-    version: str, lesson: str | None, refused: str, project: Path, nuget: Path
-) -> None:
+def test_an_older_unity_gets_what_compiles_there(version, lesson, refused, project, nuget):
     (project / "ProjectSettings" / "ProjectVersion.txt").write_text(f"m_EditorVersion: {version}\n")
     if not refused:
         unity_install.install(project, lesson, False)
@@ -430,12 +413,12 @@ def test_an_older_unity_gets_what_compiles_there(
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has access lists instead of these bits")
-def test_what_is_copied_is_for_everybody(project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_copied_is_for_everybody(project, nuget, monkeypatch):
     """A folder of tempfile's is for one account, and on Windows so is what is moved out of it."""
     seen = []
     replace = os.replace
 
-    def look(source: Path, target: Path) -> None:
+    def look(source, target):
         seen.append(source.parent.stat().st_mode & 0o777)
         replace(source, target)
 
@@ -448,9 +431,7 @@ def test_what_is_copied_is_for_everybody(project: Path, nuget: Path, monkeypatch
     assert set(seen) == {0o755}
 
 
-def test_a_read_only_file_is_named_before_anything_is_copied(
-    project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_read_only_file_is_named_before_anything_is_copied(project, nuget, monkeypatch):
     """On Windows it cannot be replaced; root can do anything, so the question itself is answered here."""
     unity_install.install(project, "1", False)
     (project / TARGET / "01_request_reply" / "HelloRequester.cs").unlink()
@@ -464,13 +445,11 @@ def test_a_read_only_file_is_named_before_anything_is_copied(
     assert listing(project) == before
 
 
-def test_a_file_that_is_open_for_a_moment_is_tried_again(
-    project: Path, nuget: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_is_open_for_a_moment_is_tried_again(project, nuget, monkeypatch):
     tries = []
     replace = os.replace
 
-    def busy(source: Path, target: Path) -> None:
+    def busy(source, target):
         tries.append(target)
         if len(tries) == 1:
             raise PermissionError(13, "used by another process")
@@ -494,20 +473,20 @@ def test_a_file_that_is_open_for_a_moment_is_tried_again(
         ("nt", "/O'B $1/python", "& '/O''B $1/python' '/kit/server.py'   (in PowerShell)"),
     ],
 )
-def test_the_last_line_fits_the_shell(system: str, python: str, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_last_line_fits_the_shell(system, python, line, monkeypatch):
     monkeypatch.setattr(os, "name", system)
     said = terminal.command(python, "/kit/server.py")
     monkeypatch.undo()
     assert said == line
 
 
-def test_a_backslash_before_the_quotation_mark_is_named() -> None:
+def test_a_backslash_before_the_quotation_mark_is_named():
     """`"C:\\My Game\\" --lesson 4` arrives on Windows as one word."""
     with pytest.raises(KitError, match="leave out the backslash before the quotation mark"):
         unity_install.install(Path('C:\\My Game" --lesson 4'), None, False)
 
 
-def test_a_library_that_is_there_alone_is_not_copied_again(project: Path, nuget: Path) -> None:
+def test_a_library_that_is_there_alone_is_not_copied_again(project, nuget):
     """Some other package has brought it."""
     mine = project / "Assets" / "Other" / "AsyncIO.dll"
     mine.parent.mkdir()
@@ -518,7 +497,7 @@ def test_a_library_that_is_there_alone_is_not_copied_again(project: Path, nuget:
     assert copied == names | {f"{name}.meta" for name in names}
 
 
-def test_a_script_that_was_moved_would_be_there_twice(project: Path, nuget: Path) -> None:
+def test_a_script_that_was_moved_would_be_there_twice(project, nuget):
     unity_install.install(project, "4", False)
     new = project / "Assets" / "Scripts"
     new.mkdir()
@@ -533,7 +512,7 @@ def test_a_script_that_was_moved_would_be_there_twice(project: Path, nuget: Path
     assert listing(project) == before
 
 
-def test_a_file_of_the_same_name_is_no_script_of_ours(project: Path, nuget: Path) -> None:
+def test_a_file_of_the_same_name_is_no_script_of_ours(project, nuget):
     for name, text in (
         ("Message.cs", "class Message { }"),
         ("Message.cs.meta", "guid: 00000000000000000000000000000001\n"),
@@ -544,9 +523,7 @@ def test_a_file_of_the_same_name_is_no_script_of_ours(project: Path, nuget: Path
 
 
 @pytest.mark.parametrize(("level", "said"), [(3, True), (6, False)])
-def test_the_net_framework_is_advised_against(
-    level: int, said: bool, project: Path, nuget: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_net_framework_is_advised_against(level, said, project, nuget, capsys):
     settings = (
         f"PlayerSettings:\n  apiCompatibilityLevelPerPlatform:\n    Android: 6\n    Standalone: {level}\n  other: 3\n"
     )
@@ -555,13 +532,13 @@ def test_the_net_framework_is_advised_against(
     assert ("Api Compatibility Level" in capsys.readouterr().out) == said
 
 
-def test_the_licences_go_where_the_files_go(project: Path, nuget: Path) -> None:
+def test_the_licences_go_where_the_files_go(project, nuget):
     unity_install.install(project, "4", False)
     assert (project / TARGET / "LICENSE.md").read_bytes() == (ROOT / "LICENSE").read_bytes()
     assert "MPL-2.0" in (project / TARGET / "THIRD-PARTY-NOTICES.md").read_text(encoding="utf-8")
 
 
-def test_two_copies_of_the_scripts_do_not_compile(project: Path, nuget: Path) -> None:
+def test_two_copies_of_the_scripts_do_not_compile(project, nuget):
     name = json.loads((PACKAGE / "package.json").read_text())["name"]
     (project / "Packages" / "manifest.json").write_text(
         json.dumps({"dependencies": {name: "https://example.org/x.git"}})
@@ -574,13 +551,13 @@ def test_two_copies_of_the_scripts_do_not_compile(project: Path, nuget: Path) ->
     assert (project / TARGET / "Plugins" / "NetMQ.dll").exists()
 
 
-def test_a_folder_inside_the_project_will_do(project: Path, nuget: Path) -> None:
+def test_a_folder_inside_the_project_will_do(project, nuget):
     unity_install.install(project / "Assets", "1", False)
     assert (project / TARGET / "01_request_reply" / "HelloClient.cs").exists()
 
 
 @pytest.mark.parametrize(("where", "why"), [("nowhere", "no such folder"), (".", "ProjectVersion.txt")])
-def test_says_why_it_is_no_project(where: str, why: str, tmp_path: Path, nuget: Path) -> None:
+def test_says_why_it_is_no_project(where, why, tmp_path, nuget):
     for folder in ("Assets", "ProjectSettings"):
         (tmp_path / folder).mkdir()
     with pytest.raises(KitError, match=f"is no Unity project: .*{why}") as error:
@@ -589,9 +566,7 @@ def test_says_why_it_is_no_project(where: str, why: str, tmp_path: Path, nuget: 
 
 
 @pytest.mark.parametrize("sdk", ["8.0", None])
-def test_without_nuget_nothing_is_copied(
-    sdk: str | None, project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_nuget_nothing_is_copied(sdk, project, tmp_path, monkeypatch):
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: sdk)
     monkeypatch.setattr(dotnet, "restore", lambda netmq: Result(1, "error NU1301: no such host"))
@@ -605,7 +580,7 @@ def test_without_nuget_nothing_is_copied(
     assert listing(project) == before
 
 
-def test_downloads_without_an_sdk(project: Path, nuget: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_downloads_without_an_sdk(project, nuget, tmp_path, monkeypatch):
     """NuGet's packages are zip files; here they come from a folder."""
     import zipfile
 
@@ -622,7 +597,7 @@ def test_downloads_without_an_sdk(project: Path, nuget: Path, tmp_path: Path, mo
     assert (project / TARGET / "Plugins" / "AsyncIO.dll").read_bytes() == b"MZ downloaded"
 
 
-def test_the_real_dlls(project: Path, netmq: dotnet.NetMQ) -> None:
+def test_the_real_dlls(project, netmq):
     unity_install.install(project, "1", False)
     for _, _, inside in unity_install.LIBRARIES:
         assert (project / TARGET / "Plugins" / Path(inside).name).read_bytes()[:2] == b"MZ"
