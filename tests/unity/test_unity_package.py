@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import tarfile
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,17 +15,16 @@ from kitlib.setup import dotnet
 from kitlib.unity import install as unity_install
 from kitlib.unity import package
 from tests.conftest import PYTHON
-from tests.programs import ROOT, Program, finished
+from tests.programs import ROOT, finished
 
 TREE = ROOT / "unity" / "Assets" / "NetMQExample"
 ENTRY = re.compile(r"([0-9a-f]{32})/(asset|asset\.meta|pathname)")
-Start = Callable[..., Program]
 # They share a package.
 pytestmark = pytest.mark.xdist_group("package")
 
 
 @pytest.fixture(scope="module")
-def dlls(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def dlls(tmp_path_factory):
     """Stand-ins: what is packed does not depend on what is in them."""
     folder = tmp_path_factory.mktemp("dlls")
     for _, _, inside in unity_install.LIBRARIES:
@@ -34,7 +32,7 @@ def dlls(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def pack(file: Path, dlls: Path, *words: str) -> Path:
+def pack(file, dlls, *words):
     done = finished([PYTHON, ROOT / "kit.py", "unity", "--package", file, "--dlls", dlls, *words])
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.rstrip().endswith("next, in Unity: Assets, Import Package, Custom Package")
@@ -42,19 +40,19 @@ def pack(file: Path, dlls: Path, *words: str) -> Path:
 
 
 @pytest.fixture(scope="module")
-def packed(dlls: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def packed(dlls, tmp_path_factory):
     return pack(tmp_path_factory.mktemp("package") / "Kit.unitypackage", dlls)
 
 
-def read(file: Path) -> dict[str, dict[str, bytes]]:
+def read(file):
     """Each path in a project, and its parts: asset.meta and, of a file, asset."""
     with tarfile.open(file, "r:gz") as archive:
         members = archive.getmembers()
         assert len({member.name for member in members}) == len(members), "an entry is there twice"
-        parts = {member.name: archive.extractfile(member).read() for member in members}  # type: ignore[union-attr]
+        parts = {member.name: archive.extractfile(member).read() for member in members}
     parts.pop("packagemanagermanifest/asset", None)
     assert all(ENTRY.fullmatch(name) for name in parts)
-    found: dict[str, dict[str, bytes]] = {}
+    found = {}
     for folder in sorted({name.partition("/")[0] for name in parts}):
         path = parts[f"{folder}/pathname"].decode()
         assert path not in found, f"{path} has two GUIDs"
@@ -67,13 +65,13 @@ def read(file: Path) -> dict[str, dict[str, bytes]]:
     return found
 
 
-def tree() -> dict[str, Path]:
+def tree():
     """Every file and folder of the package in the repository, by its path in a project."""
     here = [path for path in TREE.rglob("*") if path.suffix != ".meta" and "Plugins" not in path.parts]
     return {f"Assets/{path.relative_to(TREE.parent).as_posix()}": path for path in [TREE, *here]}
 
 
-def test_it_holds_the_package_the_dlls_and_the_licences(packed: Path, dlls: Path) -> None:
+def test_it_holds_the_package_the_dlls_and_the_licences(packed, dlls):
     found = read(packed)
     for name, path in tree().items():
         parts = found.pop(name)
@@ -87,7 +85,7 @@ def test_it_holds_the_package_the_dlls_and_the_licences(packed: Path, dlls: Path
     assert all(b"Exclude WebGL: 1" in parts["asset.meta"] for parts in found.values())
 
 
-def test_no_guid_in_it_is_unknown(packed: Path) -> None:
+def test_no_guid_in_it_is_unknown(packed):
     found = read(packed)
     known = {re.findall(rb"^guid: (\w+)", parts["asset.meta"], re.MULTILINE)[0] for parts in found.values()}
     for name, parts in found.items():
@@ -97,35 +95,35 @@ def test_no_guid_in_it_is_unknown(packed: Path) -> None:
             assert {one for one in named if not one.startswith(b"0" * 16)} <= known, name
 
 
-def test_equal_input_makes_an_equal_file(packed: Path, dlls: Path, tmp_path: Path) -> None:
+def test_equal_input_makes_an_equal_file(packed, dlls, tmp_path):
     """Whenever it is made, and whatever it is called."""
     assert pack(tmp_path / "Other.unitypackage", dlls).read_bytes() == packed.read_bytes()
 
 
-def test_an_import_brings_unitys_packages(packed: Path) -> None:
+def test_an_import_brings_unitys_packages(packed):
     with tarfile.open(packed) as archive:
-        manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))  # type: ignore[arg-type]
+        manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))
     own = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["dependencies"] and manifest["dependencies"].items() <= own["dependencies"].items()
 
 
-def test_one_lesson_takes_only_what_it_uses(dlls: Path, tmp_path: Path) -> None:
+def test_one_lesson_takes_only_what_it_uses(dlls, tmp_path):
     file = pack(tmp_path / "Kit.unitypackage", dlls, "--lesson", "1")
     found = read(file)
     assert "Assets/NetMQExample/01_request_reply/HelloClient.cs" in found
     assert not [name for name in found if "/02_" in name or name.endswith(".unity")]
     with tarfile.open(file) as archive:
-        manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))  # type: ignore[arg-type]
+        manifest = json.load(archive.extractfile("packagemanagermanifest/asset"))
     assert manifest == {"dependencies": {"com.unity.modules.jsonserialize": "1.0.0"}}, "ServerAddress reads a field"
 
 
-def test_a_guid_that_two_assets_have_is_refused() -> None:
+def test_a_guid_that_two_assets_have_is_refused():
     meta = b"fileFormatVersion: 2\nguid: " + b"a" * 32 + b"\n"
     with pytest.raises(AssertionError, match=r"Assets/b\.cs has the guid of another asset"):
         package.entries({"Assets/a.cs": b"", "Assets/a.cs.meta": meta, "Assets/b.cs": b"", "Assets/b.cs.meta": meta})
 
 
-def test_without_nuget_there_is_one_line_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_nuget_there_is_one_line_and_no_file(tmp_path, monkeypatch):
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: "9.0")
     monkeypatch.setattr(dotnet, "restore", lambda netmq: Result(1, "error NU1301: no such host"))
@@ -135,8 +133,8 @@ def test_without_nuget_there_is_one_line_and_no_file(tmp_path: Path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_interrupted_run_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*paths: Path) -> None:
+def test_an_interrupted_run_leaves_nothing(tmp_path, monkeypatch):
+    def full(*paths):
         raise OSError("no space left")
 
     monkeypatch.setattr(package, "replace", full)
@@ -145,8 +143,8 @@ def test_an_interrupted_run_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_stands_in_the_way_is_named(start: Start, tmp_path: Path) -> None:
-    def refused(file: Path, *words: str) -> str:
+def test_what_stands_in_the_way_is_named(start, tmp_path):
+    def refused(file, *words):
         program = start(PYTHON, ROOT / "kit.py", "unity", "--package", file, "--scripts-only", *words)
         assert program.wait() == 1, program.output
         assert len(program.lines) == 1
