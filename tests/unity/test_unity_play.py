@@ -19,9 +19,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -50,7 +48,7 @@ pytestmark = [
 class Editor:
     """tests/unity/play in a process of its own, with the buttons Play and Stop."""
 
-    def __init__(self, runtime: str, mode: str, harness: Path, folder: Path) -> None:
+    def __init__(self, runtime, mode, harness, folder):
         self.runtime, self.folder = runtime, folder
         self.starts: list[float] = []
         self.plays = self.spoilt = False
@@ -60,7 +58,7 @@ class Editor:
         self.said = 0
         self.wait_for("^ready$")
 
-    def wait_for(self, pattern: str, limit: float = LIMIT) -> re.Match[str]:
+    def wait_for(self, pattern, limit=LIMIT):
         """The next line that matches, after the last one that was waited for."""
         found = self.program.wait_for(pattern, limit, self.said)
         self.said = 1 + next(
@@ -68,14 +66,14 @@ class Editor:
         )
         return found
 
-    def press(self, button: str, answer: str = "") -> re.Match[str] | None:
+    def press(self, button, answer=""):
         pipe = self.program.process.stdin
         assert pipe
         pipe.write(f"{button}\n")
         pipe.flush()
         return self.wait_for(answer) if answer else None
 
-    def play(self, script: str, endpoint: str, clients: int = 1) -> None:
+    def play(self, script, endpoint, clients=1):
         self.before = self.count()
         if script.startswith("16") and self.runtime == "mono":
             # Mono's thread pool, which only this lesson uses, brings one thread without a name, however many clients.
@@ -85,12 +83,12 @@ class Editor:
         self.press(f"play {script} {endpoint} {clients}", "^playing$")
         self.starts.append(1000 * (time.monotonic() - began))
 
-    def stop(self) -> None:
+    def stop(self):
         """Stop, and look at what is left."""
         self.stop_in_time()
         self.nothing_left()
 
-    def stop_in_time(self) -> None:
+    def stop_in_time(self):
         self.in_time("stop", r"^stopped in ([\d.]+) ms", STOP_LIMIT)
         # A game that leaves one behind with each scene fills its memory. One material for each colour is no such thing.
         left = self.wait_for("^left: (.*)$")[1].split()
@@ -103,7 +101,7 @@ class Editor:
             self.wait_for("^ready$")
         self.plays = False
 
-    def in_time(self, button: str, answer: str, limit: float) -> None:
+    def in_time(self, button, answer, limit):
         """That a thread was ready to run, and the machine had no core for it, is not the scripts' fault."""
         before = self.without_a_core()
         self.press(button)
@@ -114,7 +112,7 @@ class Editor:
             f"{button} took {took} ms, {stalled:.0f} of them without a core; printed:\n{self.program.output[-3000:]}"
         )
 
-    def nothing_left(self) -> None:
+    def nothing_left(self):
         """What ends a little later than Stop is waited for; the limit only ends what never ends."""
         deadline = time.monotonic() + 20
         while (left := self.left()) != (0, 0) and time.monotonic() < deadline:
@@ -123,7 +121,7 @@ class Editor:
             f"{left[0]} threads and {left[1]} sockets are left; printed:\n{self.program.output[-3000:]}"
         )
 
-    def without_a_core(self) -> dict[str, float]:
+    def without_a_core(self):
         """How many milliseconds each thread has been ready to run and could not, since it was started."""
         stalled = dict[str, float]()
         for task in Path(f"/proc/{self.program.process.pid}/task").glob("*/schedstat"):
@@ -131,11 +129,11 @@ class Editor:
                 stalled[task.parent.name] = int(task.read_text().split()[1]) / 1e6
         return stalled
 
-    def left(self) -> tuple[int, int]:
+    def left(self):
         threads, sockets = self.count()
         return max(0, threads - self.before[0]), max(0, sockets - self.before[1])
 
-    def count(self) -> tuple[int, int]:
+    def count(self):
         """The threads that are not the runtime's own, and the sockets."""
         process = Path(f"/proc/{self.program.process.pid}")
         threads = sockets = 0
@@ -150,11 +148,11 @@ class Editor:
 
 
 @pytest.fixture(scope="module")
-def editor(harness: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Editor]]:
+def editor(harness, tmp_path_factory):
     """editor("mono", "keep"): one of these for all tests, until it fails or is spoilt."""
-    opened: dict[tuple[str, str], Editor] = {}
+    opened = {}
 
-    def open_editor(runtime: str = "mono", mode: str = "keep") -> Editor:
+    def open_editor(runtime="mono", mode="keep"):
         if runtime == "mono":
             needs_mono()
         one = opened.get((runtime, mode))
@@ -170,12 +168,12 @@ def editor(harness: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 
 
 @pytest.fixture(scope="module")
-def silent() -> Iterator[str]:
+def silent():
     """The endpoint of a server that accepts and never answers."""
-    accepted: list[socket.socket] = []
+    accepted = []
     with socket.create_server(("127.0.0.1", 0)) as listener:
 
-        def accept() -> None:
+        def accept():
             with contextlib.suppress(OSError):
                 while True:
                     accepted.append(listener.accept()[0])
@@ -192,7 +190,7 @@ by_mode = pytest.mark.parametrize("mode", ["reload", "keep"])
 
 
 @by_mode
-def test_with_a_server(mode: str, editor: Callable[..., Editor], serve: Callable[..., Any]) -> None:
+def test_with_a_server(mode, editor, serve):
     """Two clients; the second Play begins as the first did, also after a server was killed."""
     unity = editor(mode=mode)
     server, endpoint = serve("01_request_reply", "--delay", "0.002")
@@ -206,7 +204,7 @@ def test_with_a_server(mode: str, editor: Callable[..., Editor], serve: Callable
 
 
 @pytest.mark.parametrize(("runtime", "mode"), [("mono", "reload"), ("mono", "keep"), ("dotnet", "keep")])
-def test_without_an_answer(runtime: str, mode: str, editor: Callable[..., Editor], silent: str) -> None:
+def test_without_an_answer(runtime, mode, editor, silent):
     """Stop comes at another moment of the client's wait each time, the first at once."""
     unity = editor(runtime, mode)
     for moment, endpoint in enumerate([silent, ABSENT, silent]):
@@ -216,7 +214,7 @@ def test_without_an_answer(runtime: str, mode: str, editor: Callable[..., Editor
         unity.stop()
 
 
-def test_the_others_go_on_when_one_is_destroyed(editor: Callable[..., Editor], serve: Callable[..., Any]) -> None:
+def test_the_others_go_on_when_one_is_destroyed(editor, serve):
     unity = editor()
     unity.play("1", serve("01_request_reply", "--delay", "0.001")[1], 3)
     for _ in range(3):
@@ -228,7 +226,7 @@ def test_the_others_go_on_when_one_is_destroyed(editor: Callable[..., Editor], s
     unity.stop()
 
 
-def test_destroyed_objects_are_not_waited_for(editor: Callable[..., Editor]) -> None:
+def test_destroyed_objects_are_not_waited_for(editor):
     """Nor is a client at Stop that does not hear of it, for longer than 200 ms, however many there are."""
     unity = editor()
     unity.play("DeafClient", ABSENT, 6)
@@ -245,7 +243,7 @@ def test_destroyed_objects_are_not_waited_for(editor: Callable[..., Editor]) -> 
     unity.stop()
 
 
-def test_a_recompile_while_playing(editor: Callable[..., Editor], serve: Callable[..., Any]) -> None:
+def test_a_recompile_while_playing(editor, serve):
     """Unity disables everything, loads the new assembly and enables everything: the old run leaves it nothing."""
     unity = editor()
     unity.play("1", serve("01_request_reply", "--delay", "0.002")[1], 3)
@@ -261,9 +259,7 @@ def test_a_recompile_while_playing(editor: Callable[..., Editor], serve: Callabl
 
 
 @pytest.mark.parametrize("key", [lesson.key for lesson in lessons.lessons() if list(lesson.unity.glob("*.cs"))])
-def test_every_lesson(
-    key: str, editor: Callable[..., Editor], serve: Callable[..., Any], silent: str, tmp_path: Path
-) -> None:
+def test_every_lesson(key, editor, serve, silent, tmp_path):
     """A phone closes the sockets of a game that is not seen; Stop comes while it talks, and while it waits."""
     # Debian's Mono 6.8 cannot run NetMQ's CURVE: its corlib has no indexer of ReadOnlySpan.
     unity = editor("dotnet" if key.startswith("15") else "mono")
@@ -291,9 +287,7 @@ def test_every_lesson(
     unity.stop()
 
 
-def test_each_client_comes_back_from_the_background_also_while_it_waits(
-    editor: Callable[..., Editor], serve: Callable[..., Any]
-) -> None:
+def test_each_client_comes_back_from_the_background_also_while_it_waits(editor, serve):
     """A client that waits for an answer has no line for Update: one that another had ended took itself for done."""
     unity = editor()
     unity.play("1", serve("01_request_reply", "--delay", "0.3")[1], 2)
@@ -307,9 +301,7 @@ def test_each_client_comes_back_from_the_background_also_while_it_waits(
 
 
 @pytest.mark.parametrize("lesson", ["01_request_reply", "04_background_client"])
-def test_a_client_begins_once_whatever_happens_while_the_game_is_paused(
-    lesson: str, editor: Callable[..., Editor], serve: Callable[..., Any]
-) -> None:
+def test_a_client_begins_once_whatever_happens_while_the_game_is_paused(lesson, editor, serve):
     """Switched off and on meanwhile it has begun already; and a system may say twice that it goes."""
     unity = editor()
     before = len(unity.program.lines)
@@ -324,9 +316,7 @@ def test_a_client_begins_once_whatever_happens_while_the_game_is_paused(
     unity.stop()
 
 
-def test_a_paused_editor_is_felt_by_the_network_thread(
-    editor: Callable[..., Editor], serve: Callable[..., Any]
-) -> None:
+def test_a_paused_editor_is_felt_by_the_network_thread(editor, serve):
     """Without Update a queue without a limit would fill the memory."""
     server, endpoint = serve("01_request_reply")
     unity = editor()
@@ -344,7 +334,7 @@ def test_a_paused_editor_is_felt_by_the_network_thread(
     unity.stop()
 
 
-def test_a_flood_of_replies_fills_no_frame(play: Callable[..., Program], serve: Callable[..., Any]) -> None:
+def test_a_flood_of_replies_fills_no_frame(play, serve):
     """Each line costs 0.3 ms, as it may in a build; in the editor it is more."""
     program = play("flood", "1", serve("01_request_reply", "--quiet")[1], "150")
     assert program.wait() == 0, program.output
@@ -372,7 +362,7 @@ WRONG = [
 ]
 
 
-def test_a_wrong_field_is_said_once(play: Callable[..., Program]) -> None:
+def test_a_wrong_field_is_said_once(play):
     program = play("wrong", *(word for *words, _ in WRONG for word in words))
     assert program.wait() == 0, program.output
     each = program.output.split("done before it was enabled: False")[1:]
@@ -384,7 +374,7 @@ def test_a_wrong_field_is_said_once(play: Callable[..., Program]) -> None:
         assert not [line for line in lines if line.startswith("   at ") or "Exception" in line], (words, said)
 
 
-def test_a_stop_while_a_client_is_being_made(editor: Callable[..., Editor], silent: str) -> None:
+def test_a_stop_while_a_client_is_being_made(editor, silent):
     """Lesson 07's logs a line in the middle of it: that must not fail, or the first of its sockets stays for ever."""
     unity = editor()
     for i in range(5):
@@ -393,7 +383,7 @@ def test_a_stop_while_a_client_is_being_made(editor: Callable[..., Editor], sile
         unity.stop()
 
 
-def test_whoever_comes_in_the_midst_of_a_reload_opens_nothing(editor: Callable[..., Editor]) -> None:
+def test_whoever_comes_in_the_midst_of_a_reload_opens_nothing(editor):
     """A thread that had no core until then: it would be aborted with its sockets open."""
     unity = editor(mode="reload")
     unity.play("LateClient", ABSENT)
@@ -408,7 +398,7 @@ def test_whoever_comes_in_the_midst_of_a_reload_opens_nothing(editor: Callable[.
         ("LateConnection", "the connection has ended: True, and what it sends: True"),
     ],
 )
-def test_what_is_on_the_thread_pool_ends_before_a_reload(script: str, last: str, editor: Callable[..., Editor]) -> None:
+def test_what_is_on_the_thread_pool_ends_before_a_reload(script, last, editor):
     """NetMQ's last events are there, and WebSockets. Mono 6.8 ends itself where one is aborted, once in some thousand
     reloads, or where a WebSocket begins in the midst of a reload, once in some 400."""
     unity = editor(mode="reload")
@@ -422,9 +412,7 @@ def test_what_is_on_the_thread_pool_ends_before_a_reload(script: str, last: str,
 
 
 @pytest.mark.parametrize("runtime", ["mono", "dotnet"])
-def test_who_leaves_while_it_connects_leaves_no_connection(
-    runtime: str, editor: Callable[..., Editor], serve: Callable[..., Any]
-) -> None:
+def test_who_leaves_while_it_connects_leaves_no_connection(runtime, editor, serve):
     """.NET forgets a WebSocket's connection that comes about when nobody waits for it any more."""
     server, endpoint = serve("16_web_gateway", endpoint=two_ports())
     unity = editor(runtime)
@@ -442,14 +430,14 @@ def test_who_leaves_while_it_connects_leaves_no_connection(
 
 
 @pytest.mark.parametrize(("runtime", "count"), [("mono", 2), ("dotnet", 0)])
-def test_a_program_whose_netmq_never_ends_ends(runtime: str, count: int, play: Callable[..., Program]) -> None:
+def test_a_program_whose_netmq_never_ends_ends(runtime, count, play):
     """And only a runtime that unloads domains is listened to: CoreCLR, to which Unity moves, does not."""
     program = play("forgotten", runtime=runtime)
     assert program.wait() == 0, program.output
     assert program.lines == [f"{count} listen to the end of their domain"]
 
 
-def test_netmq_that_never_ends(editor: Callable[..., Editor]) -> None:
+def test_netmq_that_never_ends(editor):
     """NetMQ waits for a socket that nobody disposed; before 4.0.4.1 it waits for ever on macOS, whatever was disposed.
 
     Stop keeps to its time, and the next Play says what is wrong: the first one soon, those after it at once.
@@ -467,7 +455,7 @@ def test_netmq_that_never_ends(editor: Callable[..., Editor]) -> None:
     assert int(told[1]) < 1000
 
 
-def test_the_naive_client_kills_its_neighbour(editor: Callable[..., Editor], serve: Callable[..., Any]) -> None:
+def test_the_naive_client_kills_its_neighbour(editor, serve):
     """Cleanup() per client: when one is destroyed, the other stops getting replies."""
     unity = editor()
     unity.play("CleaningClient", serve("01_request_reply", "--delay", "0.002")[1], 2)
@@ -476,7 +464,7 @@ def test_the_naive_client_kills_its_neighbour(editor: Callable[..., Editor], ser
     unity.program.wait_for("^client 2: (TerminatingException|ObjectDisposedException)$")
 
 
-def test_the_naive_client_freezes(editor: Callable[..., Editor], silent: str) -> None:
+def test_the_naive_client_freezes(editor, silent):
     """An endless receive, joined in OnDestroy."""
     unity = editor()
     unity.play("EndlessClient", silent)
