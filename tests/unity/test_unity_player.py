@@ -9,25 +9,21 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from kitlib.setup import dotnet
 from kitlib.unity import install as unity_install
 from kitlib.unity.player import stand_ins
-from tests.programs import ROOT, Program, Run
+from tests.programs import ROOT
 from tests.unity.conftest import Editor
 
 HERE = ROOT / "tests" / "unity"
-Play = Callable[..., Program]
 
 
-def by_type(lines: list[str]) -> dict[str, list[str]]:
+def by_type(lines):
     """Each type with its members."""
-    found: dict[str, list[str]] = {}
+    found = {}
     for line in (line.rstrip() for line in lines if line.strip() and not line.startswith("#")):
         if line.startswith(" "):
             found[next(reversed(found))].append(line)
@@ -36,7 +32,7 @@ def by_type(lines: list[str]) -> dict[str, list[str]]:
     return found
 
 
-def test_the_stand_ins_have_unitys_signatures(harness: Path) -> None:
+def test_the_stand_ins_have_unitys_signatures(harness):
     """unity_api.txt and unity_editor_api.txt say of each type where Unity's published reference declares it."""
     editor = Editor(["dotnet", str(harness), "editor"], ROOT)
     here = by_type(editor.do("api"))
@@ -47,7 +43,7 @@ def test_the_stand_ins_have_unitys_signatures(harness: Path) -> None:
     assert here == {line.split("    ")[0]: members for line, members in known.items()}
 
 
-def test_what_the_player_lacks_is_told_by_what_it_has() -> None:
+def test_what_the_player_lacks_is_told_by_what_it_has():
     """kit.py play reads it in the source."""
     told = {(kind, member) for kind, members in stand_ins().items() for member in members}
     facts = by_type((HERE / "unity_api.txt").read_text(encoding="utf-8").splitlines())
@@ -60,7 +56,7 @@ def test_what_the_player_lacks_is_told_by_what_it_has() -> None:
     assert told - {("NativeArray", "index")} == there - {("NativeArray", "Item")}
 
 
-def test_what_netmq_names_is_there_and_no_more(harness: Path) -> None:
+def test_what_netmq_names_is_there_and_no_more(harness):
     """IL2CPP's linker wants every name in NetMQ.dll, and in what that names, to be found."""
     nuget = dotnet.nuget_folder()
     dlls = [nuget / name.lower() / number / inside for name, number, inside in unity_install.LIBRARIES]
@@ -73,7 +69,7 @@ def test_what_netmq_names_is_there_and_no_more(harness: Path) -> None:
     assert needed - {"netstandard", "System.Buffers", "System.Memory"} == {dll.stem for dll in dlls} - {"NetMQ"}
 
 
-def test_scripts_may_do_here_what_they_do_in_unity(play: Play) -> None:
+def test_scripts_may_do_here_what_they_do_in_unity(play):
     program = play("habits")
     assert program.wait() == 0, program.output
     end = program.lines.index("OnDestroy") + 1
@@ -219,7 +215,7 @@ errors: 1""",
 
 
 @pytest.mark.parametrize("script", FIRST)
-def test_first_scripts_play_as_in_unity(script: str, play: Play) -> None:
+def test_first_scripts_play_as_in_unity(script, play):
     program = play("first", script)
     assert program.wait() == 0, program.output
     # Without the places of an exception; and what is nothing may be so from below.
@@ -227,7 +223,7 @@ def test_first_scripts_play_as_in_unity(script: str, play: Play) -> None:
     assert lines == FIRST[script].strip().splitlines()
 
 
-def test_keys_of_the_input_system_and_of_none(play: Play) -> None:
+def test_keys_of_the_input_system_and_of_none(play):
     """For lessons 08 to 10. Where a project listens to nothing that the kit knows, one line says what to do."""
     program = play("keys")
     assert program.wait() == 0, program.output
@@ -264,7 +260,7 @@ public class MyOwn : MonoBehaviour
 """
 
 
-def test_a_readers_own_script_is_built_among_the_lessons(netmq: dotnet.NetMQ, tmp_path: Path) -> None:
+def test_a_readers_own_script_is_built_among_the_lessons(netmq, tmp_path):
     """Without XML documentation, with warnings, in no namespace: as one writes it."""
     scripts = tmp_path / "scripts"
     shutil.copytree(ROOT / "unity" / "Assets" / "NetMQExample", scripts)
@@ -277,7 +273,7 @@ def test_a_readers_own_script_is_built_among_the_lessons(netmq: dotnet.NetMQ, tm
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_plays_the_console_twins_lines(runs: Callable[..., list[Run]], serve: Callable[..., Any]) -> None:
+def test_plays_the_console_twins_lines(runs, serve):
     """Its options set the fields of these names; one class is set apart from all, in whatever order."""
     endpoint = serve("01_request_reply")[1]
     (console,) = runs("csharp", "1", [["--endpoint", endpoint, "--count", "3"]])
@@ -291,7 +287,7 @@ def test_plays_the_console_twins_lines(runs: Callable[..., list[Run]], serve: Ca
     assert console.code == 0 and console.lines[-1] == "done: 3 replies"
 
 
-def test_wrong_usage_is_one_line_and_code_2(runs: Callable[..., list[Run]]) -> None:
+def test_wrong_usage_is_one_line_and_code_2(runs):
     table = {
         "--set nope=3": "unknown: --nope; the fields that a script has here: endpoint count timeout",
         "--MyClient.count 3": "unknown: --MyClient.count; the fields that a script has here",
@@ -311,7 +307,7 @@ def test_wrong_usage_is_one_line_and_code_2(runs: Callable[..., list[Run]]) -> N
     assert code == 2 and len(lines) == 1 and "which lesson?" in lines[0]
 
 
-def test_how_a_play_ends(runs: Callable[..., list[Run]]) -> None:
+def test_how_a_play_ends(runs):
     waits = ["--endpoint", "tcp://127.0.0.1:9", "--timeout", "60", "--seconds", "2"]
     ended, refused = runs("unity", "1", [waits, ["--endpoint", "127.0.0.1:5551"]])
     # On a busy machine not even this.
@@ -322,7 +318,7 @@ def test_how_a_play_ends(runs: Callable[..., list[Run]]) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no signals to another process")
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_the_play_properly(how: signal.Signals, console: list[str], start: Callable[..., Any]) -> None:
+def test_a_signal_ends_the_play_properly(how, console, start):
     played = start(*console, "1", "--unity", "--set", "endpoint=tcp://127.0.0.1:9", "--set", "timeout=60")
     played.wait_for("^asking")
     assert played.stop(how, limit=30) == 1
