@@ -6,8 +6,6 @@ They are compiled with NUnit from NuGet, and with a stand-in of the little that 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -15,14 +13,14 @@ from kitlib.lessons import PACKAGE, KitError
 from kitlib.setup import dotnet
 from kitlib.setup.dotnet import nuget_folder
 from kitlib.unity.meta import behaviours
-from tests.programs import ROOT, Program
+from tests.programs import ROOT
 from tests.unity.conftest import NEAREST
 
 RUNNER = ROOT / "tests" / "unity" / "runner"
 
 
 @pytest.fixture(scope="session")
-def runner(netmq: dotnet.NetMQ) -> Path:
+def runner(netmq):
     try:
         return dotnet.build(netmq, RUNNER)
     except KitError as error:
@@ -31,7 +29,7 @@ def runner(netmq: dotnet.NetMQ) -> Path:
         pytest.skip(f"NUnit comes from NuGet: {error}")
 
 
-def test_they_pass(runner: Path, start: Callable[..., Program], tmp_path: Path) -> None:
+def test_they_pass(runner, start, tmp_path):
     program = start(NEAREST, runner, folder=tmp_path)
     code = program.wait(300)
     assert [line for line in program.lines if line.startswith("FAILED")] == []
