@@ -11,10 +11,8 @@ import shutil
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -38,16 +36,16 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def programs(netmq: dotnet.NetMQ, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def programs(netmq, tmp_path_factory):
     """csharp-console.exe and play.exe with Windows' .NET beside them."""
     folder = tmp_path_factory.mktemp("windows")
     # An .exe is made for .NET itself, and not for .NET Standard.
     framework = f"-p:LibraryFramework=net{(dotnet.sdk() or '').split('.')[0]}.0"
     own = ["-p:NuGetAudit=false", f"-p:ArtifactsPath={folder / 'artifacts'}"]
     play = ["-p:UseAppHost=true", "-p:GenerateDependencyFile=true"]
-    projects: list[tuple[str, list[str]]] = [("csharp-console", []), ("tests/unity/play", play)]
+    projects = [("csharp-console", []), ("tests/unity/play", play)]
     for project, more in projects:
-        publish: list[str | Path] = ["dotnet", "publish", ROOT / project, "-o", folder / "bin"]
+        publish = ["dotnet", "publish", ROOT / project, "-o", folder / "bin"]
         windows = ["-r", "win-x64", "--self-contained", framework]
         result = quietly([*publish, *windows, *own, *more], 300, dotnet.ENVIRONMENT)
         if any(code in result.output for code in (*dotnet.ABSENT, *dotnet.UNREACHABLE)):
@@ -59,15 +57,15 @@ def programs(netmq: dotnet.NetMQ, tmp_path_factory: pytest.TempPathFactory) -> I
 
 
 @pytest.fixture(scope="module")
-def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Program]]:
+def wine(programs, tmp_path_factory):
     """wine("play.exe", …) starts a program in a Windows of this test's own."""
     prefix = tmp_path_factory.mktemp("wine")
     # Wine does not bear how .NET protects the code that it makes: where a picture's buffers bring about a full garbage
     # collection, it ends with an "Internal CLR error" in DynamicResolver's finalizer.
     environment = {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all", "DOTNET_EnableWriteXorExecute": "0"}
-    started: list[Program] = []
+    started = []
 
-    def start(program: str, *words: str, folder: Path = ROOT) -> Program:
+    def start(program, *words, folder=ROOT):
         command = [str(WINE), programs / program, *words]
         started.append(Program(command, folder=folder, stdin=subprocess.PIPE, **environment))
         return started[-1]
@@ -83,9 +81,7 @@ def wine(programs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
 
 @pytest.mark.parametrize("unity", [False, True], ids=["terminal", "unity"])
 @pytest.mark.parametrize("key", KEYS)
-def test_a_client(
-    key: str, unity: bool, wine: Callable[..., Program], serve: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_a_client(key, unity, wine, serve, tmp_path):
     endpoint = serve(key, endpoint=two_ports())[1]
     # Whoever has many areas asks in none of them.
     patient = () if unity and key.startswith("10") else PATIENT
@@ -103,7 +99,7 @@ def test_a_client(
     assert not [line for line in client.lines if "gave up" in line], client.output
 
 
-def test_a_client_without_a_server(wine: Callable[..., Program]) -> None:
+def test_a_client_without_a_server(wine):
     client = wine("csharp-console.exe", "1", "--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "1")
     assert client.wait(400) == 1, client.output
     assert "no reply" in client.lines[-1]
@@ -111,7 +107,7 @@ def test_a_client_without_a_server(wine: Callable[..., Program]) -> None:
 
 @pytest.mark.parametrize("server", ["up", "absent"])
 @pytest.mark.parametrize("key", [KEYS[0], KEYS[-1]])
-def test_play_and_stop(key: str, server: str, wine: Callable[..., Program], serve: Callable[..., Any]) -> None:
+def test_play_and_stop(key, server, wine, serve):
     """On the same statics, as with domain reload off."""
     endpoint = serve(key, endpoint=two_ports())[1] if server == "up" else f"tcp://127.0.0.1:{free_port()}"
     unity = wine("play.exe", "keep")
