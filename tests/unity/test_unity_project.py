@@ -12,9 +12,7 @@ import math
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -25,8 +23,6 @@ from kitlib.unity import modules
 from kitlib.unity.meta import PREFAB, assets, behaviours, guid, meta_of, own_guid
 from tests.programs import ROOT, finished
 
-Files = dict[str, str]
-Json = dict[str, Any]
 UNITY = ROOT / "unity"
 HERE = ROOT / "tests" / "unity"
 SCENES = sorted(PACKAGE.rglob("*.unity"))
@@ -42,25 +38,25 @@ MODULES = (
 )
 
 
-def relative(path: Path) -> str:
+def relative(path):
     return path.relative_to(UNITY).as_posix()
 
 
 @functools.cache
-def copied(lesson: str | None = None) -> Files:
+def copied(lesson=None):
     return {name: data.decode("utf-8") for name, data in unity_install.scripts(lesson).items()}
 
 
-def documents(text: str) -> list[tuple[int, str, str]]:
+def documents(text):
     """The objects of a Unity file: (class number, file id, text)."""
     parts = re.split(r"^--- !u!(\d+) &(\d+)\n", text, flags=re.MULTILINE)
     return [(int(kind), name, body) for kind, name, body in zip(parts[1::3], parts[2::3], parts[3::3], strict=True)]
 
 
-def test_each_asset_has_its_meta() -> None:
+def test_each_asset_has_its_meta():
     """The GUIDs are unique, and no .meta is left of what was renamed or removed."""
     faults = [f"{relative(m)} is of nothing" for m in UNITY.rglob("*.meta") if not m.with_suffix("").exists()]
-    seen: dict[str, str] = {}
+    seen = {}
     for path in assets():
         if not meta_of(path).exists():
             faults.append(f"{relative(path)} has no .meta: run python3 -m kitlib.unity.meta")
@@ -82,12 +78,12 @@ def test_each_asset_has_its_meta() -> None:
     assert guid("01_request_reply/HelloClient.cs") == own_guid(PACKAGE / "01_request_reply" / "HelloClient.cs")
 
 
-def test_the_command_has_nothing_left_to_write() -> None:
+def test_the_command_has_nothing_left_to_write():
     done = finished([sys.executable, "-m", "kitlib.unity.meta"], cwd=ROOT, check=True)
     assert done.stdout == "", "it has written these just now: add them to git"
 
 
-def test_each_lesson_has_a_scene_with_its_scripts_in_which_something_is_seen() -> None:
+def test_each_lesson_has_a_scene_with_its_scripts_in_which_something_is_seen():
     """The player (csharp-console/Play.cs) plays the scripts of the folder: the scene must hold them, and what shows it.
 
     That is the last line, in lessons 03 and 07 a cube that moves, and in 21 one that talks.
@@ -111,7 +107,7 @@ def test_each_lesson_has_a_scene_with_its_scripts_in_which_something_is_seen() -
 
 
 @pytest.mark.parametrize(("key", "begin", "end"), [("10_many_agents", -4, 4), ("11_observations", 0, 10)])
-def test_a_field_is_seen_from_above_and_below_the_text(key: str, begin: float, end: float) -> None:
+def test_a_field_is_seen_from_above_and_below_the_text(key, begin, end):
     """From its own height one thing on it would cover the other."""
     text = (PACKAGE / key / f"{key}.unity").read_text(encoding="utf-8")
     (camera,) = [body for _, name, body in documents(text) if name == "101"]
@@ -142,7 +138,7 @@ UNITYS_FIELDS |= {"m_EditorClassIdentifier"}
 
 
 @functools.cache
-def serialized(name: str | None) -> set[str]:
+def serialized(name):
     """The fields that Unity writes of a class and those that it derives from: with SerializeField, and public ones.
 
     At the end of the line the class MonoBehaviour is among them.
@@ -156,7 +152,7 @@ def serialized(name: str | None) -> set[str]:
     return {name} if name else set()
 
 
-def reference_faults(text: str) -> Iterator[str]:
+def reference_faults(text):
     """What Unity would not find of all that a file refers to."""
     objects = documents(text)
     names = [name for _, name, _ in objects]
@@ -180,14 +176,14 @@ KINDS = {1: "GameObject", 4: "Transform", 20: "Camera", 23: "MeshRenderer", 33: 
 KINDS |= {108: "Light", 114: "MonoBehaviour", 1660057539: "SceneRoots"}
 
 
-def scene_faults(text: str) -> Iterator[str]:
+def scene_faults(text):
     """Of a scene, or of a prefab."""
     parts = re.split(r"^--- !u!(\d+) &(\d+)\n", text, flags=re.M)[1:]
     kinds = {number: int(kind) for kind, number in zip(parts[::3], parts[1::3], strict=True)}
     bodies = dict(zip(parts[1::3], parts[2::3], strict=True))
     scripts_of = {own_guid(path): path for path in PACKAGE.rglob("*.cs")}
 
-    def pairs(kind: int, key: str) -> set[tuple[str, str]]:
+    def pairs(kind, key):
         """Each object of this kind, or of any, with each fileID that it has under this key."""
         listed = {number: re.search(rf"^  {key}:(.*(?:\n  - .*)*)", bodies[number], re.M) for number in kinds}
         return {
@@ -220,7 +216,7 @@ def scene_faults(text: str) -> Iterator[str]:
                     yield f"{owner} has no {wanted} for {path.stem}"
 
 
-def test_a_scene_is_one_tree_of_objects_that_exist() -> None:
+def test_a_scene_is_one_tree_of_objects_that_exist():
     faults = []
     for path in [*SCENES, PREFAB, *UNITY.glob("ProjectSettings/*.asset")]:
         text = path.read_text(encoding="utf-8")
@@ -231,13 +227,13 @@ def test_a_scene_is_one_tree_of_objects_that_exist() -> None:
     assert faults == []
 
 
-def test_yaml_parses_with_unitys_tags() -> None:
+def test_yaml_parses_with_unitys_tags():
     yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
 
     class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[name-defined,misc]
         pass
 
-    def construct(loader: Any, _suffix: str, node: Any) -> object:
+    def construct(loader, _suffix, node):
         return loader.construct_mapping(node, deep=True)
 
     Loader.add_multi_constructor("tag:unity3d.com,2011:", construct)
@@ -250,7 +246,7 @@ def test_yaml_parses_with_unitys_tags() -> None:
         assert found and all(isinstance(one, dict) for one in found), relative(path)
 
 
-def assembly(name: str, files: Files) -> str | None:
+def assembly(name, files):
     """The .asmdef to which a script belongs: the nearest above it."""
     above = [path for path in files if path.endswith(".asmdef") and name.startswith(path.rpartition("/")[0] + "/")]
     return max(above, key=lambda path: path.count("/"), default=None)
@@ -263,18 +259,18 @@ NUMBER = r"\d[\w.-]*"
 RANGE = re.compile(rf"({NUMBER}|\[{NUMBER}\]|\({NUMBER},\)|\(,{NUMBER}[\])]|[\[(]{NUMBER},{NUMBER}[\])])?")
 
 
-def outside_the_editor(files: Files) -> Files:
+def outside_the_editor(files):
     """The scripts that a player may have."""
     cs = {name: text for name, text in files.items() if name.endswith(".cs")}
     return {n: t for n, t in cs.items() if runs_on(json.loads(files[assembly(n, files) or ""])) != {"Editor"}}
 
 
-def runs_on(definition: Json) -> set[str]:
+def runs_on(definition):
     return set(definition["includePlatforms"] or PLATFORMS) - set(definition["excludePlatforms"])
 
 
-def reachable(name: str, by_name: dict[str, Json]) -> set[str]:
-    seen: set[str] = set()
+def reachable(name, by_name):
+    seen = set()
     left = [name]
     while left:
         new = by_name.keys() & set(by_name[left.pop()]["references"]) - seen
@@ -283,8 +279,8 @@ def reachable(name: str, by_name: dict[str, Json]) -> set[str]:
     return seen
 
 
-def assembly_faults(files: Files) -> Iterator[str]:
-    found: dict[str, Json] = {name: json.loads(text) for name, text in files.items() if name.endswith(".asmdef")}
+def assembly_faults(files):
+    found = {name: json.loads(text) for name, text in files.items() if name.endswith(".asmdef")}
     by_name = {definition["name"]: definition for definition in found.values()}
     owners = {assembly(name, files) for name in files if name.endswith(".cs")}
     folders = Counter(name.rpartition("/")[0] for name in found)
@@ -335,7 +331,7 @@ CALLED = {
 }
 ATTRIBUTE = re.compile(rf"\[({'|'.join(CALLED)})\b[^\n]*\n\s+((?:\w+ )*)(\w+)\(([^)]*)\)")
 # Of each type of Unity that a script may use: its kind, its name, its base class, and where Unity declares it.
-FACTS: list[tuple[str, str, str, str]] = re.findall(
+FACTS = re.findall(
     r"^(\w+) (?:\w+\.)*(\w+)(?:`\d)?(?: : (\w+))?    (.+)$",
     (HERE / "unity_api.txt").read_text(encoding="utf-8"),
     re.M,
@@ -345,18 +341,18 @@ BASES = {name: base for kind, name, base, _ in FACTS if kind == "class"}
 ENGINE = {name for name in BASES if not re.search("Attribute$|UnityEvent", name)} | {"FindObjectOfType", "Instantiate"}
 
 
-def script_faults(files: Files) -> Iterator[str]:
+def script_faults(files):
     # Without texts and comments, in which anything may stand.
     code = {n: re.sub(r'"(?:[^"\\\n]|\\.)*"|//.*', '""', text) for n, text in files.items() if n.endswith(".cs")}
     classes = {found[1]: (name, *found) for name, text in code.items() for found in CLASS.findall(text)}
     own = re.findall(r"(?:\benum|\[Serializable\]\s+[\w ]*(?:class|struct)) (\w+)", "".join(code.values()))
     values = rf"{PLAIN}|(?:{'|'.join(own)})(<.*>)?"
 
-    def line(name: str) -> list[str]:
+    def line(name):
         """A class and its bases; the last one is not the package's."""
         return [name, *line(classes[name][4])] if name in classes else [name]
 
-    def is_object(name: str) -> bool:
+    def is_object(name):
         last = line(name)[-1]
         return last == "Object" or (last in BASES and is_object(BASES[last]))
 
@@ -400,7 +396,7 @@ PART = r"(0|[1-9]\d*|\d*[A-Za-z-][\dA-Za-z-]*)"
 VERSION = re.compile(rf"(0|[1-9]\d*)(\.(0|[1-9]\d*)){{2}}(-{PART}(\.{PART})*)?(\+[\dA-Za-z.-]+)?")
 
 
-def manifest_faults(manifest: Json) -> Iterator[str]:
+def manifest_faults(manifest):
     """Of a project's manifest.json, or a package's package.json."""
     for name, version in manifest["dependencies"].items():
         if not PACKAGE_NAME.fullmatch(name) or not VERSION.fullmatch(version):
@@ -417,7 +413,7 @@ def manifest_faults(manifest: Json) -> Iterator[str]:
             yield f"{sample} is no sample"
 
 
-def test_unity_compiles_the_assemblies_that_are_copied() -> None:
+def test_unity_compiles_the_assemblies_that_are_copied():
     # Lesson 16 has an assembly of its own.
     for lesson in (None, "4", "16"):
         assert [f"{lesson}: {fault}" for fault in assembly_faults(copied(lesson))] == []
@@ -435,11 +431,11 @@ def test_unity_compiles_the_assemblies_that_are_copied() -> None:
     assert all(Path(name).stem == json.loads(text)["name"] for name, text in copied().items() if ".asmdef" in name[-7:])
 
 
-def test_unity_takes_the_scripts() -> None:
+def test_unity_takes_the_scripts():
     assert list(script_faults(copied())) == []
 
 
-def test_the_package_manager_takes_the_manifests_which_name_the_modules_that_scripts_need() -> None:
+def test_the_package_manager_takes_the_manifests_which_name_the_modules_that_scripts_need():
     # An assembly for the editor alone gets all of Unity's modules, whatever the project has.
     needed = modules.needed(outside_the_editor(copied()).values())
     for path in MANIFESTS:
@@ -447,8 +443,8 @@ def test_the_package_manager_takes_the_manifests_which_name_the_modules_that_scr
         assert list(manifest_faults(manifest)) == [] and needed <= manifest["dependencies"].keys(), path.name
 
 
-def test_the_modules_are_those_of_unitys_sources() -> None:
-    declared: dict[str, set[str]] = {}
+def test_the_modules_are_those_of_unitys_sources():
+    declared = {}
     for _, name, _, source in FACTS:
         module = source.removeprefix("Modules/").partition("/")[0].lower()
         if source.startswith("Modules/") and re.fullmatch(MODULES, module):
@@ -461,7 +457,7 @@ def test_the_modules_are_those_of_unitys_sources() -> None:
     }
 
 
-def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error() -> None:
+def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error():
     found = [json.loads(text) for name, text in copied().items() if name.endswith(".asmdef")]
     by_name = {definition["name"]: definition for definition in found}
     assert by_name["NetMQExample"]["excludePlatforms"] == ["WebGL"]
@@ -472,7 +468,7 @@ def test_the_lessons_are_left_out_of_webgl_which_has_its_own_error() -> None:
     assert "using NetMQ" not in code, "NetMQ is not there in a browser"
 
 
-def test_the_package_is_valid() -> None:
+def test_the_package_is_valid():
     package = json.loads((PACKAGE / "package.json").read_text(encoding="utf-8"))
     assert re.fullmatch(r"[a-z0-9][a-z0-9._-]{0,213}", package["name"])
     assert re.fullmatch(r"\d+\.\d+\.\d+", package["version"])
@@ -489,7 +485,7 @@ def test_the_package_is_valid() -> None:
     assert "NetMQ" in (PACKAGE / "README.md").read_text(encoding="utf-8")
 
 
-def test_the_manifest_gets_netmq_from_a_scoped_registry() -> None:
+def test_the_manifest_gets_netmq_from_a_scoped_registry():
     manifest = json.loads((UNITY / "Packages" / "manifest.json").read_text(encoding="utf-8"))
     outside = [name for name in manifest["dependencies"] if not name.startswith("com.unity.")]
     scopes = [scope for registry in manifest["scopedRegistries"] for scope in registry["scopes"]]
@@ -502,7 +498,7 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry() -> None:
     assert manifest["dependencies"]["org.nuget.netmq"].replace("-", ".") == unity_install.NETMQ
 
 
-def test_unity_is_a_version_that_can_have_netmq() -> None:
+def test_unity_is_a_version_that_can_have_netmq():
     text = (UNITY / "ProjectSettings" / "ProjectVersion.txt").read_text(encoding="utf-8")
     found = re.match(
         r"m_EditorVersion: 6000\.0\.(\d+)f\d+\nm_EditorVersionWithRevision: 6000\.0\.\1f\d+ \([0-9a-f]{12}\)\n", text
@@ -513,14 +509,14 @@ def test_unity_is_a_version_that_can_have_netmq() -> None:
     assert "\n  m_ActiveColorSpace: 1\n" in settings, "left out, it is gamma"
 
 
-def test_no_third_party_dll_is_in_the_repository() -> None:
+def test_no_third_party_dll_is_in_the_repository():
     done = finished(["git", "ls-files", "unity"], cwd=ROOT)
     if done.returncode:
         pytest.skip("this is not a git repository")
     assert [name for name in done.stdout.splitlines() if name.lower().endswith((".dll", ".so", ".dylib"))] == []
 
 
-def test_a_field_says_what_it_is_for_and_how_small_it_may_be() -> None:
+def test_a_field_says_what_it_is_for_and_how_small_it_may_be():
     fields = []
     for path in PACKAGE.glob("[0-9S]*/*.cs"):
         found = re.findall(r"\[SerializeField([^]]*)\]\s+private (\S+) (\w+)", path.read_text(encoding="utf-8"))
@@ -531,7 +527,7 @@ def test_a_field_says_what_it_is_for_and_how_small_it_may_be() -> None:
     assert [field for field in numbers if not re.search(r"(Min|Range)\(", field[3])] == []
 
 
-def test_the_page_shows_what_the_kits_own_manifest_has() -> None:
+def test_the_page_shows_what_the_kits_own_manifest_has():
     page = ROOT / "docs" / "guide" / "unity_project.md"
     (shown,) = [json.loads(block.body) for block in guide.blocks(page) if block.language == "json"]
     manifest = json.loads((ROOT / "unity" / "Packages" / "manifest.json").read_text(encoding="utf-8"))
@@ -539,22 +535,22 @@ def test_the_page_shows_what_the_kits_own_manifest_has() -> None:
     assert shown["dependencies"].items() <= manifest["dependencies"].items()
 
 
-def test_the_linker_is_not_told_to_keep_all_of_netmq() -> None:
+def test_the_linker_is_not_told_to_keep_all_of_netmq():
     """Kept whole it would drag in what only its BufferPool names, at every stripping level."""
     text = (PACKAGE / "link.xml").read_text(encoding="utf-8")
     assert re.findall(r'assembly fullname="(\w+)" preserve="all" ignoreIfMissing="1"', text) == ["NetMQExample"]
 
 
-def test_each_component_has_its_place_in_the_menu() -> None:
+def test_each_component_has_its_place_in_the_menu():
     """Add Component, NetMQ Example, by lesson; without it all lie in one row below Scripts."""
-    found: dict[str, tuple[str, Path, str]] = {}
+    found = {}
     for path in PACKAGE.rglob("[0-9S]*/*.cs"):
         text = path.read_text(encoding="utf-8")
         for kind, name, base in re.findall(r"^    public (\w* ?)class (\w+)(?:<\w+>)? : (\w+)", text, re.MULTILINE):
             found[name] = (base, path, kind)
     bases = {name: base for name, (base, _, _) in found.items()}
 
-    def is_component(name: str) -> bool:
+    def is_component(name):
         return name == "MonoBehaviour" or (name in bases and is_component(bases[name]))
 
     components = {name: path for name, (_, path, kind) in found.items() if kind != "abstract " and is_component(name)}
@@ -581,7 +577,7 @@ COLLIDERS = {
 }
 
 
-def test_the_linker_keeps_what_primitives_are_made_of() -> None:
+def test_the_linker_keeps_what_primitives_are_made_of():
     # A script may name the kind in one place and create it in another.
     named = {
         kind for path in PACKAGE.rglob("*.cs") for kind in re.findall(r"PrimitiveType\.(\w+)", path.read_text("utf-8"))
@@ -600,7 +596,7 @@ def test_the_linker_keeps_what_primitives_are_made_of() -> None:
     assert kept == {("CoreModule", "MeshFilter"), ("CoreModule", "MeshRenderer"), *colliders}
 
 
-def test_no_script_but_one_asks_for_keys() -> None:
+def test_no_script_but_one_asks_for_keys():
     """A project that listens to the Input System alone refuses Input at each call."""
     asks = re.compile(r"\bInput\.(Get|mouse|touch|any)|ENABLE_(LEGACY_)?INPUT")
     found = [path.name for path in PACKAGE.rglob("*.cs") if asks.search(path.read_text(encoding="utf-8"))]
