@@ -1,7 +1,5 @@
 """Peers and lines as they should not be: a slow line, a server that breaks ZeroMQ's protocol, and web servers."""
 
-from __future__ import annotations
-
 import contextlib
 import queue
 import socket

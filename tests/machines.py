@@ -1,7 +1,5 @@
 """Three machines, which are network namespaces here."""
 
-from __future__ import annotations
-
 import subprocess
 import uuid
 

@@ -1,7 +1,5 @@
 """The README and the guide are true: excerpts, transcripts, commands and programs, each compared or run."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import importlib

@@ -1,7 +1,5 @@
 """The programs of the pages, as they stand there: all their C# in one project, played against its servers."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """docs/guide/reinforcement_learning.md as a reader types it, with fewer steps, where its libraries are installed."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import re

@@ -1,7 +1,5 @@
 """The page "Using it without Unity": its programs are built and run as they stand, with what kit.py copy writes."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

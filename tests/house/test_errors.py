@@ -1,7 +1,5 @@
 """An error that ends a program says in its one line what went wrong and what to do, so no page has to explain it."""
 
-from __future__ import annotations
-
 import ast
 import re
 

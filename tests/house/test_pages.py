@@ -1,7 +1,5 @@
 """Every page is made as the others are: blocks that say where they come from, sections, links, diagrams, commands."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 

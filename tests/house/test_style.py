@@ -3,8 +3,6 @@
 They are for those who change the kit: `python3 kit.py test tests/house` runs them with the versions that they want.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import os

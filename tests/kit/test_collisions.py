@@ -1,7 +1,5 @@
 """Whatever others call `tree` or `messages`, and whichever older copy of the package is there, no program takes it."""
 
-from __future__ import annotations
-
 import json
 import os
 

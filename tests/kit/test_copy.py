@@ -1,7 +1,5 @@
 """kit.py copy: what it writes runs there, imports nothing else of the kit, and overwrites nothing."""
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -1,7 +1,5 @@
 """kit.py as a person meets it: on a copy of the repository, as a process, on machines with and without things."""
 
-from __future__ import annotations
-
 import errno
 import importlib
 import io

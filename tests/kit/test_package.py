@@ -1,7 +1,5 @@
 """The package as one installs it: `pip install .` in the kit's folder, and then a program of one's own elsewhere."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import site

@@ -1,7 +1,5 @@
 """kit.py play: a reader's own scripts, as one writes them."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """A release: the sources of the last commit, and Unity's package."""
 
-from __future__ import annotations
-
 import io
 import subprocess
 import tarfile

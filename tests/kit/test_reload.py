@@ -1,7 +1,5 @@
 """kit.py server N --reload: when a file counts as saved. A whole run is in test_kit.py."""
 
-from __future__ import annotations
-
 import signal
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """The performance lab: a quick run measures what it says, and a contender that cheats or lacks something is named."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -3,8 +3,6 @@ of that kind; the C# side of lesson 05's messages without a client around it; an
 that they launch, or that answer in the test's own process.
 """
 
-from __future__ import annotations
-
 import contextlib
 import shutil
 import threading

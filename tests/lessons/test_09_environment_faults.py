@@ -1,7 +1,5 @@
 """Lesson 09, what can go wrong: simulators that are lost, slow or wrong, two at once, and what may be left behind."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import os

@@ -1,7 +1,5 @@
 """Lesson 10, what can go wrong: simulators that are lost, too many or wrong, and what cannot be sent to them."""
 
-from __future__ import annotations
-
 import gc
 import re
 import time

@@ -1,8 +1,6 @@
 """Lesson 12: what neither a peer nor a script may do to the films. The fixtures are those of test_12_films.py."""
 
 # ruff: noqa: E402, F401, F811
-from __future__ import annotations
-
 import contextlib
 import runpy
 import signal

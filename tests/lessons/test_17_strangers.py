@@ -1,7 +1,5 @@
 """Lesson 17: strangers at the hub, who answer nonsense, take what is not theirs, or come by the thousand."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 import json

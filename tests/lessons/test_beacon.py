@@ -1,7 +1,5 @@
 """A server is found by its name, on machines that are network namespaces here."""
 
-from __future__ import annotations
-
 import random
 import signal
 import socket

@@ -4,8 +4,6 @@ The table is *The contract of every program* in CONTRIBUTING.md. What a lesson's
 --help; what cannot be read there stands in the few lines before the first test.
 """
 
-from __future__ import annotations
-
 import contextlib
 import re
 import signal

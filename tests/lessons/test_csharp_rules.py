@@ -1,7 +1,5 @@
 """Every C# class says in one line which value it cannot use (checks/RuleChecks.cs)."""
 
-from __future__ import annotations
-
 from kitlib.setup import dotnet
 from tests.programs import ROOT
 

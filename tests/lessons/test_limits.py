@@ -1,7 +1,5 @@
 """Memory has a limit, whoever sends: rows of SECURITY.md's table. What a program has taken at the most is looked at."""
 
-from __future__ import annotations
-
 import re
 import time
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 The others make a new socket, which looks the name up, for each try.
 """
 
-from __future__ import annotations
-
 import signal
 
 import pytest

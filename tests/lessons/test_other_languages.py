@@ -4,8 +4,6 @@ Each program is built into a folder of the test's own from what is installed; wh
 what to install.
 """
 
-from __future__ import annotations
-
 import functools
 import os
 import re

@@ -2,8 +2,6 @@
 is a notebook's, or nobody's.
 """
 
-from __future__ import annotations
-
 import copy
 import gc
 import importlib

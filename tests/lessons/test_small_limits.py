@@ -2,8 +2,6 @@
 are lowered, and those of sockets are looked at.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The package's folder Editor, against a stand-in of UnityEditor: buttons are pressed, Python servers really start."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """What the editor shows of the clients, and says of a build: inspector, traffic, address, prefab, guards."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import time

@@ -1,7 +1,5 @@
 """kit.py unity PATH: what it copies into a project, and what it never does."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """kit.py unity --package FILE, read back with tarfile and compared with the tree. No editor has imported one here."""
 
-from __future__ import annotations
-
 import json
 import re
 import tarfile

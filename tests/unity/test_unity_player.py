@@ -1,7 +1,5 @@
 """The player and its stand-in of Unity: Unity's signatures, Unity's order of events, the command line."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

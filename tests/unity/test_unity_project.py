@@ -4,8 +4,6 @@ Many of the rules are those by which Unity's editor checks a project before it c
 read in Unity's published source. The files are those that kit.py unity copies, {path in a project: text}.
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import math

@@ -3,8 +3,6 @@
 They are compiled with NUnit from NuGet, and with a stand-in of the little that Unity's Test Framework adds to it.
 """
 
-from __future__ import annotations
-
 import re
 
 import pytest

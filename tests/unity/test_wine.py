@@ -4,8 +4,6 @@ The servers are this system's own Python, reached over loopback. It is no Window
 Windows code: what would fail there in the first minute fails here.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import statistics

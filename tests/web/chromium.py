@@ -7,8 +7,6 @@
 The browser is the one that KIT_CHROMIUM names, or a Chromium or Chrome on the path.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import os

@@ -1,7 +1,5 @@
 """A browser for all tests of a run; each test opens pages of its own."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.web import chromium

@@ -3,8 +3,6 @@
 And JavaScript's own Socket.IO client, run by node.
 """
 
-from __future__ import annotations
-
 import base64
 import functools
 import http.server
