@@ -507,13 +507,6 @@ def test_unity_is_a_version_that_can_have_netmq():
     assert "\n  m_ActiveColorSpace: 1\n" in settings, "left out, it is gamma"
 
 
-def test_no_third_party_dll_is_in_the_repository():
-    done = finished(["git", "ls-files", "unity"], cwd=ROOT)
-    if done.returncode:
-        pytest.skip("this is not a git repository")
-    assert [name for name in done.stdout.splitlines() if name.lower().endswith((".dll", ".so", ".dylib"))] == []
-
-
 def test_a_field_says_what_it_is_for_and_how_small_it_may_be():
     fields = []
     for path in PACKAGE.glob("[0-9S]*/*.cs"):
