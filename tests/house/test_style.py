@@ -139,18 +139,6 @@ def test_a_lesson_is_whole():
         assert "\n```mermaid\nsequenceDiagram\n" in lesson.guide.read_text(encoding="utf-8"), lesson.guide
 
 
-def test_no_two_lessons_have_a_class_of_one_name():
-    """Unity has all of them in one assembly."""
-    classes = {}
-    for lesson in lessons():
-        for path in lesson.unity.glob("*.cs"):
-            text = path.read_text(encoding="utf-8")
-            for name in re.findall(r"^    (?:[a-z]+ )*(?:class|struct|interface|enum) (\w+)", text, re.MULTILINE):
-                classes.setdefault(name, set()).add(lesson.key)
-    assert len(classes) > 50
-    assert {name: keys for name, keys in classes.items() if len(keys) > 1} == {}
-
-
 def imports_of(path):
     """The modules of the package that a file names in its imports."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
