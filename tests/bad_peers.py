@@ -79,6 +79,12 @@ class SlowLine(Listener):
         """What is connected now gets nothing any more, and is not told; who connects from now on is served."""
         self.dead = [*self.open]
 
+    def cut(self):
+        """What is connected now is told that the other side is gone; who connects from now on is served."""
+        for each in self.open[1:]:
+            with contextlib.suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+
     def serve(self, peer):
         # To connect takes a round trip of its own.
         time.sleep(self.round_trip)

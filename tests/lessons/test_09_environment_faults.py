@@ -1,6 +1,5 @@
 """Lesson 09, what can go wrong: simulators that are lost, slow or wrong, two at once, and what may be left behind."""
 
-import contextlib
 import gc
 import os
 import re
@@ -14,6 +13,7 @@ import time
 import pytest
 import zmq
 
+from tests.bad_peers import SlowLine
 from tests.conftest import CLIENTS, PYTHON
 from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, free_port
 
@@ -100,45 +100,15 @@ def test_a_killed_simulator_ends_the_episode_and_the_next_reset_starts_another(m
     assert env.step(1)[4] == {}
 
 
-class Cable(threading.Thread):
-    """Passes on each connection to a port, until it is cut; the next one finds it whole."""
-
-    def __init__(self, port):
-        super().__init__(daemon=True)
-        self.port, self.ends = port, []
-        self.listener = sockets.create_server(("127.0.0.1", 0))
-        self.endpoint = f"tcp://127.0.0.1:{self.listener.getsockname()[1]}"
-        self.start()
-
-    def run(self):
-        with contextlib.suppress(OSError):
-            while True:
-                near = self.listener.accept()[0]
-                far = sockets.create_connection(("127.0.0.1", self.port))
-                self.ends += [near, far]
-                for ways in (near, far), (far, near):
-                    threading.Thread(target=self.carry, args=ways, daemon=True).start()
-
-    def carry(self, one, other):
-        with contextlib.suppress(OSError):
-            while data := one.recv(65536):
-                other.sendall(data)
-        for end in one, other:
-            end.close()
-
-    def cut(self):
-        for end in self.ends:
-            with contextlib.suppress(OSError):
-                end.shutdown(sockets.SHUT_RDWR)
-        self.ends.clear()
-
-
 @each_client
 def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(kind, start, client_command):
     """Else Python would wait for a hello, and the simulator for a request, each on a connection that is whole."""
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
+    with (
+        zmq.Context() as context,
+        context.socket(zmq.ROUTER) as router,
+        SlowLine(f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}", 0) as cable,
+    ):
         router.linger, router.rcvtimeo = 0, int(1000 * LIMIT)
-        cable = Cable(router.bind_to_random_port("tcp://127.0.0.1"))
         client = start(*client_command(kind, KEY, cable.endpoint, *PATIENT))
 
         def heard(*words, kind="welcome", **values):
@@ -194,7 +164,6 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
         assert read(ask(Message("close", 1))).kind == "closed"
         assert client.wait() == 0
         assert client.lines[-1] == "done: 1 episodes, 3 steps", "a refused one is none"
-        cable.listener.close()
     world.reset(draws(7), {}, [])
     for action in (1, 1, 0):
         world.apply(action)
