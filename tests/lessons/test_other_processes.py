@@ -228,7 +228,6 @@ def test_a_server_goes_on_whatever_becomes_of_its_lines(console, start):
         process.kill()
 
 
-# Its console is IDLE's or a notebook's, it has words of its own, and a loop.
 def test_a_command_to_paste_is_quoted(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/home/O'Brien/R&D kit/python")
     words = [sys.executable, "-m", "pip", "install", "mediapipe"]
@@ -259,6 +258,7 @@ def test_a_line_is_written_once_when_its_write_is_interrupted():
     assert (program.returncode, program.stdout, program.stderr) == (0, "once\n", "")
 
 
+# Its console is IDLE's or a notebook's, it has words of its own, and a loop.
 HOST = """
 import asyncio, io, runpy, sys, threading, zmq
 
