@@ -206,21 +206,12 @@ def as_form(form, *numbers):
 
 FINE = {"numbers": rewards([1, 1]), "marks": [0, 0], "rows": zeros(16, 16)}
 NOT_FINITE = np.array([np.nan]).tobytes()
+# What every answer is asked for, lesson 09's test_a_wrong_answer_is_named_and_the_next_one_counts has.
 AREAS = {
     "NaN": ({"numbers": rewards([1, float("nan")])}, "bad-reward: the rewards are"),
     "NaN seen": ({"rows": [bytes(16), np.full(4, np.nan, "<f4").tobytes()]}, "not-in-space: float32"),
     "too short": ({"rows": zeros(16, 12)}, r"not-in-space: 12 bytes are not in Box"),
-    "too long": ({"rows": zeros(16, 20)}, r"not-in-space: 20 bytes are not in Box"),
-    "nothing": ({"rows": zeros(16, 0)}, r"not-in-space: 0 bytes are not in Box"),
-    "marks": ({"marks": [0, 8]}, "bad-record: .*mark 8 is none"),
-    "another area": (
-        {"numbers": rewards([1] * 3), "marks": [0] * 3, "rows": zeros(16, 16, 16)},
-        "wrong-areas: an answer for 3, but 2 were asked",
-    ),
-    "a list": ({"infos": [b"", trees.write([1])]}, "bad-info: an info is a dict, not"),
-    "an info cut short": ({"infos": [trees.write({"a": 1})[:-1], b""]}, "bad-tree"),
     "its own word": ({"infos": [b"", trees.write({"lost": "me"})]}, "bad-info: these names are the environment's own"),
-    "another one": ({"infos": [b"", trees.write({"final_obs": 1})]}, "bad-info: these names are the environment's own"),
     "infinite": ({"infos": [as_form('{"dict":{"a":"float64"}}', NOT_FINITE), b""]}, "bad-value: nan is not finite"),
 }
 
