@@ -42,6 +42,7 @@ SPACES = PIXEL = Array("uint8", (1, 1, 3), bytes(3))
 # A world of its own for each test: a hub brings together what has one name.
 WORLDS = itertools.count()
 SERVER = ROOT / "python" / KEY / "server.py"
+SILENT = SimpleNamespace(send_multipart=lambda frames, flags=0: None)
 
 
 class Peer:
@@ -394,7 +395,7 @@ def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(capsys):
 
 
 def test_the_table_has_a_row_for_each_of_the_first_simulators():
-    hub = Hub(Silent())
+    hub = Hub(SILENT)
     for number in range(MOST_ROWS + 2):
         hello = Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES])
         hub.take(b"%d" % number, hello.frames())
@@ -404,13 +405,13 @@ def test_the_table_has_a_row_for_each_of_the_first_simulators():
 
 
 def test_a_row_is_cut_by_its_letters_and_so_each_of_them_takes_one_column():
-    hub = Hub(Silent())
+    hub = Hub(SILENT)
     hub.take(b"1", Message("hello", 0, {"name": "車" * 30, "dt": 0.02}, [SPACES]).frames())
     assert rows_of(hub)[0].isascii()
 
 
 def test_for_episodes_that_wait_a_simulator_is_sought_once():
-    hub, count = Hub(Silent()), 5
+    hub, count = Hub(SILENT), 5
     for number in range(count):
         hub.take(b"%d" % number, Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES]).frames())
     hub.take(b"trainer", Message("join", 0, {"name": "World", "areas": count}).frames())
@@ -424,11 +425,6 @@ def test_for_episodes_that_wait_a_simulator_is_sought_once():
     hub.free = sought.append
     hub.take(b"stranger", Message("whatever").frames())
     assert sought == ["World"]
-
-
-class Silent:
-    def send_multipart(self, frames, flags=0):
-        pass
 
 
 def test_the_table_is_not_wider_or_higher_than_its_terminal(peer):
