@@ -115,12 +115,6 @@ def test_one_lesson_takes_only_what_it_uses(dlls, tmp_path):
     assert manifest == {"dependencies": {"com.unity.modules.jsonserialize": "1.0.0"}}, "ServerAddress reads a field"
 
 
-def test_a_guid_that_two_assets_have_is_refused():
-    meta = b"fileFormatVersion: 2\nguid: " + b"a" * 32 + b"\n"
-    with pytest.raises(AssertionError, match=r"Assets/b\.cs has the guid of another asset"):
-        package.entries({"Assets/a.cs": b"", "Assets/a.cs.meta": meta, "Assets/b.cs": b"", "Assets/b.cs.meta": meta})
-
-
 def test_without_nuget_there_is_one_line_and_no_file(tmp_path, monkeypatch):
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: "9.0")
