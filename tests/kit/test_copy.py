@@ -137,24 +137,6 @@ def test_what_is_copied_is_read_from_the_imports(text, expected, small):
     assert small(text) == expected
 
 
-def test_of_the_package_just_what_lesson_01_imports_is_copied(tmp_path):
-    copied("1", tmp_path)
-    found = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.*")}
-    package = {
-        "__init__.py",
-        "program.py",
-        "check.py",
-        "errors.py",
-        "interrupts.py",
-        "console.py",
-        "replies.py",
-        "trouble.py",
-        "beacon.py",
-    }
-    programs = {"01_request_reply/server.py", "01_request_reply/client.py"}
-    assert found == {*(f"netmq_example/{name}" for name in package), *programs, copy.LICENCE}
-
-
 def test_what_differs_stays_unless_it_is_forced(tmp_path, capsys):
     folder = tmp_path / "game"
     copied("1", folder)
