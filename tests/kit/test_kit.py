@@ -2,7 +2,6 @@
 
 import errno
 import importlib
-import io
 import json
 import os
 import pkgutil
@@ -15,6 +14,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -354,15 +354,6 @@ def test_what_comes_after_test_is_for_pytest(start):
     assert any("::test_it_has_what_was_committed" in line for line in program.lines)
 
 
-class Screen(io.StringIO):
-    def __init__(self, terminal):
-        super().__init__()
-        self.terminal = terminal
-
-    def isatty(self):
-        return self.terminal
-
-
 @pytest.mark.parametrize(
     ("on_terminal", "env", "colour"),
     [
@@ -379,7 +370,8 @@ def test_colour_is_for_terminals_that_want_it(on_terminal, env, colour, monkeypa
     for name, value in env.items():
         monkeypatch.setenv(name, value)
     monkeypatch.setattr(terminal, "windows_console", lambda _: True)
-    assert ("\033" in terminal.coloured("kit", "kit", Screen(on_terminal))) == colour
+    screen = SimpleNamespace(isatty=lambda: on_terminal)
+    assert ("\033" in terminal.coloured("kit", "kit", screen)) == colour
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
@@ -443,9 +435,7 @@ def test_where_nothing_helps_one_line_says_what_to_run(monkeypatch, tmp_path):
 
 
 def test_a_venv_without_pip_is_filled_by_the_pip_outside_whatever_its_settings(monkeypatch, tmp_path):
-    links = os.environ.get("PIP_FIND_LINKS", "")
-    if not any(Path(links).glob("pyzmq-*.whl")):
-        pytest.skip("no folder of wheels: PIP_FIND_LINKS names none with pyzmq")
+    has_wheels()
     (tmp_path / "pip.conf").write_text("[install]\nuser = true\n", encoding="utf-8")
     settings = {"USER": "1", "REQUIRE_HASHES": "1", "DRY_RUN": "1", "PYTHON": "nothing"}
     settings |= dict.fromkeys(("TARGET", "PREFIX", "ROOT"), str(tmp_path / "elsewhere"))
@@ -529,19 +519,17 @@ def test_a_package_that_has_lost_a_file_is_named_with_the_cure(monkeypatch, tmp_
 
 
 @pytest.mark.parametrize(
-    ("output", "why"),
+    ("code", "output", "why"),
     [
-        ("error NU1101: Unable to find package NetMQ.", "NuGet does not hold NetMQ"),
-        (
-            "error NU1100: Unable to resolve 'NetMQ'",
-            "no source of NuGet's holds NetMQ (with internet: dotnet nuget add source ",
-        ),
-        ("error NU1102: Unable to find package NetMQ with version (= 4.0.4.5)", "NuGet does not hold NetMQ"),
-        ("error NU1301: Unable to load the service index", "NuGet cannot be reached"),
+        (1, "error NU1101: Unable to find package NetMQ.", "NuGet does not hold NetMQ"),
+        (1, "error NU1100: Unable to resolve 'NetMQ'", "no source of NuGet's holds NetMQ (with internet: dotnet nuget"),
+        (1, "error NU1102: Unable to find package NetMQ with version (= 4.0.4.5)", "NuGet does not hold NetMQ"),
+        (1, "error NU1301: Unable to load the service index", "NuGet cannot be reached"),
+        (124, "dotnet did not end within 60 s", "NuGet cannot be reached"),
     ],
 )
-def test_a_refusal_of_nuget_is_named(output, why):
-    assert dotnet.refusal(Result(1, output)).startswith(why)
+def test_a_refusal_of_nuget_is_named(code, output, why):
+    assert dotnet.refusal(Result(code, output)).startswith(why)
 
 
 def test_another_failure_of_the_restore_is_not_taken_for_a_refusal():
@@ -592,10 +580,6 @@ def test_a_folder_may_have_any_name(netmq, copy):
     assert "'" not in read["OutDir"]
 
 
-def test_a_restore_that_hangs_counts_as_unreachable():
-    assert dotnet.refusal(Result(124, "dotnet did not end within 60 s")) == "NuGet cannot be reached"
-
-
 def test_where_no_router_is_the_command_that_shows_the_address_is_named(monkeypatch):
     class Alone(socket.socket):
         def connect(self, _):
@@ -635,10 +619,6 @@ def test_doctor_looks_for_what_a_webcam_needs_and_imports_none_of_it(bare_python
     (tmp_path / "mediapipe").mkdir()
     (tmp_path / "mediapipe" / "__init__.py").write_text("raise SystemExit('imported')")
     assert list(doctor.optional_rows(bare_python, lesson)) == [(True, "body", "optional, for lesson 20: there")]
-
-
-def test_a_lesson_is_found_by_number_and_name():
-    assert {lessons.find(text).key for text in ("1", "01", "01_request_reply")} == {"01_request_reply"}
 
 
 def own_run(copy, python, *words):
@@ -830,16 +810,6 @@ runpy.run_path({str(KIT)!r}, run_name="__main__")
     assert (done.returncode, done.stdout, done.stderr) == (code, "", "")
 
 
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no shell that ignores Ctrl-C for others")
-def test_the_tests_can_be_started_in_the_background():
-    """There a shell ignores Ctrl-C for all that is started, and the tests that press it would wait in vain."""
-    words = f"'{PYTHON}' -m pytest -q -p no:cacheprovider tests/kit/test_kit.py -k 'ctrl_c_in_a_run and SIGINT'"
-    done = subprocess.run(
-        ["sh", "-c", f"trap '' INT; exec {words}"], cwd=ROOT, capture_output=True, text=True, timeout=500
-    )
-    assert done.returncode == 0, done.stdout
-
-
 def test_in_a_pipe_the_output_is_utf_8_on_every_system(start):
     """As on Windows, where a pipe has the encoding of the system."""
     program = start(PYTHON, KIT, "run", "grüße…", PYTHONIOENCODING="cp1252", PYTHONUTF8="0")
@@ -902,11 +872,22 @@ def test_a_package_is_there_if_it_can_be_imported_and_is_not_too_old(tmp_path, m
         (tmp_path / f"{package}-{version}.dist-info").mkdir()
         (tmp_path / f"{package}-{version}.dist-info" / "METADATA").write_text(f"Name: {package}\nVersion: {version}\n")
         (tmp_path / f"{package}.py").write_text(f"print('I talk')\n{code}\n")
+    # One that has lost its files is a folder, and can be imported.
+    (tmp_path / "emptied").mkdir()
     # The tests' own Python may be that of .venv, which is asked without PYTHONPATH.
     monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    wanted = ["old_one>=9", "old_one>=10.4,<11", "old_one>=13", "old_one<10", "broken", "absent", "pyzmq>=24"]
-    assert python_setup.lacking(PYTHON, wanted) == ["old_one", "old_one", "broken", "absent"]
+    wanted = [
+        "old_one>=9",
+        "old_one>=10.4,<11",
+        "old_one>=13",
+        "old_one<10",
+        "broken",
+        "emptied",
+        "absent",
+        "pyzmq>=24",
+    ]
+    assert python_setup.lacking(PYTHON, wanted) == ["old_one", "old_one", "broken", "emptied", "absent"]
 
 
 def without_nuget(monkeypatch, tmp_path, output="error NU1301: Unable to load the service index"):
@@ -1114,10 +1095,3 @@ def test_a_venv_that_cannot_be_started_is_named(monkeypatch, tmp_path):
     (tmp_path / ".venv").write_text("no folder", encoding="utf-8")
     with pytest.raises(KitError, match=r"cannot be started: delete \S+ and run this again$"):
         python_setup.from_pip(["pyzmq>=1"], ["pyzmq>=1"])
-
-
-def test_a_package_that_has_lost_its_files_is_lacking(tmp_path, monkeypatch):
-    (tmp_path / "emptied").mkdir()
-    monkeypatch.setattr(python_setup, "VENV", tmp_path / ".venv")
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    assert python_setup.lacking(PYTHON, ["emptied"]) == ["emptied"]
