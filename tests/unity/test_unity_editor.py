@@ -20,6 +20,13 @@ WINDOW = "menu Tools/NetMQ Example/Lessons"
 OURS = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 
 
+def choose(unity, kit=ROOT):
+    """The window opens, and is told where the kit is: what it then draws."""
+    unity.do(WINDOW)
+    unity.do(f"folder {kit}")
+    return unity.do("press Choose the kit's folder")
+
+
 def test_what_is_for_the_editor_alone_needs_no_more_than_net_framework():
     """Unity compiles them against it by default (Player Settings, Editor Assemblies Compatibility Level), the tests do
     against .NET Standard 2.1. So here is what the kit uses elsewhere, and .NET Framework 4.8 lacks."""
@@ -37,9 +44,7 @@ def test_what_is_for_the_editor_alone_needs_no_more_than_net_framework():
 def test_a_server_outlives_a_reload_and_ends_with_the_editor(editor, project):
     mark = Mark()
     unity = editor(project, **mark.environment, PATH=OURS)
-    unity.do(WINDOW)
-    unity.do(f"folder {ROOT}")
-    unity.do("press Choose the kit's folder")
+    choose(unity)
     unity.do("type Lesson=02_lazy_pirate")
     unity.do(f"type Options of its server=--endpoint {steady_endpoint()}")
     assert "[Stop the server]" not in unity.do("draw")
@@ -74,9 +79,7 @@ def test_the_next_editor_finds_the_server_of_one_that_crashed(editor, project):
 
     try:
         crashed = editor(project, **mark.environment, PATH=OURS)
-        crashed.do(WINDOW)
-        crashed.do(f"folder {ROOT}")
-        crashed.do("press Choose the kit's folder")
+        choose(crashed)
         crashed.do(f"type Options of its server=--endpoint {steady_endpoint()}")
         # A double click.
         crashed.do("twice Start the server")
@@ -84,9 +87,7 @@ def test_the_next_editor_finds_the_server_of_one_that_crashed(editor, project):
         assert len(servers()) == 1
         crashed.program.kill()
         unity = editor(project)
-        unity.do(WINDOW)
-        unity.do(f"folder {ROOT}")
-        drawn = unity.do("press Choose the kit's folder") + unity.do("draw")
+        drawn = choose(unity) + unity.do("draw")
         assert "[Stop the server]" in drawn and any(line.startswith("listening on") for line in drawn)
         unity.do("quit")
         assert servers() == []
@@ -104,9 +105,7 @@ def test_another_program_with_the_servers_number_is_left_alone(editor, project):
             (folder / "server.log").touch()
             (folder / "server.log.pid").write_text(note)
             unity = editor(project)
-            unity.do(WINDOW)
-            unity.do(f"folder {ROOT}")
-            unity.do("press Choose the kit's folder")
+            choose(unity)
             assert "[Start the server]" in unity.do("draw")
             unity.do("quit")
         assert other.poll() is None
@@ -127,9 +126,7 @@ def test_a_server_speaks_also_where_a_program_is_given_no_output(editor, project
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@" >&- 2>&-\n', encoding="utf-8")
     python.chmod(0o755)
     unity = editor(game, str(shutil.which(NEAREST)), PATH=f"{bare}:{os.environ['PATH']}")
-    unity.do(WINDOW)
-    unity.do(f"folder {kit}")
-    unity.do("press Choose the kit's folder")
+    choose(unity, kit)
     unity.do("type Options of its server=--endpoint tcp://127.0.0.1:0")
     unity.do("press Start the server")
     unity.draw_until("^listening on tcp://127.0.0.1:")
@@ -184,9 +181,7 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(editor, project, tmp_path
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" -I -S "$@"\n', encoding="utf-8")
     python.chmod(0o755)
     unity = editor(project, str(shutil.which(NEAREST)), PATH=str(bare))
-    unity.do(WINDOW)
-    unity.do(f"folder {kit}")
-    unity.do("press Choose the kit's folder")
+    choose(unity, kit)
     unity.do("press Start the server")
     (error,) = [line for line in unity.do("draw") if line.startswith("Error:")]
     assert error.startswith("Error: python3 has no pyzmq: run the pip line in a terminal; or kit.py run 1")
@@ -204,9 +199,7 @@ def test_a_python_without_pyzmq_is_named_with_its_cure(editor, project, tmp_path
 
 def test_a_scene_is_opened_where_unity_opens_scenes(editor, project):
     unity = editor(project)
-    unity.do(WINDOW)
-    unity.do(f"folder {ROOT}")
-    unity.do("press Choose the kit's folder")
+    choose(unity)
     unity.do("type Lesson=03_publish_subscribe")
     opened = "opened Assets/NetMQExample/03_publish_subscribe/03_publish_subscribe.unity"
     assert opened in unity.do("press Open its scene")
