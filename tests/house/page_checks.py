@@ -8,8 +8,10 @@ from html import unescape
 from pathlib import Path
 
 from kitlib.docs import guide
+from kitlib.lessons import lessons
 from tests.programs import ROOT
 
+LESSONS = {lesson.key for lesson in lessons()}
 KINDS = {"excerpt", "bench", "run", "like", "commands", "diagram", "by hand"}
 LANGUAGES = {".py": "python", ".cs": "csharp"}
 SECTIONS = (
@@ -21,24 +23,6 @@ SECTIONS = (
     "Check yourself",
     "Next",
 )
-# Pure reference: nothing to run, to break or to ask.
-REFERENCE = {
-    "11_locators.md",
-    "17_ray.md",
-    "16_watching.md",
-    "choosing.md",
-    "classroom.md",
-    "from_gymize.md",
-    "from_hello_requester.md",
-    "from_ml_agents.md",
-    "from_udp_receive.md",
-    "glossary.md",
-    "in_the_editor.md",
-    "other_languages.md",
-    "questions.md",
-    "reinforcement_learning.md",
-    "troubleshooting.md",
-}
 # What PowerShell 5.1, cmd, bash and zsh all take as it stands: programs, words, and text in double quotes.
 PROGRAMS = ("python3", "python", "dotnet", "git", "cd")
 WORD = r"[\w./:=,-]"
@@ -194,7 +178,10 @@ def sections(text: str) -> list[tuple[str, str]]:
 
 
 def structure_faults(page: Path, text: str) -> list[str]:
-    """A page of the guide has these sections in this order, none of them empty, and leads on to another page."""
+    """A page of the guide has these sections in this order, none of them empty, and leads on to another page.
+
+    Pure reference has nothing to ask: it is no lesson's, and needs Next alone.
+    """
     faults = []
     opening = text.partition("\n## ")[0]
     if not opening.startswith("# "):
@@ -202,14 +189,15 @@ def structure_faults(page: Path, text: str) -> list[str]:
     if "\n**You will learn** " not in opening:
         faults.append(f"{page.name}: `**You will learn** …` belongs before the first section")
     found = sections(text)
-    wanted = ["Next"] if page.name in REFERENCE else list(SECTIONS)
+    asks = "Check yourself" in dict(found) or page.stem in LESSONS
+    wanted = list(SECTIONS) if asks else ["Next"]
     if [title for title, _ in found if title in wanted] != wanted:
         faults.append(f"{page.name}: the sections must be, once each and in this order: {', '.join(wanted)}")
     faults += [f"{page.name}: nothing under {title}" for title, body in found if not body.strip()]
     under = dict(found)
     if not [target for target in targets(under.get("Next", "")) if target.partition("#")[0].endswith(".md")]:
         faults.append(f"{page.name}: Next names no page")
-    if page.name not in REFERENCE:
+    if asks:
         asked = under.get("Check yourself", "")
         # The blank lines are what makes GitHub read the answer as markdown.
         folded = r"\n   <details><summary>Answer</summary>\n\n   [^<]+\n\n   </details>(?:\n|$)"
