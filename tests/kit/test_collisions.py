@@ -50,9 +50,10 @@ print(json.dumps(outcomes))
 """
 
 
-def outcomes(folder, **environment):
+def outcomes(folder, root=ROOT / "python", **environment):
+    """What came of each program and module of that root, from this folder."""
     (folder / "each.py").write_text(EACH, encoding="utf-8")
-    done = finished([PYTHON, "each.py", ROOT / "python"], cwd=folder, env={**os.environ, **environment})
+    done = finished([PYTHON, "each.py", root], cwd=folder, env={**os.environ, **environment})
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
