@@ -13,6 +13,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 import uuid
 from collections import deque
 from collections.abc import Sequence
@@ -139,6 +140,13 @@ class Mark:
             except OSError:
                 pass
         return found
+
+    def gone(self) -> bool:
+        """Whether all of them end soon: what was killed is gone when the system has had time for it."""
+        deadline = time.monotonic() + LIMIT
+        while self.processes() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        return self.processes() == {}
 
 
 def finished(words: Sequence[str | Path], **more: Any) -> subprocess.CompletedProcess[str]:

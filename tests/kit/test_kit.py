@@ -30,7 +30,7 @@ from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
 from tests.conftest import PYTHON
-from tests.programs import LIMIT, PATIENT, ROOT, Mark, finds_processes, finished, python_runs, steady_endpoint
+from tests.programs import LIMIT, PATIENT, ROOT, Mark, Program, finds_processes, finished, python_runs, steady_endpoint
 
 KIT = ROOT / "kit.py"
 # For the client: its first reply may take seconds on a busy machine.
@@ -124,47 +124,32 @@ def test_a_build_happens_only_after_a_change(netmq, tmp_path, monkeypatch):
     assert len(built) == 5
 
 
-class Stopped:
+class Stopped(Program):
     """kit.py in a terminal of its own, and everything that it started, found by a mark in the environment."""
 
-    def __init__(self, words, folder, **env):
+    def __init__(self, *words, **environment):
         self.mark = Mark()
-        self.output = folder / "printed.txt"
-        with self.output.open("w") as file:
-            self.process = subprocess.Popen(
-                [str(word) for word in words], cwd=ROOT, stdin=subprocess.DEVNULL, stdout=file,
-                stderr=subprocess.STDOUT, start_new_session=True,
-                env={**os.environ, "PYTHONUNBUFFERED": "1", **env, **self.mark.environment},
-            )  # fmt: skip
+        super().__init__(["setsid", *words], **environment, **self.mark.environment)
 
     def running(self):
         """The command of each process that has the mark."""
         return list(self.mark.processes().values())
 
-    def wait_for(self, what, limit=500):
-        deadline = time.monotonic() + limit
-        while not what():
-            assert time.monotonic() < deadline, self.printed
-            assert self.process.poll() is None, self.printed
+    def wait_until(self, what):
+        deadline = time.monotonic() + 500
+        while not any(map(what, self.running())):
+            assert time.monotonic() < deadline and not self.ended, self.output
             time.sleep(0.02)
 
-    @property
-    def printed(self):
-        return self.output.read_text(encoding="utf-8", errors="replace")
-
-    def stop(self, how):
+    def press(self, how):
         """Ctrl-C in a terminal is SIGINT for kit.py and all programs beside it; SIGTERM is for kit.py alone."""
         if how == signal.SIGINT:
             os.killpg(self.process.pid, how)
         else:
             self.process.send_signal(how)
-        code = self.process.wait(60)
-        # What was killed is gone when the system has had time for it.
-        deadline = time.monotonic() + 20
-        while self.running() and time.monotonic() < deadline:
-            time.sleep(0.02)
-        assert self.running() == []
-        assert "Traceback" not in self.printed
+        code = self.wait(60)
+        assert self.mark.gone()
+        assert "Traceback" not in self.output
         return code
 
     def __enter__(self):
@@ -173,24 +158,24 @@ class Stopped:
     def __exit__(self, *_):
         for process in self.mark.processes():
             os.kill(process, signal.SIGKILL)
-        self.process.wait()
+        self.kill()
 
 
 @finds_processes
 @pytest.mark.parametrize("how", ["SIGINT", "SIGTERM", "SIGHUP"])
-def test_ctrl_c_in_a_run_leaves_nothing_running(how, tmp_path, serve):
+def test_ctrl_c_in_a_run_leaves_nothing_running(how, serve):
     words = ["run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0", "--server=--delay 300"]
-    with Stopped([PYTHON, KIT, *words, "--options=--timeout 300"], tmp_path) as run:
-        run.wait_for(lambda: "client | asking" in run.printed)
+    with Stopped(PYTHON, KIT, *words, "--options=--timeout 300") as run:
+        run.wait_for(r"^client \| asking")
         assert len(run.running()) == 3
-        assert run.stop(getattr(signal, how)) == 130
-        endpoint = re.search(r"listening on (\S+)", run.printed)[1]
+        assert run.press(getattr(signal, how)) == 130
+        endpoint = re.search(r"listening on (\S+)", run.output)[1]
     # The port is free again.
     assert serve("01_request_reply", endpoint=endpoint)[1] == endpoint
 
 
 @finds_processes
-def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy, bare_python, tmp_path):
+def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy, bare_python):
     """In the packages' installation, and in the build; what an index then gives is installed, and built once."""
     has_wheels()
     words = [bare_python, copy / "kit.py", "run", "1", "--client", "python", "--endpoint", "tcp://127.0.0.1:0"]
@@ -198,9 +183,9 @@ def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy
         # An index that accepts connections and never answers.
         index = f"http://127.0.0.1:{silent.getsockname()[1]}/simple"
         env = {"PIP_NO_INDEX": "0", "PIP_FIND_LINKS": "", "PIP_INDEX_URL": index}
-        with Stopped(words, tmp_path, **env) as run:
-            run.wait_for(lambda: any(" pip " in line and "install" in line for line in run.running()))
-            assert run.stop(signal.SIGINT) == 130
+        with Stopped(*words, **env) as run:
+            run.wait_until(lambda command: " pip " in command and "install" in command)
+            assert run.press(signal.SIGINT) == 130
     done = finished([*words, UNHURRIED])
     assert "kit    | installing pyzmq into .venv …" in done.stdout
     assert "client | done: 10 replies" in done.stdout, done.stdout
@@ -208,13 +193,12 @@ def test_ctrl_c_in_the_set_up_leaves_nothing_running_and_the_next_run_works(copy
 
 
 @finds_processes
-def test_ctrl_c_in_the_build_leaves_nothing_running_and_the_next_run_builds(netmq, prepared, tmp_path, start):
+def test_ctrl_c_in_the_build_leaves_nothing_running_and_the_next_run_builds(netmq, prepared, start):
     words = ["run", "1", "--endpoint", "tcp://127.0.0.1:0", UNHURRIED]
-    with Stopped([PYTHON, prepared / "kit.py", *words], tmp_path) as run:
-        run.wait_for(
-            lambda: "building" in run.printed and any("/csc" in line or "nodemode" in line for line in run.running())
-        )
-        assert run.stop(signal.SIGINT) == 130
+    with Stopped(PYTHON, prepared / "kit.py", *words) as run:
+        run.wait_for("building")
+        run.wait_until(lambda command: "/csc" in command or "nodemode" in command)
+        assert run.press(signal.SIGINT) == 130
     for first in (True, False):
         again = start(PYTHON, prepared / "kit.py", *words)
         assert again.wait(500) == 0, again.output
@@ -242,11 +226,11 @@ def test_slow():
 def test_ctrl_c_in_the_tests_lets_the_running_test_clear_up(tmp_path):
     (tmp_path / "test_slow.py").write_text(SLOW_TEST, encoding="utf-8")
     words = ["test", "-s", "-p", "no:cacheprovider", "--confcutdir", tmp_path, tmp_path / "test_slow.py"]
-    with Stopped([PYTHON, KIT, *words], tmp_path) as run:
-        run.wait_for(lambda: "started" in run.printed)
+    with Stopped(PYTHON, KIT, *words) as run:
+        run.wait_for("started")
         assert len(run.running()) >= 3
-        assert run.stop(signal.SIGINT) == 130
-        assert "cleared up" in run.printed
+        assert run.press(signal.SIGINT) == 130
+        assert "cleared up" in run.output
 
 
 def test_a_second_ctrl_c_does_not_stop_the_clearing_up():

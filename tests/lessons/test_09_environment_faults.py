@@ -506,13 +506,6 @@ def test_a_fork_that_lets_go_of_an_environment_leaves_it_alone(here):
 # Nothing is left
 
 
-def gone(mark):
-    end = time.monotonic() + LIMIT
-    while (left := mark.processes()) and time.monotonic() < end:
-        time.sleep(0.05)
-    return left == {}
-
-
 @finds_processes
 def test_a_killed_trainer_leaves_no_simulator(start, launch):
     mark = Mark()
@@ -521,7 +514,7 @@ def test_a_killed_trainer_leaves_no_simulator(start, launch):
     trainer.wait_for("^generation 1")
     assert len(mark.processes()) == 2
     trainer.stop(signal.SIGKILL)
-    assert gone(mark)
+    assert mark.gone()
 
 
 @finds_processes
@@ -534,7 +527,7 @@ def test_a_trainer_that_is_terminated_ends_a_simulator_that_hangs(start, launch)
     os.kill(hanging, signal.SIGSTOP)
     assert trainer.stop(signal.SIGTERM) == 1
     assert trainer.lines[-1] == "stopped"
-    assert gone(mark)
+    assert mark.gone()
 
 
 @finds_processes
@@ -545,7 +538,7 @@ def test_what_a_launched_program_has_started_ends_with_it(monkeypatch):
         monkeypatch.setenv(name, value)
     with pytest.raises(TimeoutError, match="no simulator came"):
         gymnasium.make(ID, launch=["sh", "-c", "sleep 77; true"], wait=0.3)
-    assert gone(mark)
+    assert mark.gone()
 
 
 @finds_processes
