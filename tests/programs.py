@@ -149,9 +149,9 @@ class Mark:
         return self.processes() == {}
 
 
-def finished(words: Sequence[str | Path], **more: Any) -> subprocess.CompletedProcess[str]:
+def finished(words: Sequence[str | Path], timeout: float = LIMIT, **more: Any) -> subprocess.CompletedProcess[str]:
     """A program that has run to its end, and what it printed."""
-    return subprocess.run(words, capture_output=True, text=True, timeout=LIMIT, **more)
+    return subprocess.run(words, capture_output=True, text=True, timeout=timeout, **more)
 
 
 # Runs a program once for each line, which is a list of it and its words, as if it were started anew.

@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -253,9 +252,7 @@ def pages(tmp_path_factory, console):
     (folder / "pages.csproj").write_text(PROJECT.format(references=references), encoding="utf-8")
     words = ["-p:NuGetAudit=false", "-m:1", "-v:quiet", "-nologo", "-clp:NoSummary;ErrorsOnly"]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(
-        ["dotnet", "build", folder, *words], capture_output=True, text=True, env=environment, timeout=500
-    )
+    done = finished(["dotnet", "build", folder, *words], timeout=500, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     return ["dotnet", next(folder.rglob("bin/**/pages.dll"))]
 

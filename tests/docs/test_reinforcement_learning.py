@@ -4,12 +4,11 @@ import importlib.util
 import os
 import re
 import shutil
-import subprocess
 import sys
 
 import pytest
 
-from tests.programs import ROOT, elsewhere
+from tests.programs import ROOT, elsewhere, finished
 
 PAGE = (ROOT / "docs" / "guide" / "reinforcement_learning.md").read_text(encoding="utf-8")
 PYTHON = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
@@ -47,15 +46,7 @@ def run(number, folder, before="", after=""):
     file = folder / f"block_{number}.py"
     file.write_text(script, encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
-    done = subprocess.run(
-        [sys.executable, str(file)],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    done = finished([sys.executable, file], timeout=300, cwd=folder, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

@@ -2,7 +2,6 @@
 
 import os
 import re
-import subprocess
 
 import pytest
 
@@ -34,7 +33,7 @@ def test_the_dotnet_program_builds_and_runs(tmp_path, netmq, console, serve):
     words = ["-warnaserror", "-p:NoWarn=NU1603", "-o", tmp_path / "out"]
     command = ["dotnet", "build", project, *netmq.properties, *words]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=environment)
+    done = finished(command, timeout=500, env=environment)
     assert done.returncode == 0, done.stdout
     _, endpoint = serve("01_request_reply")
     done = finished(["dotnet", tmp_path / "out" / "MyProgram.dll", endpoint])

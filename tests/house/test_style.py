@@ -8,7 +8,6 @@ import io
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tokenize
 from pathlib import Path
@@ -28,9 +27,7 @@ LONGER = {
 
 
 def check(*command, **options):
-    done = subprocess.run(
-        [str(word) for word in command], cwd=ROOT, capture_output=True, text=True, timeout=900, **options
-    )
+    done = finished(command, timeout=900, cwd=ROOT, **options)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -202,7 +199,7 @@ def test_the_drawn_tree_is_there():
     assert "csharp-support/lessons/" in found
     for name in found:
         assert list(ROOT.glob(name.replace("NN_slug", "[0-9]*").rstrip("/"))), name
-    kept = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
+    kept = finished(["git", "ls-files"], cwd=ROOT, check=True).stdout.split("\n")
     top = {name.split("/")[0] + "/" for name in kept if "/" in name and not name.startswith(".")}
     assert top <= {*found, "python/", "docs/"}
 

@@ -5,7 +5,6 @@ import os
 import re
 import shutil
 import signal
-import subprocess
 import sys
 
 import pytest
@@ -13,7 +12,7 @@ import pytest
 from kitlib.setup import dotnet
 from kitlib.unity import install as unity_install
 from kitlib.unity.player import stand_ins
-from tests.programs import ROOT
+from tests.programs import ROOT, finished
 from tests.unity.conftest import Editor
 
 HERE = ROOT / "tests" / "unity"
@@ -267,7 +266,7 @@ def test_a_readers_own_script_is_built_among_the_lessons(netmq, tmp_path):
     own = [f"-p:ArtifactsPath={tmp_path / 'out'}", f"-p:PackageScripts={scripts}/"]
     command = ["dotnet", "build", ROOT / "csharp-support" / "lessons", *netmq.properties, "-v:quiet", *own]
     environment = {**os.environ, **dotnet.ENVIRONMENT}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=500, env=environment)
+    done = finished(command, timeout=500, env=environment)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
