@@ -22,9 +22,9 @@ LARGE = bytes(20 * MEGABYTE)
 
 
 @contextmanager
-def limited(lesson, *words, megabytes=400, program="server.py"):
+def limited(lesson, *words, megabytes=400):
     """A server of this lesson, which has taken no more than so many megabytes when it is over."""
-    path = ROOT / "python" / lesson / program
+    path = ROOT / "python" / lesson / "server.py"
     # Each thread of C's library may take 64 MB of addresses for itself.
     server = Program([PYTHON, path, *words], MALLOC_ARENA_MAX="1", OPENBLAS_NUM_THREADS="1")
     try:
