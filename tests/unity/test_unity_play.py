@@ -13,17 +13,16 @@ import os
 import re
 import shutil
 import signal
-import socket
 import statistics
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
 import pytest
 
 from kitlib import lessons
+from tests.bad_peers import Listener
 from tests.programs import LIMIT, ROOT, Program, two_ports
 from tests.unity.conftest import needs_mono
 
@@ -170,19 +169,8 @@ def editor(harness, tmp_path_factory):
 @pytest.fixture(scope="module")
 def silent():
     """The endpoint of a server that accepts and never answers."""
-    accepted = []
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-
-        def accept():
-            with contextlib.suppress(OSError):
-                while True:
-                    accepted.append(listener.accept()[0])
-
-        threading.Thread(target=accept, daemon=True).start()
-        yield f"tcp://127.0.0.1:{listener.getsockname()[1]}"
-        listener.shutdown(socket.SHUT_RDWR)
-    for connection in accepted:
-        connection.close()
+    with Listener() as listener:
+        yield listener.endpoint
 
 
 ABSENT = "tcp://127.0.0.1:9"
