@@ -29,19 +29,15 @@ WORD = r"[\w./:=,-]"
 PLAIN = rf"(?!\./){WORD}+(?: (?:{WORD}|\"[^\"$`%!\\~]*\")+)*"
 SHELLS = r"for (bash|zsh|cmd|PowerShell)\b.*:"
 
-# Mermaid ends a statement at a semicolon and takes `#name;` for a character.
+# What the pages need of Mermaid, which ends a statement at a semicolon and takes `#name;` for a character.
 TEXT = r"(?:[^;#]|#\w+;)+"
-ARROW = r"--?(?:>>|>|x|\))"
 STATEMENTS = (
-    rf"(?:participant|actor) (?P<declared>\w+)(?: as {TEXT})?",
-    rf"(?P<from>\w+?) *{ARROW} *[+-]?(?P<to>\w+) *: {TEXT}",
-    rf"[Nn]ote (?:(?:left|right) of (?P<beside>\w+)|over (?P<over>\w+)(?:, ?(?P<and>\w+))?): {TEXT}",
-    rf"(?P<opens>loop|alt|opt|par|critical|break|rect)(?: {TEXT})?",
-    rf"(?P<goes_on>else|and|option)(?: {TEXT})?",
+    rf"participant (?P<declared>\w+)(?: as {TEXT})?",
+    rf"(?P<from>\w+?)(?:->>|--x)(?P<to>\w+): {TEXT}",
+    rf"Note over (?P<over>\w+)(?:,(?P<and>\w+))?: {TEXT}",
+    rf"(?P<opens>alt) {TEXT}",
+    rf"(?P<goes_on>else) {TEXT}",
     r"(?P<ends>end)",
-    r"(?:activate|deactivate|destroy) (?P<active>\w+)",
-    r"autonumber",
-    r"%%.*",
 )
 
 
@@ -96,7 +92,7 @@ def diagram_faults(body: str) -> list[str]:
         names = found.groupdict()
         if "declared" in names:
             declared.add(names["declared"])
-        used |= {names[key] for key in ("from", "to", "beside", "over", "and", "active") if names.get(key)}
+        used |= {names[key] for key in ("from", "to", "over", "and") if names.get(key)}
         depth += ("opens" in names) - ("ends" in names)
         if depth < 0 or ("goes_on" in names and depth == 0):
             faults.append(f"outside of any block: {line}")
