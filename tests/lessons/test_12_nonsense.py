@@ -254,6 +254,7 @@ def sending(**words):
         (lambda it: Films("tcp://127.0.0.1:*", timeout=it), NOTHING, "timeout"),
         (lambda it: Films("tcp://127.0.0.1:*", report=it), NOTHING, "report"),
         (lambda it: Films(it), (0, -1, None, ""), "endpoint"),
+        (lambda it: Films(it), ("tcp://127.0.0.1:99999", "nonsense"), "write it like tcp://127.0.0.1:5562"),
         (lambda it: Films("tcp://127.0.0.1:*", it), (0, 5, "", []), "^socket"),
         (lambda it: ViewFilm(it, None, 25), (0, None, b"x"), "^view"),
         (lambda it: sending(endpoint=it), (*NOTHING, "tcp://127.0.0.1:0"), "endpoint"),
@@ -304,12 +305,6 @@ def test_what_films_cannot_take_is_named_before_anything_is_begun(name, wrong, f
         with pytest.raises(ValueError, match=r"^seconds takes "):
             films.wait(value)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("endpoint", ["tcp://127.0.0.1:99999", "nonsense", ""])
-def test_an_endpoint_that_cannot_be_is_named(endpoint):
-    with pytest.raises(ValueError, match=f"bad endpoint '{endpoint}': write it like tcp://127.0.0.1:5562"):
-        Films(endpoint)
 
 
 def test_films_that_are_closed_say_so(films, game):
