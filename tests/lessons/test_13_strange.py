@@ -83,13 +83,6 @@ def test_the_parts_of_an_exchange_are_the_exchange():
     assert len(list(one_peer.parts(frame(LOG, b"x") * 9_999))) == 4
 
 
-def test_of_one_that_sends_faster_than_it_is_read_not_everything_is_kept(monkeypatch):
-    monkeypatch.setattr(one_peer, "MOST_UNREAD_BYTES", 1000)
-    peer = one_peer.Peer(SideChannelManager())
-    assert peer.take_in(frame(LOG, b"x" * 600))
-    assert not peer.take_in(frame(LOG, b"x" * 600))
-
-
 @each_terminal
 def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_command):
     """Messages that nobody can read, to a channel that is there and to one that is not."""
