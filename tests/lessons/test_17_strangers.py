@@ -98,14 +98,9 @@ def kind_of(message):
     return "step" if records.STEP in message.marks else "reset"
 
 
-class Listening(Program):
-    endpoint = ""
-
-
 def running(*words):
-    hub = Listening([PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:0", *words])
+    hub = Program([PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:0", *words])
     try:
-        hub.endpoint = hub.wait_for(r"^listening on (\S+)")[1]
         yield hub
     finally:
         hub.kill()
@@ -129,7 +124,7 @@ def peer(context):
 
     def one(hub):
         sockets.append(context.socket(zmq.DEALER))
-        return Peer(sockets[-1], hub.endpoint, world)
+        return Peer(sockets[-1], hub.endpoints()["endpoint"], world)
 
     yield one
     for each in sockets:
@@ -438,7 +433,8 @@ def test_the_table_is_not_wider_or_higher_than_its_terminal(peer):
             shown = ""
             while not (found := re.search(r"listening on (\S+)\r\n", shown)):
                 shown += terminal.read(1000).decode()
-            fleet = [peer(SimpleNamespace(endpoint=found[1])).hello() for _ in range(8)]
+            shown_there = SimpleNamespace(endpoints=lambda: {"endpoint": found[1]})
+            fleet = [peer(shown_there).hello() for _ in range(8)]
             # What stands between two signs that take the table off is the table.
             while not (tables := [part for part in shown.split("\x1b[J")[1:-1] if "8 simulators" in part]):
                 shown += terminal.read(1000).decode()
