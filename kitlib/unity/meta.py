@@ -14,7 +14,7 @@ from pathlib import Path
 
 from kitlib.lessons import PACKAGE, ROOT
 
-PREFAB = PACKAGE / "04_background_client" / "BackgroundClient.prefab"
+EXAMPLE = PACKAGE / "03_publish_subscribe" / "03_publish_subscribe.unity"
 # What stays out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
 IGNORED = re.compile(r"^\.|~$|\.meta$|^Plugins$")
 
@@ -57,104 +57,6 @@ IMPORTERS = {
 ANYTHING = "DefaultImporter:\n  externalObjects: {}\n"
 FOLDER = "folderAsset: yes\n" + ANYTHING
 END = "  userData:\n  assetBundleName:\n  assetBundleVariant:\n"
-
-YAML = """%YAML 1.1
-%TAG !u! tag:unity3d.com,2011:
-"""
-SCENE = """{game_objects}--- !u!1660057539 &9223372036854775807
-SceneRoots:
-  m_ObjectHideFlags: 0
-  m_Roots:
-{roots}"""
-GAME_OBJECT = """--- !u!1 &{number}
-GameObject:
-  m_ObjectHideFlags: 0
-  serializedVersion: 6
-  m_Component:
-{components}  m_Layer: 0
-  m_Name: {name}
-  m_TagString: {tag}
-  m_IsActive: 1
---- !u!4 &{transform}
-Transform:
-  m_ObjectHideFlags: 0
-  m_GameObject: {{fileID: {number}}}
-  m_LocalRotation: {rotation}
-  m_LocalPosition: {position}
-  m_LocalScale: {{x: 1, y: 1, z: 1}}
-  m_Children:{children}
-  m_Father: {{fileID: {father}}}
-"""
-CAMERA = """--- !u!20 &102
-Camera:
-  m_ObjectHideFlags: 0
-  m_GameObject: {fileID: 100}
-  m_Enabled: 1
-  serializedVersion: 2
-  m_ClearFlags: 2
-  m_BackGroundColor: {r: 0.16, g: 0.2, b: 0.25, a: 1}
-  m_NormalizedViewPortRect:
-    serializedVersion: 2
-    x: 0
-    y: 0
-    width: 1
-    height: 1
-  near clip plane: 0.3
-  far clip plane: 1000
-  field of view: 60
-  m_CullingMask:
-    serializedVersion: 2
-    m_Bits: 4294967295
-"""
-LIGHT = """--- !u!108 &302
-Light:
-  m_ObjectHideFlags: 0
-  m_GameObject: {fileID: 300}
-  m_Enabled: 1
-  serializedVersion: 10
-  m_Type: 1
-  m_Color: {r: 1, g: 0.96, b: 0.84, a: 1}
-  m_Intensity: 1
-"""
-# What it refers to is built into Unity: the font and its ink.
-TEXT = """--- !u!102 &402
-TextMesh:
-  m_ObjectHideFlags: 0
-  m_GameObject: {fileID: 400}
-  serializedVersion: 3
-  m_Text: press Play
-  m_OffsetZ: 0
-  m_CharacterSize: 0.05
-  m_LineSpacing: 1
-  m_Anchor: 4
-  m_Alignment: 1
-  m_TabSize: 4
-  m_FontSize: 80
-  m_FontStyle: 0
-  m_RichText: 0
-  m_Font: {fileID: 10102, guid: 0000000000000000e000000000000000, type: 0}
-  m_Color:
-    serializedVersion: 2
-    rgba: 4294967295
---- !u!23 &403
-MeshRenderer:
-  m_ObjectHideFlags: 0
-  m_GameObject: {fileID: 400}
-  m_Enabled: 1
-  m_Materials:
-  - {fileID: 10100, guid: 0000000000000000e000000000000000, type: 0}
-"""
-TEXT_BELOW = "\n  - {fileID: 401}"
-SCRIPT = """--- !u!114 &{number}
-MonoBehaviour:
-  m_ObjectHideFlags: 0
-  m_GameObject: {{fileID: {owner}}}
-  m_Enabled: 1
-  m_EditorHideFlags: 0
-  m_Script: {{fileID: 11500000, guid: {guid}, type: 3}}
-  m_Name:
-  m_EditorClassIdentifier:
-"""
 
 
 def guid(path: str) -> str:
@@ -201,71 +103,23 @@ def behaviours(folder: Path) -> list[Path]:
 
 
 def scene(scripts: list[Path]) -> str:
-    """A camera, a light, a text that shows the last line, and one game object with the lesson's scripts, whose fields
-    have the values that the code gives. What moves is a cube, if it does not make its own."""
+    """Lesson 03's scene, with these scripts on its game object; their fields have the values that the code gives.
+
+    It also has a camera, a light and a text that shows the last line. What moves is a cube, if it does not make its own.
+    """
     code = "".join(path.read_text(encoding="utf-8") for path in scripts)
     if "transform." in code and not re.search(r"CreatePrimitive|Cube\.Make", code):
         scripts = [*scripts, PACKAGE / "Shared" / "Cube.cs"]
-    numbers = [202 + i for i in range(len(scripts))]
-    shown = PACKAGE / "Shared" / "LastLine.cs"
-    parts = [
-        game_object(100, "Main Camera", "MainCamera", "{x: 0, y: 1, z: -10}", [101, 102], children=TEXT_BELOW),
-        CAMERA,
-        game_object(200, scripts[0].stem, "Untagged", "{x: 0, y: 0, z: 0}", [201, *numbers]),
-        *(script(n, 200, path) for n, path in zip(numbers, scripts, strict=True)),
-        # Down and to the right, as the light of a new scene in Unity.
-        game_object(
-            300, "Light", "Untagged", "{x: 0, y: 3, z: 0}", [301, 302], "{x: 0.41, y: -0.23, z: 0.11, w: 0.88}"
-        ),
-        LIGHT,
-        # Where the camera looks, and where it moves.
-        game_object(400, "Last line", "Untagged", "{x: 0, y: 3, z: 10}", [401, 402, 403, 404], father=101),
-        TEXT,
-        script(404, 400, shown),
-    ]
-    roots = "".join(f"  - {{fileID: {number}}}\n" for number in (101, 201, 301))
-    return YAML + SCENE.format(game_objects="".join(parts), roots=roots)
-
-
-def prefab() -> str:
-    """Lesson 04's client, with a text of its own that follows the camera."""
-    client = PACKAGE / "04_background_client" / "HelloBackground.cs"
-    parts = [
-        game_object(200, "Background client", "Untagged", "{x: 0, y: 0, z: 0}", [201, 202], children=TEXT_BELOW),
-        script(202, 200, client),
-        game_object(400, "Hud", "Untagged", "{x: 0, y: 0, z: 2}", [401, 402, 403, 404], father=201),
-        TEXT.replace("m_CharacterSize: 0.05", "m_CharacterSize: 0.01"),
-        script(404, 400, PACKAGE / "Shared" / "ClientHud.cs") + "  client: {fileID: 202}\n",
-    ]
-    return YAML + "".join(parts)
-
-
-def script(number: int, owner: int, path: Path) -> str:
-    return SCRIPT.format(number=number, owner=owner, guid=own_guid(path))
-
-
-def game_object(
-    number: int,
-    name: str,
-    tag: str,
-    position: str,
-    components: list[int],
-    rotation: str = "{x: 0, y: 0, z: 0, w: 1}",
-    children: str = " []",
-    father: int = 0,
-) -> str:
-    lines = "".join(f"  - component: {{fileID: {component}}}\n" for component in components)
-    return GAME_OBJECT.format(
-        number=number,
-        transform=number + 1,
-        name=name,
-        tag=tag,
-        position=position,
-        rotation=rotation,
-        components=lines,
-        children=children,
-        father=father,
-    )
+    text = EXAMPLE.read_text(encoding="utf-8")
+    follower, cube = re.findall(r"^--- !u!114 &20\d\n.*?(?=^---)", text, re.MULTILINE | re.DOTALL)
+    its_guid = own_guid(EXAMPLE.with_name("PoseFollower.cs"))
+    parts = components = ""
+    for number, path in enumerate(scripts, start=202):
+        parts += follower.replace("&202", f"&{number}").replace(its_guid, own_guid(path))
+        components += f"  - component: {{fileID: {number}}}\n"
+    text = text.replace(follower + cube, parts)
+    text = text.replace("  - component: {fileID: 202}\n  - component: {fileID: 203}\n", components)
+    return text.replace("m_Name: PoseFollower\n", f"m_Name: {scripts[0].stem}\n")
 
 
 def write(path: Path, text: str) -> None:
@@ -285,8 +139,6 @@ def main() -> None:
         scripts = behaviours(folder)
         if scripts and not (folder / f"{folder.name}.unity").exists():
             write(folder / f"{folder.name}.unity", scene(scripts))
-    if not PREFAB.exists():
-        write(PREFAB, prefab())
     write_metas()
 
 

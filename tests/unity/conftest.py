@@ -18,6 +18,7 @@ from kitlib.setup import dotnet
 from tests.programs import LIMIT, ROOT, Program
 
 PACKAGE = ROOT / "unity" / "Assets" / "NetMQExample"
+PREFAB = PACKAGE / "04_background_client" / "BackgroundClient.prefab"
 # Mono is the runtime nearest to Unity's.
 NEAREST = "mono" if shutil.which("mono") else "dotnet"
 # What is wrong below us, and by what it is known. Wine, while it still notes the end of one thread's send, refuses

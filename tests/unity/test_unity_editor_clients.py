@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from kitlib.unity.meta import PREFAB, own_guid
+from kitlib.unity.meta import own_guid
 from tests.programs import steady_port
-from tests.unity.conftest import NEAREST, PACKAGE
+from tests.unity.conftest import NEAREST, PACKAGE, PREFAB
 
 # They share what was built.
 pytestmark = pytest.mark.xdist_group("player")

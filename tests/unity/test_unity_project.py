@@ -18,8 +18,9 @@ from kitlib.docs import guide
 from kitlib.lessons import PACKAGE
 from kitlib.unity import install as unity_install
 from kitlib.unity import modules
-from kitlib.unity.meta import PREFAB, assets, behaviours, guid, meta_of, own_guid
+from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid, scene
 from tests.programs import ROOT, finished
+from tests.unity.conftest import PREFAB
 
 UNITY = ROOT / "unity"
 HERE = ROOT / "tests" / "unity"
@@ -79,6 +80,13 @@ def test_each_asset_has_its_meta():
 def test_the_command_has_nothing_left_to_write():
     done = finished([sys.executable, "-m", "kitlib.unity.meta"], cwd=ROOT, check=True)
     assert done.stdout == "", "it has written these just now: add them to git"
+
+
+def test_a_new_lessons_scene_has_its_scripts_and_a_cube_if_it_moves():
+    """Those of these lessons are as they were written."""
+    for key in ("07_catch_up", "08_see_and_steer", "12_video"):
+        lesson = PACKAGE / key
+        assert scene(behaviours(lesson)) == (lesson / f"{key}.unity").read_text(encoding="utf-8")
 
 
 def test_each_lesson_has_a_scene_with_its_scripts_in_which_something_is_seen():
