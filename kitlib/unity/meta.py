@@ -105,7 +105,8 @@ def behaviours(folder: Path) -> list[Path]:
 def scene(scripts: list[Path]) -> str:
     """Lesson 03's scene, with these scripts on its game object; their fields have the values that the code gives.
 
-    It also has a camera, a light and a text that shows the last line. What moves is a cube, if it does not make its own.
+    It also has a camera, a light and a text that shows the last line. A script that moves its object, and makes no
+    shape, gets a cube.
     """
     code = "".join(path.read_text(encoding="utf-8") for path in scripts)
     if "transform." in code and not re.search(r"CreatePrimitive|Cube\.Make", code):
