@@ -34,12 +34,6 @@ namespace UnityPlayer
         public Player(params Assembly[] assemblies) => this.assemblies = assemblies;
         /// <summary>How often something called Debug.LogError or threw in this Play.</summary>
         public int Errors => Debug.Errors - errorsBefore;
-        /// <summary>What each message in the log costs the thread that writes it.</summary>
-        public static TimeSpan LogCost { set => Debug.Cost = value; }
-        /// <summary>Whether the scripts are to think that this is a phone.</summary>
-        public static bool Mobile { set => Application.Mobile = value; }
-        /// <summary>Whether the scripts are to think that this is the editor.</summary>
-        public static bool Editor { set => Application.Editor = value; }
 
         /// <summary>The shaders of a game that URP draws; null: the built-in pipeline draws it.</summary>
         public static string[] UrpShaders
@@ -50,19 +44,6 @@ namespace UnityPlayer
                 Shader.All = value ?? Shader.All;
             }
         }
-
-        /// <summary>The shader that draws a thing.</summary>
-        public static string ShaderOf(Renderer thing) => thing.sharedMaterial.Drawn;
-        /// <summary>No graphics card, as with -nographics.</summary>
-        public static bool NoGraphics { set => SystemInfo.NoGraphics = value; }
-        /// <summary>A graphics card that does not read back behind the frames' back.</summary>
-        public static bool NoReadback { set => SystemInfo.NoReadback = value; }
-        /// <summary>A graphics card that has its pictures' highest row first.</summary>
-        public static bool TopRowFirst { set => SystemInfo.TopRowFirst = value; }
-        /// <summary>So many of the next readbacks end with an error.</summary>
-        public static int ReadbacksToFail { set => AsyncGPUReadback.ToFail = value; }
-        /// <summary>How long this thread has done what in Unity the graphics card does.</summary>
-        public static TimeSpan Rendering => Camera.Rendering.Elapsed;
 
         /// <summary>What is pressed on the keyboard.</summary>
         public static void Press(float horizontal, float vertical, params KeyCode[] keys)
@@ -77,9 +58,6 @@ namespace UnityPlayer
             Input.Pressed.Clear();
             Input.Pressed.UnionWith(keys);
         }
-
-        /// <summary>Gives a character a bone, as the import of a model with the rig Humanoid does.</summary>
-        public static void MakeHuman(Animator character, HumanBodyBones bone, Transform part) => character.Bones[bone] = part;
 
         /// <summary>The textures that nobody has destroyed, and the materials with their colours.</summary>
         public static IEnumerable<string> Left => LoadedScene.Made.Select(thing => thing.GetType().Name + (thing is Material paint

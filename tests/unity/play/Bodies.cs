@@ -54,14 +54,14 @@ namespace NetMQExample.PlayTest
             var frames = told.Remove("frames", out var many) ? int.Parse(many, CultureInfo.InvariantCulture) : 0;
             var hidden = told.Remove("bones");
             var bare = told.Remove("character");
-            Player.Editor = bare;
+            Application.Editor = bare;
             var player = new Player(typeof(NetMQLifetime).Assembly);
             var bones = new Dictionary<HumanBodyBones, Transform>();
             GameObject thing = null;
             player.Begin(() =>
             {
                 var character = Character(bones);
-                foreach (var bone in bones.Keys.Where(_ => hidden)) Player.MakeHuman(character, bone, null);
+                foreach (var bone in bones.Keys.Where(_ => hidden)) character.Bones[bone] = null;
                 thing = new GameObject("body");
                 thing.SetActive(false);
                 var scripts = new MonoBehaviour[]
@@ -122,7 +122,7 @@ namespace NetMQExample.PlayTest
                 var above = carrier < 0 ? character.transform : bones[(HumanBodyBones)carrier];
                 part.SetPositionAndRotation(above.position + place, Own(bone));
                 part.SetParent(above);
-                Player.MakeHuman(character, bone, bones[bone] = part);
+                character.Bones[bone] = bones[bone] = part;
             }
             return character;
         }

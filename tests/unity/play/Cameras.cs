@@ -24,7 +24,7 @@ namespace NetMQExample.PlayTest
 
         private static void Look(bool topRowFirst, bool noReadback)
         {
-            (Player.TopRowFirst, Player.NoReadback) = (topRowFirst, noReadback);
+            (SystemInfo.TopRowFirst, SystemInfo.NoReadback) = (topRowFirst, noReadback);
             var player = new Player(typeof(NetMQLifetime).Assembly);
             Camera camera = null;
             player.Begin(() =>
@@ -77,10 +77,10 @@ namespace NetMQExample.PlayTest
             while (!cost.Done)
             {
                 player.Frame();
-                var rendering = Player.Rendering;
+                var rendering = Camera.Rendering.Elapsed;
                 cost.Begin();
                 view.Look(picture);
-                cost.End((Player.Rendering - rendering).TotalMilliseconds);
+                cost.End((Camera.Rendering.Elapsed - rendering).TotalMilliseconds);
             }
             Console.WriteLine($"cost: {cost}");
         }

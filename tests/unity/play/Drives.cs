@@ -18,6 +18,7 @@ using System.Linq;
 using System.Reflection;
 using System.Threading;
 using UnityEngine;
+using UnityEngine.Rendering;
 using UnityPlayer;
 
 namespace NetMQExample.PlayTest
@@ -36,7 +37,7 @@ namespace NetMQExample.PlayTest
         {
             var told = words.Select(word => word.Split(new[] { '=' }, 2)).ToDictionary(pair => pair[0], pair => pair.ElementAtOrDefault(1) ?? "");
             int At(string name) => told.Remove(name, out var text) ? int.Parse(text, CultureInfo.InvariantCulture) : -1;
-            (Player.TopRowFirst, Player.NoReadback, Player.NoGraphics) = (told.Remove("topfirst"), told.Remove("noreadback"), told.Remove("nographics"));
+            (SystemInfo.TopRowFirst, SystemInfo.NoReadback, SystemInfo.NoGraphics) = (told.Remove("topfirst"), told.Remove("noreadback"), told.Remove("nographics"));
             int fail = At("fail"), press = At("press"), down = At("down"), disable = At("disable"), frames = At("frames");
             var (numbered, positions, looked) = (told.Remove("numbered"), told.Remove("positions"), told.Remove("eye"));
             Camera eye = null;
@@ -70,14 +71,14 @@ namespace NetMQExample.PlayTest
             var clock = Stopwatch.StartNew();
             for (long frame = 1, step = -1; !(player.Done && (sender.enabled || disable < 0)) && !(frames > 0 && cost.Done); frame++)
             {
-                var rendering = Player.Rendering;
+                var rendering = Camera.Rendering.Elapsed;
                 logged = false;
                 cost.Begin();
                 player.Frame();
-                if (!logged) cost.End((Player.Rendering - rendering).TotalMilliseconds);
+                if (!logged) cost.End((Camera.Rendering.Elapsed - rendering).TotalMilliseconds);
                 var now = car.Drive.Frame;
                 if (positions && now != step) Console.WriteLine(FormattableString.Invariant($"at {now} {car.Car.X:R} {car.Car.Y:R} {Stands(car)}"));
-                if (step < fail && now >= fail) Player.ReadbacksToFail = 3;
+                if (step < fail && now >= fail) AsyncGPUReadback.ToFail = 3;
                 if (step < press && now >= press) Player.Press(-0.5f, 1);
                 if (press >= 0 && step < press + 20 && now >= press + 20) Player.Press(0, 0);
                 if (press >= 0 && step < press + 40 && now >= press + 40) Player.Press(0, 0, KeyCode.Return);

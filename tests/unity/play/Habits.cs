@@ -70,12 +70,12 @@ namespace NetMQExample.PlayTest
             {
                 foreach (var editor in new[] { true, false })
                 {
-                    (Player.UrpShaders, Player.Editor) = (shaders, editor);
+                    (Player.UrpShaders, Application.Editor) = (shaders, editor);
                     var shape = Cube.Make(Vector3.one, new Color32((byte)(shaders?.Length ?? 0), editor ? (byte)1 : (byte)0, 0, 255));
-                    Console.WriteLine($"drawn by: {Player.ShaderOf(shape.GetComponent<Renderer>())}");
+                    Console.WriteLine($"drawn by: {shape.GetComponent<Renderer>().sharedMaterial.Drawn}");
                 }
             }
-            (Player.UrpShaders, Player.Editor) = (null, false);
+            (Player.UrpShaders, Application.Editor) = (null, false);
         }
 
         // The setting of the whole game is left alone, or set, and said once.

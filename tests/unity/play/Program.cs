@@ -121,7 +121,7 @@ namespace NetMQExample.PlayTest
                 if (asked == "recompile") Say("recompiled", player.Recompile());
                 if (asked == "pause" || asked == "resume")
                 {
-                    Player.Mobile = true;
+                    Application.Mobile = true;
                     player.Pause(asked == "pause");
                     Console.WriteLine($"{asked}d");
                 }
@@ -133,7 +133,7 @@ namespace NetMQExample.PlayTest
                 if (asked == "destroy all") Say("destroyed", busy.Elapsed);
                 Thread.Sleep(5);
             }
-            Player.Mobile = false;
+            Application.Mobile = false;
             here.SetData(Asked, null);
             Say("stopped", player.Stop());
             Console.WriteLine($"left: {string.Join(" ", Player.Left)}");
@@ -159,13 +159,13 @@ namespace NetMQExample.PlayTest
             Application.logMessageReceived += (line, stack, type) => lines++;
             player.Begin(() => MakeObject("flood", Scripts.Of(lessons, script), endpoint, count));
             // Not FromMilliseconds: Mono makes that a whole number.
-            Player.LogCost = TimeSpan.FromTicks(3000);
+            UnityEngine.Debug.Cost = TimeSpan.FromTicks(3000);
             for (; !player.Done; frames++)
             {
                 player.Frame();
                 (most, before) = (Math.Max(most, lines - before), lines);
             }
-            Player.LogCost = TimeSpan.Zero;
+            UnityEngine.Debug.Cost = TimeSpan.Zero;
             player.Stop();
             Console.WriteLine($"{lines} lines in {frames} frames, at most {most} in one");
             return 0;
