@@ -16,18 +16,15 @@ using Debug = UnityEngine.Debug;
 namespace NetMQExample.Editor
 {
     /// <summary>Unity calls it at each build.</summary>
-    public sealed class BuildGuards : IPreprocessBuildWithReport, IProcessSceneWithReport, IUnityLinkerProcessor
+    internal sealed class BuildGuards : IPreprocessBuildWithReport, IProcessSceneWithReport, IUnityLinkerProcessor
     {
         // link.xml, wherever the package lies.
         private const string Link = "c6fd050a2b57f54e58f156fa95262044";
 
-        /// <inheritdoc/>
         public int callbackOrder => 0;
 
-        /// <summary>Adds to a build for a system of Apple's the sentence that its user is asked with. Early: whoever
-        /// signs a build of their own does so after.</summary>
-        /// <param name="target">The platform.</param>
-        /// <param name="pathToBuiltProject">The folder of the Xcode project, or a Mac's program.</param>
+        // Adds to a build for a system of Apple's, an Xcode project or a Mac's program, the sentence that its user is
+        // asked with. Early: whoever signs a build of their own does so after.
         [PostProcessBuild(-100)]
         public static void AddNetworkSentence(BuildTarget target, string pathToBuiltProject)
         {
@@ -62,7 +59,6 @@ namespace NetMQExample.Editor
             }
         }
 
-        /// <inheritdoc/>
         public void OnPreprocessBuild(BuildReport report)
         {
             if (report.summary.platform != BuildTarget.Android) return;
@@ -70,7 +66,6 @@ namespace NetMQExample.Editor
             if (DeviceChecks.MustAsk((int)PlayerSettings.Android.targetSdkVersion)) Debug.LogWarning(DeviceChecks.Ask);
         }
 
-        /// <inheritdoc/>
         public void OnProcessScene(Scene scene, BuildReport report)
         {
             // Without a report it is a Play.
@@ -81,10 +76,7 @@ namespace NetMQExample.Editor
                         Debug.LogWarning(DeviceChecks.Loopback(scene.name, client.GetType().Name), client);
         }
 
-        /// <summary>Unity reads no link.xml of a package by itself.</summary>
-        /// <param name="report">The build.</param>
-        /// <param name="data">What the linker works on.</param>
-        /// <returns>The file to read, or null.</returns>
+        // Unity reads no link.xml of a package by itself.
         public string GenerateAdditionalLinkXmlFile(BuildReport report, UnityLinkerBuildPipelineData data)
         {
             var path = AssetDatabase.GUIDToAssetPath(Link);

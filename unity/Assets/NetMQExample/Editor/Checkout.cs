@@ -10,7 +10,7 @@ using System.Text.RegularExpressions;
 namespace NetMQExample.Editor
 {
     /// <summary>The kit's folder: its lessons, and the Python that runs them.</summary>
-    public sealed class Checkout
+    internal sealed class Checkout
     {
         // Both are asked at once: an old Python, and one without pyzmq.
         private const string Question = "import sys, importlib.util as found; sys.exit(3 if sys.version_info < (3, 11) "
@@ -26,9 +26,7 @@ namespace NetMQExample.Editor
             .Where(folder => File.Exists(Path.Combine(folder, "server.py")))
             .Select(Path.GetFileName).OrderBy(key => key, StringComparer.Ordinal).ToArray();
 
-        /// <summary>Looks for the kit.</summary>
-        /// <param name="folders">Those that may be it, or lie in it.</param>
-        /// <returns>The first that is found, or null.</returns>
+        /// <summary>The first of these folders that is the kit, or lies in it; null if none does.</summary>
         public static Checkout Find(params string[] folders)
         {
             foreach (var start in folders.Where(folder => !string.IsNullOrEmpty(folder)))
@@ -39,20 +37,15 @@ namespace NetMQExample.Editor
             return null;
         }
 
-        /// <summary>A lesson's server.</summary>
-        /// <param name="key">Such as 01_request_reply.</param>
-        /// <returns>The path of its server.py.</returns>
+        /// <summary>The server.py of a lesson, such as 01_request_reply.</summary>
         public string Server(string key) => Path.Combine(Root, "python", key, "server.py");
 
         /// <summary>Where a lesson's programs run, so that what they leave behind lies in one place.</summary>
-        /// <param name="key">Such as 01_request_reply.</param>
-        /// <returns>A folder that exists.</returns>
         public string Folder(string key) =>
             Directory.CreateDirectory(Path.Combine(Root, ".build", "run", key.Substring(0, 2))).FullName;
 
-        /// <summary>The Python for the servers: that of .venv, or the first one on the PATH that has pyzmq.</summary>
-        /// <param name="trouble">Cause and cure where something is missing, or an empty text.</param>
-        /// <returns>Its command, or null.</returns>
+        /// <summary>The Python for the servers: that of .venv, or the first one on the PATH that has pyzmq. Where
+        /// something is missing, <paramref name="trouble"/> has cause and cure; null: there is none.</summary>
         public string Python(out string trouble)
         {
             // In this order kit.py makes them, macOS and Linux call theirs, and Windows has them.
@@ -79,9 +72,6 @@ namespace NetMQExample.Editor
         }
 
         /// <summary>What installs a lesson's packages, to be run in a terminal.</summary>
-        /// <param name="python">The interpreter.</param>
-        /// <param name="key">Such as 05_messages.</param>
-        /// <returns>One line.</returns>
         public string PipLine(string python, string key)
         {
             // What all lessons need, and what is called like this one, as body for a webcam: extras of pyproject.toml.

@@ -10,12 +10,10 @@ namespace NetMQExample.Editor
 {
     /// <summary>Below the fields of each component that connects.</summary>
     [CustomEditor(typeof(ConnectedBehaviour), true), CanEditMultipleObjects]
-    public sealed class ClientInspector : UnityEditor.Editor
+    internal sealed class ClientInspector : UnityEditor.Editor
     {
-        /// <inheritdoc/>
         public override bool RequiresConstantRepaint() => EditorApplication.isPlaying;
 
-        /// <inheritdoc/>
         public override VisualElement CreateInspectorGUI()
         {
             var inspector = new VisualElement();

@@ -5,13 +5,12 @@ using UnityEngine;
 namespace NetMQExample.Editor
 {
     /// <summary>What the menus make.</summary>
-    public static class ClientMenu
+    internal static class ClientMenu
     {
         // BackgroundClient.prefab, wherever the package lies.
         private const string Prefab = "59c6f48fc3213eb99066528821de5097";
 
-        /// <summary>Puts lesson 04's client with a display into the scene.</summary>
-        /// <param name="command">Knows below which object.</param>
+        // Lesson 04's client with a display, below the object that is selected.
         [MenuItem("GameObject/NetMQ Example/Background client", false, 10)]
         public static void AddClient(MenuCommand command)
         {
@@ -22,7 +21,7 @@ namespace NetMQExample.Editor
             Selection.activeObject = made;
         }
 
-        /// <summary>Shows the asset with the servers' address, and makes it the first time.</summary>
+        // The asset with the servers' address, which is made the first time.
         [MenuItem("Tools/NetMQ Example/Server address", false, 2)]
         public static void OpenAddress()
         {

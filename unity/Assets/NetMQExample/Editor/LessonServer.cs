@@ -10,7 +10,7 @@ using System.Threading;
 namespace NetMQExample.Editor
 {
     /// <summary>One run of a server, or of kit.py.</summary>
-    public sealed class LessonServer
+    internal sealed class LessonServer
     {
         // So many characters of the end are shown: a text field of the editor's takes no more than 65,535 vertices.
         private const int ShownBytes = 8000;
@@ -49,13 +49,8 @@ namespace NetMQExample.Editor
             }
         }
 
-        /// <summary>Starts one.</summary>
-        /// <param name="python">The interpreter.</param>
-        /// <param name="script">The program.</param>
-        /// <param name="options">Its options, as one would type them.</param>
-        /// <param name="folder">Where it works.</param>
-        /// <param name="log">The file for its lines, with its whole path.</param>
-        /// <returns>It, running; or ended, with the reason among its lines.</returns>
+        /// <summary>Starts a program, with options as one would type them, in this folder. The log is the whole path of
+        /// the file for its lines. If it ends at once, the reason is among them.</summary>
         public static LessonServer Start(string python, string script, string options, string folder, string log)
         {
             Directory.CreateDirectory(Path.GetDirectoryName(log));
@@ -73,9 +68,8 @@ namespace NetMQExample.Editor
             return new LessonServer(process, log);
         }
 
-        /// <summary>Finds it again, after a reload of the scripts or an end of the editor that nobody wanted.</summary>
-        /// <param name="log">As it was started.</param>
-        /// <returns>It, running or ended; null if none was started.</returns>
+        /// <summary>Finds it again, running or ended, after a reload of the scripts or an end of the editor that nobody
+        /// wanted; null if none was started with this log.</summary>
         public static LessonServer Find(string log)
         {
             if (!File.Exists(log)) return null;

@@ -10,7 +10,7 @@ using UnityEngine;
 namespace NetMQExample.Editor
 {
     /// <summary>The window in which servers are started and stopped.</summary>
-    public sealed class LessonsWindow : EditorWindow
+    internal sealed class LessonsWindow : EditorWindow
     {
         private const string Menu = "Tools/NetMQ Example/", Kit = "NetMQExample.kit", Copies = "NetMQExample scenes";
         // Of this project alone, and not emptied when the editor ends.
@@ -28,7 +28,6 @@ namespace NetMQExample.Editor
         private string trouble = "", lines = "";
         private bool running;
 
-        /// <summary>Opens it.</summary>
         [MenuItem(Menu + "Lessons", false, 0)]
         public static void Open() => GetWindow<LessonsWindow>("NetMQ lessons");
 

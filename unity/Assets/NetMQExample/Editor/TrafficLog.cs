@@ -10,7 +10,7 @@ using NetMQ;
 namespace NetMQExample.Editor
 {
     /// <summary>What was sent and received since <see cref="Begin"/>.</summary>
-    public sealed class TrafficLog
+    internal sealed class TrafficLog
     {
         private const int MostLines = 1000;
         private static readonly Encoding Strict = new UTF8Encoding(false, true);
@@ -20,16 +20,11 @@ namespace NetMQExample.Editor
         /// <summary>What comes meanwhile is not kept.</summary>
         public bool Paused { get; set; }
 
-        /// <summary>Listens to all clients of this process.</summary>
         public void Begin() => NetMQConnection.Seen += Add;
 
-        /// <summary>Listens no more.</summary>
         public void End() => NetMQConnection.Seen -= Add;
 
-        /// <summary>The lines that have a text in them, the newest last.</summary>
-        /// <param name="filter">The text, upper or lower case; empty: all.</param>
-        /// <param name="most">How many.</param>
-        /// <returns>Lines.</returns>
+        /// <summary>The newest lines that have this text in them, in upper or lower case.</summary>
         public string Text(string filter, int most = MostLines)
         {
             lock (lines)

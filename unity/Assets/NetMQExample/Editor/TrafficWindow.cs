@@ -6,7 +6,7 @@ using UnityEngine;
 namespace NetMQExample.Editor
 {
     /// <summary>The window of messages.</summary>
-    public sealed class TrafficWindow : EditorWindow
+    internal sealed class TrafficWindow : EditorWindow
     {
         // A text field takes no more than some 16,000 characters; the clipboard gets all.
         private const int ShownLines = 60, LongestCharacters = 15_000;
@@ -17,7 +17,6 @@ namespace NetMQExample.Editor
         private readonly TrafficLog log = new TrafficLog();
         private string text = "";
 
-        /// <summary>Opens it.</summary>
         [MenuItem("Tools/NetMQ Example/Traffic", false, 1)]
         public static void Open() => GetWindow<TrafficWindow>("NetMQ traffic");
 
