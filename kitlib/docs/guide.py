@@ -234,11 +234,6 @@ def rewrite(page: Path, bodies: Mapping[str, Callable[[Block], str]]) -> None:
         print(f"{page.relative_to(ROOT).as_posix()}: rewritten")
 
 
-def begin_anew() -> None:
-    """What earlier runs have left goes, such as lesson 02's journal, so that a page begins at 0."""
-    folder.cache_clear()
-
-
 def main() -> None:
     """Rewrite the pages of the command line, or all."""
     parser = argparse.ArgumentParser(description="Rewrites the excerpts and transcripts of the README and the guide.")
@@ -250,8 +245,8 @@ def main() -> None:
         bodies |= {"run": ran, "like": ran}
     by_hand = []
     for page in [path.resolve() for path in options.pages] or pages():
-        if not options.excerpts:
-            begin_anew()
+        # What earlier runs have left goes, such as lesson 02's journal, so that a page begins at 0.
+        folder.cache_clear()
         rewrite(page, bodies)
         by_hand += [block for block in blocks(page) if block.kind == "by hand"]
     for each in by_hand:

@@ -13,10 +13,9 @@ import pytest
 
 from kitlib import commands
 from kitlib.commands import run as runner
-from kitlib.docs import guide, terminal_picture
+from kitlib.docs import guide
 from kitlib.lessons import find
 from kitlib.setup import python_setup
-from kitlib.terminal import COLOURS
 from lab import report
 from tests.conftest import PYTHON, lacking
 from tests.programs import EACH_RUN, ROOT, InTurn
@@ -134,21 +133,3 @@ def test_every_block_of_another_language_can_be_read():
         else:
             assert block.language == "xml", block.where
             ElementTree.fromstring(block.body)
-
-
-def test_the_picture_of_a_terminal_is_what_a_run_prints(netmq):
-    svg = terminal_picture.PICTURE.read_text(encoding="utf-8")
-    command, *lines = terminal_picture.lines_of(svg)
-    assert command == f"$ python3 kit.py run {terminal_picture.RUN}"
-    assert pictured(lines) == "", "python3 -m kitlib.docs.terminal_picture draws it"
-    # In colour, as `show` prints it.
-    assert svg == terminal_picture.draw(command[2:], [re.sub(r"^\w+ +\|", in_colour, line) for line in lines])
-
-
-def pictured(lines):
-    shown = guide.Block(terminal_picture.PICTURE, 1, "like", "", "", "".join(f"{line}\n" for line in lines))
-    return guide.contradiction(shown, once(terminal_picture.RUN))
-
-
-def in_colour(prefix):
-    return f"\033[{COLOURS[prefix[0].split()[0]]}m{prefix[0]}\033[0m"

@@ -978,7 +978,7 @@ def test_a_run_leaves_its_files_in_a_folder_of_its_own(prepared, start):
 def test_what_a_reader_has_left_is_not_touched_by_the_tests(prepared, start, monkeypatch, tmp_path):
     """The guide's runs and a server with --folder write elsewhere."""
     monkeypatch.setattr(guide, "ROOT", prepared)
-    guide.begin_anew()
+    guide.folder.cache_clear()
     assert "client | done: 2 replies" in guide.printed("2 --client python --options='--count 2'")
     folder = tmp_path / "new" / "folder"
     server = start(PYTHON, prepared / "kit.py", "server", "2", "--folder", folder, "--endpoint", "tcp://127.0.0.1:0")
