@@ -7,7 +7,7 @@ using System.Linq;
 namespace NetMQExample.Terminal
 {
     /// <summary>The command line was wrong; the message says how. Exit code 2.</summary>
-    internal sealed class UsageException : Exception
+    internal sealed class UsageException : ArgumentException
     {
         public UsageException(string message) : base(message) { }
     }

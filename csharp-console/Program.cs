@@ -33,11 +33,7 @@ namespace NetMQExample.Terminal
                 Invoke(lesson, new Arguments(words.Skip(1)));
                 return 0;
             }
-            catch (UsageException e)
-            {
-                Console.Error.WriteLine(e.Message);
-                return 2;
-            }
+            // A UsageException, or what a client refuses.
             catch (ArgumentException e)
             {
                 Console.Error.WriteLine(e.Message);
@@ -47,11 +43,6 @@ namespace NetMQExample.Terminal
             catch (Exception e) when (e is TimeoutException || e is IOException)
             {
                 Console.Error.WriteLine($"gave up: {e.Message}");
-                return 1;
-            }
-            catch (DllNotFoundException e)
-            {
-                Console.Error.WriteLine(e.Message);
                 return 1;
             }
         }

@@ -134,7 +134,6 @@ class Lab:
         self.installed: dict[str, bool] = {}
         self.servers: dict[str, Server] = {}
         self.clients: dict[str, Client] = {}
-        # Who looks on. They end by themselves when what they look at does.
 
     def program(self, name: str) -> Client:
         """A client program, started when it is first needed."""

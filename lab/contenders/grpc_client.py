@@ -1,7 +1,6 @@
 """The gRPC client of the performance lab, in Python; it takes the same lines as lab/csharp/Program.cs.
 
 echo grpc ENDPOINT SIZE SECONDS       sends and has it back, again and again
-first grpc ENDPOINT SIZE              a new client's first answer
 close
 """
 
@@ -36,13 +35,8 @@ def main() -> None:
         answer: dict[str, object] = {}
         if words[0] != "close":
             target = words[2].removeprefix("tcp://")
-            if words[0] == "first":
-                start = time.perf_counter()
-                with grpc.insecure_channel(target, UNLIMITED) as channel:
-                    answer = {**measure(channel, int(words[3]), 0), "seconds": time.perf_counter() - start}
-            else:
-                channel = channels.setdefault(target, grpc.insecure_channel(target, UNLIMITED))
-                answer = measure(channel, int(words[3]), float(words[4]))
+            channel = channels.setdefault(target, grpc.insecure_channel(target, UNLIMITED))
+            answer = measure(channel, int(words[3]), float(words[4]))
         print(json.dumps(answer), flush=True)
 
 
