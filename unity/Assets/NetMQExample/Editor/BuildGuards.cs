@@ -4,6 +4,7 @@ using System;
 using System.ComponentModel;
 using System.Diagnostics;
 using System.IO;
+using System.Text.RegularExpressions;
 using UnityEditor;
 using UnityEditor.Build;
 using UnityEditor.Build.Reporting;
@@ -21,6 +22,17 @@ namespace NetMQExample.Editor
         // link.xml, wherever the package lies.
         private const string Link = "c6fd050a2b57f54e58f156fa95262044";
 
+        private const string Permission = "Android may refuse NetMQ the network: set Project Settings, Player, Other "
+            + "Settings, Internet Access to Require";
+
+        private const string Ask = "from Android 17 on the user decides whether a game may talk to the local network: "
+            + "declare android.permission." + Access + " in " + Manifest + ", and ask for it with "
+            + "UnityEngine.Android.Permission.RequestUserPermission";
+
+        private const string Access = "ACCESS_LOCAL_NETWORK";
+        private const string Manifest = "Assets/Plugins/Android/AndroidManifest.xml";
+        private const string Key = "NSLocalNetworkUsageDescription";
+
         public int callbackOrder => 0;
 
         // Adds to a build for a system of Apple's, an Xcode project or a Mac's program, the sentence that its user is
@@ -34,7 +46,7 @@ namespace NetMQExample.Editor
             var path = Path.Combine(pathToBuiltProject, folder, "Info.plist");
             if (!(mac || IsDevice(target)) || !File.Exists(path)) return;
             var before = File.ReadAllText(path);
-            var after = DeviceChecks.WithNetworkSentence(before);
+            var after = WithNetworkSentence(before);
             if (after == before) return;
             File.WriteAllText(path, after);
             if (program) Sign(pathToBuiltProject);
@@ -62,8 +74,8 @@ namespace NetMQExample.Editor
         public void OnPreprocessBuild(BuildReport report)
         {
             if (report.summary.platform != BuildTarget.Android) return;
-            if (!PlayerSettings.Android.forceInternetPermission) Debug.LogWarning(DeviceChecks.Permission);
-            if (DeviceChecks.MustAsk((int)PlayerSettings.Android.targetSdkVersion)) Debug.LogWarning(DeviceChecks.Ask);
+            if (!PlayerSettings.Android.forceInternetPermission) Debug.LogWarning(Permission);
+            if (MustAsk((int)PlayerSettings.Android.targetSdkVersion)) Debug.LogWarning(Ask);
         }
 
         public void OnProcessScene(Scene scene, BuildReport report)
@@ -72,8 +84,8 @@ namespace NetMQExample.Editor
             if (report == null || !IsDevice(report.summary.platform)) return;
             foreach (var root in scene.GetRootGameObjects())
                 foreach (var client in root.GetComponentsInChildren<ConnectedBehaviour>(true))
-                    if (DeviceChecks.IsLoopback(ServerAddress.Of(client)))
-                        Debug.LogWarning(DeviceChecks.Loopback(scene.name, client.GetType().Name), client);
+                    if (IsLoopback(ServerAddress.Of(client)))
+                        Debug.LogWarning(Loopback(scene.name, client.GetType().Name), client);
         }
 
         // Unity reads no link.xml of a package by itself.
@@ -87,5 +99,22 @@ namespace NetMQExample.Editor
         // VisionOS by its name: Unity 2021 has none.
         private static bool IsDevice(BuildTarget target) =>
             target == BuildTarget.Android || target == BuildTarget.iOS || $"{target}" == "VisionOS";
+
+        // An API level of 0 is the newest one installed, whichever that is.
+        private static bool MustAsk(int target) =>
+            target >= 37 && !(File.Exists(Manifest) && File.ReadAllText(Manifest).Contains(Access));
+
+        private static bool IsLoopback(string endpoint) =>
+            Regex.IsMatch(endpoint ?? "", @"^tcp://(127\.\d+\.\d+\.\d+|localhost):");
+
+        private static string Loopback(string scene, string client) =>
+            $"{client} in scene {scene} asks 127.0.0.1, which on a device is the device itself: write your computer's "
+            + "address into Tools, NetMQ Example, Server address";
+
+        // What Apple's systems say when a game wants to talk to the network.
+        private static string WithNetworkSentence(string plist) => plist.Contains($"<key>{Key}</key>")
+            ? plist
+            : new Regex("<dict>").Replace(plist, $"<dict>\n\t<key>{Key}</key>\n"
+                + "\t<string>This game talks to a computer on your network.</string>", 1);
     }
 }
