@@ -155,17 +155,8 @@ def find(text: str) -> Lesson:
     for lesson in found:
         if wanted in (lesson.key, str(lesson.number), lesson.key[:2], lesson.key[3:]):
             return lesson
-    if near := nearest(wanted, found):
-        raise UsageError(f"there is no lesson {text}; did you mean {near.key}?")
-    raise UsageError(f"there is no lesson {text}; there are: {', '.join(lesson.key for lesson in found)}")
-
-
-def nearest(wanted: str, among: list[Lesson]) -> Lesson | None:
-    """The lesson whose name has the word in it, or is spelled most like it."""
-    if not re.search("[a-z]", wanted):
-        return None
-    names = {lesson.key[3:]: lesson for lesson in among}
-    near = [name for name in names if wanted in name] or difflib.get_close_matches(
-        re.sub(r"^\d+_?", "", wanted), names, 1
-    )
-    return names[near[0]] if near else None
+    keys = {lesson.key[3:]: lesson.key for lesson in found}
+    word = re.sub(r"^\d+_?", "", wanted)
+    near = [name for name in keys if word and word in name] or difflib.get_close_matches(word, keys, 1)
+    what = f"did you mean {keys[near[0]]}?" if near else f"there are: {', '.join(keys.values())}"
+    raise UsageError(f"there is no lesson {text}; {what}")

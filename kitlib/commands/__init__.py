@@ -14,12 +14,12 @@ import io
 import platform
 import re
 import sys
-import tomllib
 from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import NoReturn
 
-from kitlib.lessons import KIT, ROOT, UNWRITABLE, KitError, UsageError
+from kitlib.lessons import KIT, UNWRITABLE, KitError, UsageError
+from kitlib.setup.python_setup import project
 from kitlib.signals import interruptible
 from kitlib.terminal import coloured, nobody_reads, open_streams
 
@@ -71,8 +71,7 @@ def start(about: str, names: Sequence[str], words: list[str]) -> int:
         return 0 if words else 2
     name = words[0]
     if name in ("--version", "version"):
-        project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-        print(f"NetMQExample {project['version']}, Python {sys.version.split()[0]}, {platform.platform()}")
+        print(f"NetMQExample {project()['version']}, Python {sys.version.split()[0]}, {platform.platform()}")
         return 0
     if name not in names:
         there_are = f"there are: {', '.join(names)}"

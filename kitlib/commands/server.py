@@ -59,12 +59,9 @@ def own(program: Path, options: argparse.Namespace) -> int:
     python = python_setup.interpreter(key if key in {lesson.key for lesson in lessons()} else lessons()[0].key)
     command = [str(python), str(program), *options.words]
     if options.reload:
-        return run_reloading(command, [folder for folder in (program.parent, *packages(program)) if folder.is_dir()])
+        folders = [program.parent, *(folder / PACKAGE for folder in program.parents[:2])]
+        return run_reloading(command, [folder for folder in folders if folder.is_dir()])
     return run_in_terminal(command, Path.cwd())
-
-
-def packages(program: Path) -> list[Path]:
-    return [folder / PACKAGE for folder in program.parents[:2]]
 
 
 def address() -> str:
