@@ -40,14 +40,14 @@ PICTURE = 230400
 SIZES = {"32 B": 32, "230,400 B": PICTURE}
 
 
-def bench(quick: bool, free: bool) -> int:
+def bench(quick: bool) -> int:
     """Run everything, print the tables, keep the results and draw them."""
     if not dotnet.sdk():
         raise KitError(f"the lab's clients are C#: there is {dotnet.DOWNLOAD}")
     lessons = ("05_messages", "08_see_and_steer", "09_environment")
     python = python_setup.interpreter("tests", optional=(*lessons, "bench"))
     started = time.monotonic()
-    lab = Lab(python, programs(), *((2, 0.04) if quick else (9, 0.2)), free=free)
+    lab = Lab(python, programs(), *((2, 0.04) if quick else (9, 0.2)))
     busy = machine.busy()
     try:
         for name in list(lab.builds):
@@ -72,7 +72,7 @@ def bench(quick: bool, free: bool) -> int:
     print(report.text(results))
     # What is kept is a full run's: its numbers with the lab, its pictures with the others.
     aside = ROOT / ".build" / "bench"
-    numbers, pictures = (aside, aside) if quick or free else (ROOT / "lab", ROOT / "img")
+    numbers, pictures = (aside, aside) if quick else (ROOT / "lab", ROOT / "img")
     numbers.mkdir(parents=True, exist_ok=True)
     kept = numbers / "performance.json"
     kept.write_text(report.lines(results), encoding="utf-8")
@@ -146,4 +146,4 @@ def frames(lab: Lab, count: int) -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(lambda: bench("--quick" in sys.argv, "--free" in sys.argv)))
+    sys.exit(guarded(lambda: bench("--quick" in sys.argv)))

@@ -15,7 +15,7 @@ from typing import Any
 
 from kitlib.lessons import ROOT, KitError
 from kitlib.setup import dotnet, python_setup
-from lab.programs import PINS, Client, Server, halves
+from lab.programs import Client, Server, halves
 
 LAB = ROOT / "lab" / "contenders"
 
@@ -125,11 +125,11 @@ def below(waits: list[float], share: float) -> float:
 class Lab:
     """Everything that runs: the servers once each, and a client program for each runtime."""
 
-    def __init__(self, python: Path, builds: dict[str, dotnet.NetMQ], rounds: int, moment: float, free: bool) -> None:
+    def __init__(self, python: Path, builds: dict[str, dotnet.NetMQ], rounds: int, moment: float) -> None:
         self.python, self.builds = python, builds
         # How often each contender has its turn, and for how many seconds.
         self.rounds, self.moment = rounds, moment
-        self.client_cores, self.server_cores = (set(), set()) if free or not PINS else halves()
+        self.client_cores, self.server_cores = halves()
         self.skipped: dict[str, str] = {}
         self.installed: dict[str, bool] = {}
         self.servers: dict[str, Server] = {}

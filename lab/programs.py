@@ -18,12 +18,11 @@ from kitlib.lessons import KitError
 
 # Nothing in the lab takes as long; a program that does is ended, so that a run always ends.
 LIMIT = 90.0
-PINS = hasattr(os, "sched_setaffinity")
 
 
 def halves() -> tuple[set[int], set[int]]:
-    """The cores for the clients and those for the servers: half of them each."""
-    cores = sorted(os.sched_getaffinity(0)) if PINS else []
+    """The cores for the clients and those for the servers: half of them each. Not every system can say so."""
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     middle = len(cores) // 2
     return (set(cores[:middle]), set(cores[middle:])) if middle else (set(cores), set(cores))
 

@@ -54,7 +54,4 @@ def run(connection: socket.socket) -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        pass
+    main()

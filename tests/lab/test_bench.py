@@ -28,7 +28,7 @@ def labels(results, title):
 @pytest.fixture
 def place(netmq):
     """A lab of one short round."""
-    place = Lab(PYTHON, {"dotnet": netmq}, rounds=1, moment=0.02, free=True)
+    place = Lab(PYTHON, {"dotnet": netmq}, rounds=1, moment=0.02)
     yield place
     place.end()
 
