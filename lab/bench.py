@@ -79,7 +79,8 @@ def bench(quick: bool) -> int:
     say(f"results: {kept.relative_to(ROOT)}")
     if python_setup.has(python, ["matplotlib"]):
         drawn = quietly([python, "-m", "lab.plots", kept, pictures], LIMIT, cwd=ROOT)
-        say(drawn.output.strip() if drawn.ok else f"no plots: {drawn.first('Error')}")
+        if not drawn.ok:
+            say(f"no plots: {drawn.first('Error')}")
     else:
         say("no plots: they need a package: pip install matplotlib")
     return 0

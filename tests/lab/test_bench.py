@@ -48,8 +48,8 @@ def test_a_quick_run_measures_everything_that_can_run_here(netmq, start):
     assert not [what for what in results["skipped"] if "(" in what], "something failed on the way"
     assert all(row["bytes"] == 0 for row in results["frames"])
     for row in report.rows_of(results, "echo of 230,400 B"):
-        # A mean is at least half of the median, whatever else happened.
-        assert 1e6 / row["rate"][2] > row["latency"]["p50"] / 2, row
+        # A mean is at least half of the median, whatever else happened. On a busy machine some have too few for one.
+        assert not row["latency"] or 1e6 / row["rate"][2] > row["latency"]["p50"] / 2, row
     assert mark.processes() == {}
 
 
