@@ -22,7 +22,7 @@ from pathlib import Path
 from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, find
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import command, say
-from kitlib.unity.meta import END, FOLDER, IMPORTERS, assets, behaviours, guid, meta_of
+from kitlib.unity.meta import assets, behaviours, guid, meta, meta_of
 from kitlib.unity.modules import VERSION, needed
 from kitlib.unity.project import (
     PARTS,
@@ -243,7 +243,7 @@ def notices() -> dict[str, bytes]:
     found: dict[str, bytes] = {}
     for source, name in (("LICENSE", "LICENSE.md"), ("THIRD-PARTY-NOTICES.md", "THIRD-PARTY-NOTICES.md")):
         found[f"{TARGET}/{name}"] = (ROOT / source).read_bytes()
-        found[f"{TARGET}/{name}.meta"] = f"fileFormatVersion: 2\nguid: {guid(name)}\n{IMPORTERS['.md']}{END}".encode()
+        found[f"{TARGET}/{name}.meta"] = meta(PACKAGE / "CHANGELOG.md", guid(name)).encode()
     return found
 
 
@@ -277,7 +277,7 @@ def libraries(
             builds=int("builds" in parts),
         ).encode()
     if found:
-        found[f"{PLUGINS}.meta"] = f"fileFormatVersion: 2\nguid: {guid('Plugins')}\n{FOLDER}".encode()
+        found[f"{PLUGINS}.meta"] = meta(PACKAGE / "Shared", guid("Plugins")).encode()
     return found
 
 

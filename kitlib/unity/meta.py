@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import sys
 from pathlib import Path
 
 from kitlib.lessons import PACKAGE, ROOT
@@ -17,46 +18,6 @@ from kitlib.lessons import PACKAGE, ROOT
 EXAMPLE = PACKAGE / "03_publish_subscribe" / "03_publish_subscribe.unity"
 # What stays out of Unity and of the repository: names that Unity ignores, and the DLLs that kit.py unity copies.
 IGNORED = re.compile(r"^\.|~$|\.meta$|^Plugins$")
-
-IMPORTERS = {
-    ".cs": (
-        "MonoImporter:\n  externalObjects: {}\n  serializedVersion: 2\n  defaultReferences: []\n"
-        "  executionOrder: 0\n  icon: {instanceID: 0}\n"
-    ),
-    ".asmdef": "AssemblyDefinitionImporter:\n  externalObjects: {}\n",
-    "package.json": "PackageManifestImporter:\n  externalObjects: {}\n",
-    # JavaScript, which Unity adds to a WebGL build.
-    ".jslib": (
-        "PluginImporter:\n"
-        "  externalObjects: {}\n"
-        "  serializedVersion: 2\n"
-        "  iconMap: {}\n"
-        "  executionOrder: {}\n"
-        "  defineConstraints: []\n"
-        "  isPreloaded: 0\n"
-        "  isOverridable: 0\n"
-        "  isExplicitlyReferenced: 0\n"
-        "  validateReferences: 1\n"
-        "  platformData:\n"
-        "  - first:\n"
-        "      Any:\n"
-        "    second:\n"
-        "      enabled: 0\n"
-        "      settings: {}\n"
-        "  - first:\n"
-        "      WebGL: WebGL\n"
-        "    second:\n"
-        "      enabled: 1\n"
-        "      settings: {}\n"
-    ),
-    ".json": "TextScriptImporter:\n  externalObjects: {}\n",
-    ".xml": "TextScriptImporter:\n  externalObjects: {}\n",
-    ".md": "TextScriptImporter:\n  externalObjects: {}\n",
-    ".prefab": "PrefabImporter:\n  externalObjects: {}\n",
-}
-ANYTHING = "DefaultImporter:\n  externalObjects: {}\n"
-FOLDER = "folderAsset: yes\n" + ANYTHING
-END = "  userData:\n  assetBundleName:\n  assetBundleVariant:\n"
 
 
 def guid(path: str) -> str:
@@ -75,10 +36,9 @@ def meta_of(path: Path) -> Path:
     return path.with_name(path.name + ".meta")
 
 
-def meta(path: Path, identity: str) -> str:
-    """The text of a .meta file."""
-    importer = FOLDER if path.is_dir() else IMPORTERS.get(path.name) or IMPORTERS.get(path.suffix, ANYTHING)
-    return f"fileFormatVersion: 2\nguid: {identity}\n{importer}{END}"
+def meta(like: Path, identity: str) -> str:
+    """The text of a .meta file, as another asset of the same kind has it."""
+    return meta_of(like).read_text(encoding="utf-8").replace(own_guid(like), identity)
 
 
 def assets() -> list[Path]:
@@ -131,7 +91,15 @@ def write(path: Path, text: str) -> None:
 def write_metas() -> None:
     for path in assets():
         if not meta_of(path).exists():
-            write(meta_of(path), meta(path, guid(path.relative_to(PACKAGE).as_posix())))
+            write(meta_of(path), meta(twin(path), guid(path.relative_to(PACKAGE).as_posix())))
+
+
+def twin(path: Path) -> Path:
+    """Another asset of the same kind, which has a .meta."""
+    for other in assets():
+        if other.suffix == path.suffix and other.is_dir() == path.is_dir() and meta_of(other).exists():
+            return other
+    sys.exit(f"no other file is like {path.name}: let Unity write its .meta")
 
 
 def main() -> None:
