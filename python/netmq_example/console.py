@@ -14,8 +14,7 @@ from typing import Any
 
 
 class Lines(io.FileIO):
-    """What a server prints. Whatever becomes of it, the server goes on: on a full disk, in a pipe that is closed, and
-    in one that nobody reads, which would soon hold the server up for ever."""
+    """What a server prints. A pipe that nobody reads would soon hold the server up for ever."""
 
     patience = 0.5
     before: Any = None
