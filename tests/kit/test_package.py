@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from kitlib import imports, release
+from kitlib import imports
 from kitlib.lessons import lessons
 from kitlib.setup import python_setup
 from tests.conftest import PYTHON
@@ -59,7 +59,7 @@ def test_the_wheel_holds_the_package_alone(wheel):
         (about,) = [name for name in found if name.endswith("/METADATA")]
         metadata = archive.read(about).decode()
     assert {name for name in found if ".dist-info/" not in name} == files
-    assert f"\nVersion: {release.version()}\n" in metadata
+    assert f"\nVersion: {python_setup.project()['version']}\n" in metadata
     assert re.findall(r"^Requires-Dist: ([^;\n]+)$", metadata, re.MULTILINE) == python_setup.needs()
 
 
