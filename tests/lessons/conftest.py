@@ -24,9 +24,15 @@ def context():
 
 
 @pytest.fixture(scope="session")
-def messages_program(netmq):
+def checks(netmq):
+    """tests/lessons/checks, for `dotnet` and for `mono`."""
+    return str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks"))
+
+
+@pytest.fixture(scope="session")
+def messages_program(checks):
     """The command of tests/lessons/checks/MessageChecks.cs."""
-    return ["dotnet", str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "messages"]
+    return ["dotnet", checks, "messages"]
 
 
 @pytest.fixture(scope="module")
@@ -157,14 +163,14 @@ def inside():
 # It needs `inside` so that what it made is closed before the simulator is gone.
 @pytest.fixture
 def make(inside):
-    """gymnasium.make, and what it made is closed at the end of the test."""
+    """gymnasium.make, or a class, and what it made is closed at the end of the test."""
     gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     import netmq_example.envs  # noqa: F401
 
     made = []
 
-    def make_env(id="NetMQExample/CartPole-v0", **where):
-        made.append(gymnasium.make(id, **where))
+    def make_env(kind="NetMQExample/CartPole-v0", *words, **where):
+        made.append(kind(*words, **where) if callable(kind) else gymnasium.make(kind, *words, **where))
         return made[-1]
 
     yield make_env
