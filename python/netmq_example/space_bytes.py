@@ -76,7 +76,8 @@ class Bytes:
 def together(space: Space[Any], values: list[Any]) -> Any:
     """A batch, as Gymnasium makes it of single ones."""
     room: Any = create_empty_array(space, len(values))
-    return concatenate(space, values, room)
+    # Of nothing Gymnasium stacks nothing, with an error.
+    return concatenate(space, values, room) if values else room
 
 
 def unstacked(space: Any, values: Any) -> list[Any]:

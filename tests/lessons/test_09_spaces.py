@@ -14,7 +14,6 @@ import warnings
 
 import pytest
 
-from kitlib.setup import dotnet
 from tests.programs import LIMIT, ROOT, free_port
 from tests.unity.test_unity_play import needs_mono
 
@@ -36,6 +35,7 @@ from gymnasium.spaces import (  # noqa: E402
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
 from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.vector.utils import iterate  # noqa: E402
+from gymnasium.wrappers import TimeLimit  # noqa: E402
 
 from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqEnv, ZmqVectorEnv  # noqa: E402
@@ -188,11 +188,11 @@ def test_what_is_done_in_a_space_is_seen(name, inside):
 
 
 @pytest.fixture(scope="module", params=["dotnet", "mono"])
-def program(request, netmq):
+def program(request, checks):
     """Unity's runtime is a Mono."""
     if request.param == "mono":
         needs_mono()
-    return [request.param, str(dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")), "records"]
+    return [request.param, checks, "records"]
 
 
 def said_by(program, *words, lines=()):
@@ -313,6 +313,18 @@ def test_rows_that_are_none_are_refused_in_both_languages(program):
     assert [(*one, answer) for one, answer in found if answer != "error not-in-space"] == []
 
 
+NONE = b"\0\0\0\0"
+# No items, no nodes, no edges.
+EMPTY = {"sequence": NONE, "stack": NONE, "stacks": NONE, "points": NONE + b"\xff" * 4, "graph": b"\1" + bytes(15)}
+
+
+def test_nothing_is_in_a_space_as_well_in_both_languages(program):
+    lines = [f"{name} 1 {stepped(row).hex()}" for name, row in EMPTY.items()]
+    answers = [python_says(name, int(count), frame) for name, count, frame in map(str.split, lines)]
+    assert answers == said_by(program, "rows", lines=lines)
+    assert [answer for answer in answers if answer.startswith("error")] == []
+
+
 HALF, ZEROS = np.array([0.5]), np.zeros((1, 2))
 # None of these numbers is one of its space's dtype.
 OTHER_NUMBERS = {
@@ -396,7 +408,7 @@ class Walk(Echo):
 
     def reset(self, chance, options, state):
         self.observation.seed(int(2**31 * next(chance)))
-        self.last = 2 + int(5 * next(chance))
+        self.last = int(state[0]) if state else 2 + int(5 * next(chance))
         self.said, self.steps = self.observation.sample(), 0
 
     def judge(self):
@@ -421,12 +433,13 @@ def test_batches_are_those_of_gymnasium(kind, mode, inside):
         return Walk(space_of(trees.read(trees.write(described(space)))))
 
     def single():
-        return ZmqEnv("Walk", socket=inside(Simulator(walk())).socket)
+        return TimeLimit(ZmqEnv("Walk", socket=inside(Simulator(walk())).socket), 5)
 
     areas = inside(AreaSimulator([walk() for _ in range(count)]))
-    ours = ZmqVectorEnv(count, "Walk", autoreset_mode=mode, socket=areas.socket)
+    ours = ZmqVectorEnv(count, "Walk", 5, mode, socket=areas.socket)
     theirs = SyncVectorEnv([single] * count, autoreset_mode=mode)
     with contextlib.closing(ours), contextlib.closing(theirs):
+        assert ours.metadata["autoreset_mode"] == mode == theirs.metadata["autoreset_mode"]
         assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
         assert data_equivalence(ours.reset(seed=7), theirs.reset(seed=7), exact=True)
         theirs.action_space.seed(1)
@@ -441,3 +454,5 @@ def test_batches_are_those_of_gymnasium(kind, mode, inside):
                 mine, other = (envs.reset(options={"reset_mask": over.copy()}) for envs in (ours, theirs))
                 assert data_equivalence(mine, other, exact=True)
         assert (ends > 3).all(), "episodes ended both ways"
+        for again in ({"seed": [10, 11, 12]}, {"options": {"state": [3.0]}}):
+            assert data_equivalence(ours.reset(**again), theirs.reset(**again), exact=True)

@@ -25,10 +25,11 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import GraphInstance, Space
-from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
+from gymnasium.vector.utils import batch_space, create_empty_array, iterate
 
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
+from netmq_example.space_bytes import together
 from netmq_example.space_numbers import exactly
 
 # So many items of a sequence, of whatever kind, are looked at one by one. A stack of numbers may be longer.
@@ -237,13 +238,7 @@ def sequence(space: spaces.Sequence, value: Any, where: str) -> Any:
         return tuple(numbers[at] if isinstance(feature, spaces.Discrete) else numbers[at, ...] for at in range(count))
     # Or one of them is wrong, and this says which.
     parts = tuple(fitted(feature, item, f"{where}[{at}]") for at, item in enumerate(items))
-    return stacked(feature, parts) if space.stack else parts
-
-
-def stacked(feature: Space[Any], items: tuple[Any, ...]) -> Any:
-    """Items as a stack: an array with one dimension more, or a dict of such."""
-    room: Any = create_empty_array(feature, len(items))
-    return concatenate(feature, items, room) if items else room
+    return together(feature, list(parts)) if space.stack else parts
 
 
 def graph(space: spaces.Graph, value: GraphInstance, where: str) -> GraphInstance:
