@@ -16,16 +16,13 @@ import uuid
 
 import pytest
 
-from kitlib.setup import dotnet
 from netmq_example.exception import UnitySideChannelException
 from netmq_example.side_channel import IncomingMessage, OutgoingMessage, SideChannel
 from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
-from netmq_example.side_channel.environment_parameters_channel import EnvironmentParametersChannel
 from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
 from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
 from netmq_example.side_channel.raw_side_channel import SideChannel as RawSideChannel
 from netmq_example.side_channel.side_channel_manager import SideChannelManager
-from netmq_example.side_channel.stats_side_channel import StatsAggregationMethod, StatsSideChannel
 from netmq_example.side_channel.unity_channels import (
     EngineSettings,
     EnvironmentParameters,
@@ -139,17 +136,12 @@ def python_says(line):
         return f"error {error}".replace("utf8=True", "utf8: true")
 
 
-@pytest.fixture(scope="session")
-def program(netmq):
-    return dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
-
-
 @pytest.fixture
-def csharp_says(netmq, program):
+def csharp_says(checks):
     def says(runtime, lines):
         if runtime == "mono":
             needs_mono()
-        command = [RUNTIMES[runtime], str(program), "sidechannels"]
+        command = [RUNTIMES[runtime], checks, "sidechannels"]
         done = subprocess.run(command, input="\n".join(lines), capture_output=True, text=True, timeout=250)
         assert done.returncode == 0, done.stderr
         return done.stdout.splitlines()
@@ -277,7 +269,7 @@ def test_the_frames_of_ml_agents_itself():
     )
 
 
-# Classes that were written for ML-Agents
+# Classes that were written for ML-Agents; whole programs of theirs are in test_13_from_ml_agents.py
 
 
 class GameLog(SideChannel):
@@ -296,71 +288,13 @@ class GameLog(SideChannel):
         super().queue_message_to_send(msg)
 
 
-class OldGameLog(RawSideChannel):
-    """As early in 2020."""
-
-    def __init__(self) -> None:
-        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
-        self.lines = []
-
-    def on_message_received(self, data: bytes) -> None:
-        self.lines.append(data.decode("ascii"))
-
-    def send_string(self, data: str) -> None:
-        super().queue_message_to_send(data.encode("ascii"))
-
-
-@each_runtime
-def test_classes_written_for_ml_agents_move_over(runtime, csharp_says):
-    """Both generations, in both languages, and what they say to each other."""
-    log, parameters, stats, old = GameLog(), EnvironmentParametersChannel(), StatsSideChannel(), OldGameLog()
-    log.send_string("the door is open")
-    parameters.set_float_parameter("gravity", -2.5)
-    parameters.set_uniform_sampler_parameters("mass", 3, 3, 1)
-    exchange = SideChannelManager([log, parameters]).generate_side_channel_messages()
-    (answer,) = csharp_says(runtime, [f"moved {exchange.hex()}"])
-    sent, sent_raw, heard, heard_raw = (bytes.fromhex(word) for word in answer.split(" "))
-    assert heard == b"the door is open -2.5 3"
-    # In the older layout the length of the text is a part of it.
-    assert heard_raw == b"\x10\0\0\0the door is open"
-    SideChannelManager([log, stats]).process_side_channel_message(sent)
-    assert log.lines == ["Error: a door is missing\nat Door.Open"]
-    assert stats.get_and_reset_stats() == {
-        "score": [(12.5, StatsAggregationMethod.AVERAGE)],
-        "scores": [(12.5, StatsAggregationMethod.HISTOGRAM)],
-    }
-    assert stats.get_and_reset_stats() == {}
-    SideChannelManager([old]).process_side_channel_message(sent_raw)
-    assert old.lines == ["as in 2020"]
-
-
 # As somebody has them in a project of ML-Agents: its modules, its names, and what is done with them.
 MOVED = {
-    "a channel as in its documentation": """
-import uuid
-from mlagents_envs.side_channel.side_channel import SideChannel, IncomingMessage, OutgoingMessage
-from mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-
-class Log(SideChannel):
-    def __init__(self) -> None:
-        super().__init__(uuid.UUID("621f0a70-4f87-11ea-a6bf-784f4387d1f7"))
-        self.lines = []
-    def on_message_received(self, msg: IncomingMessage) -> None:
-        self.lines.append(msg.read_string())
-    def send_string(self, data: str) -> None:
-        msg = OutgoingMessage()
-        msg.write_string(data)
-        super().queue_message_to_send(msg)
-
-here, there = Log(), Log()
-here.send_string("Hello")
-SideChannelManager([there]).process_side_channel_message(SideChannelManager([here]).generate_side_channel_messages())
-assert there.lines == ["Hello"]
-""",
     "the package's own names, and exceptions": """
 import uuid
 from mlagents_envs.exception import UnityCommunicationException, UnityException, UnitySideChannelException
 from mlagents_envs.side_channel import SideChannel, OutgoingMessage, IncomingMessage
+from mlagents_envs.side_channel.stats_side_channel import EnvironmentStats, StatsAggregationMethod, StatsSideChannel
 
 class OneWay(SideChannel):
     def on_message_received(self, msg: IncomingMessage) -> None:
@@ -370,6 +304,8 @@ channel = OneWay(channel_id=uuid.uuid4())
 channel.queue_message_to_send(OutgoingMessage())
 assert channel.message_queue == [b""] and channel.channel_id.version == 4
 assert issubclass(UnitySideChannelException, UnityException)
+stats: EnvironmentStats = StatsSideChannel().get_and_reset_stats()
+assert stats == {} and StatsAggregationMethod.MOST_RECENT.value == 1
 """,
     "messages": """
 from mlagents_envs.side_channel.incoming_message import IncomingMessage
@@ -387,26 +323,6 @@ assert (msg.read_float32_list(), msg.read_string(), msg.read_string("over")) == 
 out.set_raw_bytes(bytearray(b"raw"))
 assert IncomingMessage(out.buffer).get_raw_bytes() == b"raw"
 """,
-    "engine": """
-from mlagents_envs.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
-
-channel = EngineConfigurationChannel()
-channel.set_configuration_parameters(time_scale=2.0)
-channel.set_configuration(EngineConfig.default_config())
-channel.set_configuration(EngineConfig(80, 80, 1, 4.0, 30, 30)._replace(time_scale=1.0))
-assert len(channel.message_queue) == 11
-assert EngineConfigurationChannel.ConfigurationType.TIME_SCALE == 2
-""",
-    "parameters": """
-from mlagents_envs.side_channel.environment_parameters_channel import EnvironmentParametersChannel
-
-channel = EnvironmentParametersChannel()
-channel.set_float_parameter("parameter_1", 2.0)
-channel.set_uniform_sampler_parameters("a", 1.2, 2.4, 3)
-channel.set_gaussian_sampler_parameters("b", 0.0, 1.0, 4)
-channel.set_multirangeuniform_sampler_parameters("c", [[0.2, 0.4], [0.8, 1.0]], 5)
-assert len(channel.message_queue) == 4
-""",
     "properties": """
 from mlagents_envs.side_channel.float_properties_channel import FloatPropertiesChannel
 
@@ -414,31 +330,6 @@ channel = FloatPropertiesChannel()
 channel.set_property("speed", 2.0)
 assert channel.get_property("speed") == 2.0 and channel.get_property("other") is None
 assert channel.list_properties() == ["speed"] and channel.get_property_dict_copy() == {"speed": 2.0}
-""",
-    "raw bytes": """
-import uuid
-from mlagents_envs.side_channel.raw_bytes_channel import RawBytesChannel
-from mlagents_envs.side_channel.side_channel_manager import SideChannelManager
-
-channel = RawBytesChannel(channel_id=uuid.uuid4())
-channel.send_raw_data(data=bytearray(b"foo"))
-manager = SideChannelManager([channel])
-manager.process_side_channel_message(manager.generate_side_channel_messages())
-assert channel.get_and_clear_received_messages() == [b"foo"]
-assert channel.get_and_clear_received_messages() == []
-""",
-    "statistics": """
-from mlagents_envs.side_channel import IncomingMessage, OutgoingMessage
-from mlagents_envs.side_channel.stats_side_channel import EnvironmentStats, StatsAggregationMethod, StatsSideChannel
-
-out = OutgoingMessage()
-out.write_string("score")
-out.write_float32(1.5)
-out.write_int32(StatsAggregationMethod.MOST_RECENT.value)
-channel = StatsSideChannel()
-channel.on_message_received(IncomingMessage(out.buffer))
-stats: EnvironmentStats = channel.get_and_reset_stats()
-assert stats == {"score": [(1.5, StatsAggregationMethod.MOST_RECENT)]}
 """,
 }
 

@@ -5,7 +5,6 @@
 //     process EXCHANGE            what all channels make of it: lines, what is drawn of parameters, what they send
 //     half -                      what is made of half a character
 //     keep COUNT                  what is left of so many messages that nobody took
-//     moved EXCHANGE              what the classes of Moved.cs and MovedRaw.cs make of it
 //
 // And `settings EXCHANGE`, what Unity has then, `steps --endpoint ENDPOINT`, a simulator of lesson 09, and `pictures
 // ENDPOINT COUNT`.
@@ -15,8 +14,6 @@ using System.Globalization;
 using System.Linq;
 using System.Text;
 using NetMQExample.SideChannels;
-using SomeGame;
-using SomeOldGame;
 using UnityEngine;
 
 namespace NetMQExample.Tests
@@ -45,8 +42,7 @@ namespace NetMQExample.Tests
                     case "write": return Hex.Digits(Write(words.Skip(1)));
                     case "process": return Process(Hex.Bytes(words[1]));
                     case "half": return Half();
-                    case "keep": return Keep(int.Parse(words[1], CultureInfo.InvariantCulture));
-                    default: return Moved(Hex.Bytes(words[1]));
+                    default: return Keep(int.Parse(words[1], CultureInfo.InvariantCulture));
                 }
             }
             catch (UnityAgentsException e)
@@ -94,19 +90,19 @@ namespace NetMQExample.Tests
             return lines.Count == 0 ? data.Skip(20).ToArray() : throw new UnityAgentsException(lines[0].Split(", ")[1]);
         }
 
-        private static string Half() => throw new UnityAgentsException(Refused("a\ud800b"));
-
-        // What ML-Agents' own classes do with an error of the game: no exception may come out of that.
-        private static string Refused(string text)
+        // It is not sent, and without an exception, which would come out of the game's own Debug.LogError. What follows is.
+        private static string Half()
         {
-            var (log, lines) = (new GameLogChannel(), new List<string>());
+            var (log, lines) = (new RawBytesChannel(new Guid("621f0a70-4f87-11ea-a6bf-784f4387d1f7")), new List<string>());
             SideChannelManager.Report = lines.Add;
             SideChannelManager.RegisterSideChannel(log);
-            log.OnLog(text, "", LogType.Error);
-            log.OnLog("the next one", "", LogType.Error);
-            var sent = Encoding.ASCII.GetString(SideChannelManager.GetSideChannelMessage());
+            using var half = new OutgoingMessage();
+            half.WriteString("a\ud800b");
+            log.QueueForTest(half);
+            log.SendRawBytes(new byte[3]);
+            var sent = SideChannelManager.GetSideChannelMessage();
             SideChannelManager.UnregisterSideChannel(log);
-            return sent.Length == 20 + 4 + "Error: the next one\n".Length ? lines.Single() : $"sent {sent}";
+            throw new UnityAgentsException(sent.Length == 23 ? lines.Single() : $"sent {sent.Length} bytes");
         }
 
         // What is queued while nobody takes it.
@@ -144,29 +140,6 @@ namespace NetMQExample.Tests
             Array.ForEach(channels, SideChannelManager.UnregisterSideChannel);
             academy.Dispose();
             return Hex.Digits(Encoding.UTF8.GetBytes(string.Join("\n", lines)));
-        }
-
-        private static string Moved(byte[] exchange)
-        {
-            var (log, world) = (new GameLogChannel(), new GameWorld());
-            SideChannelManager.RegisterSideChannel(log);
-            Academy.Instance.Begin((kind, values) => { });
-            SideChannelManager.ProcessSideChannelData(exchange);
-            log.OnLog("no error", "", LogType.Log);
-            log.OnLog("a door is missing", "at Door.Open", LogType.Error);
-            world.Score(12.5f);
-            var sent = SideChannelManager.GetSideChannelMessage();
-            SideChannelManager.UnregisterSideChannel(log);
-            var said = FormattableString.Invariant($"{string.Join("|", log.Lines)} {world.Gravity} {world.Mass}");
-            Academy.Instance.Dispose();
-
-            var old = new OldLogChannel();
-            Academy.Instance.RegisterSideChannel(old);
-            SideChannelManager.ProcessSideChannelData(exchange);
-            old.Send("as in 2020");
-            var sentRaw = SideChannelManager.GetSideChannelMessage();
-            Academy.Instance.UnregisterSideChannel(old);
-            return $"{Hex.Digits(sent)} {Hex.Digits(sentRaw)} {Hex.Digits(Encoding.ASCII.GetBytes(said))} {Hex.Digits(Encoding.ASCII.GetBytes(old.Lines[0]))}";
         }
 
         private static void Settings(byte[] exchange)
