@@ -6,11 +6,9 @@ import re
 import subprocess
 import time
 
-import pytest
 import zmq
 
 from kitlib.docs import guide
-from kitlib.setup import dotnet
 from netmq_example.side_channel.carrier import Carrier
 from netmq_example.side_channel.engine_configuration_channel import EngineConfig, EngineConfigurationChannel
 from netmq_example.side_channel.float_properties_channel import FloatPropertiesChannel
@@ -22,7 +20,6 @@ from tests.lessons.test_13_side_channels_bytes import (
     LOG,
     RUNTIMES,
     STRANGER,
-    GameLog,
     each_client,
     each_runtime,
     each_terminal,
@@ -34,18 +31,7 @@ KEY = "13_side_channels"
 PAGE = ROOT / "docs" / "guide" / f"{KEY}.md"
 
 
-@pytest.fixture(scope="session")
-def program(netmq):
-    return dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
-
-
 # The programs
-
-
-def run(client_command, start, kind, endpoint, *options):
-    client = start(*client_command(kind, KEY, endpoint, *options))
-    assert client.wait() == 0, client.output
-    return client.lines
 
 
 LINES = [
@@ -66,8 +52,9 @@ LINES = [
 @each_client
 def test_all_clients_print_the_same(kind, serve, start, client_command):
     server, endpoint = serve(KEY)
-    lines = run(client_command, start, kind, endpoint, *PATIENT)
-    assert sorted(lines) == sorted([f"asking {endpoint}", *LINES])
+    client = start(*client_command(kind, KEY, endpoint, *PATIENT))
+    assert client.wait() == 0, client.output
+    assert sorted(client.lines) == sorted([f"asking {endpoint}", *LINES])
     server.wait_for("stats: 'mass' 1.3885 average")
     assert "From Unity : 'Error: a fake error in the last round'" in server.lines
     assert [line for line in server.lines if line.startswith("trouble")] == []
@@ -148,30 +135,7 @@ def test_a_server_of_something_else_is_given_up(kind, start, client_command):
     assert f"gave up: round 0 was not seen within {2 * limit} s; is that lesson 13's server?" in client.output
 
 
-def test_python_speaks_whenever_it_likes(start, client_command):
-    """Not only when it is spoken to: what is queued between two exchanges leaves with `send`."""
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
-        socket.linger, socket.rcvtimeo, logs = 0, 20, []
-        endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
-
-        def welcome():
-            # A client that was not answered soon comes again with a new socket.
-            logs.append(GameLog())
-            logs[-1].send_string("welcome")
-            return SideChannelManager([logs[-1]])
-
-        carrier = Carrier(socket, welcome, print)
-        client = start(*client_command("csharp", KEY, endpoint, *PATIENT))
-        while "From Python : welcome" not in client.lines:
-            assert client.process.poll() is None, client.output
-            carrier.exchange()
-        for number in range(3):
-            logs[-1].send_string(f"line {number}")
-            carrier.send()
-            client.wait_for(f"From Python : line {number}")
-
-
-def test_the_programs_of_the_page_talk(start, program, tmp_path):
+def test_the_programs_of_the_page_talk(start, checks, tmp_path):
     """Whoever comes again gets all of it again."""
     python, csharp = (block.body for block in guide.blocks(PAGE) if "a file of yours" in block.source)
     assert csharp == (ROOT / "tests" / "lessons" / "checks" / "Weather.cs").read_text(encoding="utf-8")
@@ -179,7 +143,7 @@ def test_the_programs_of_the_page_talk(start, program, tmp_path):
     endpoint = steady_endpoint()
     start(PYTHON, "wind.py", endpoint, folder=tmp_path, PYTHONPATH=str(ROOT / "python")).wait_for("^listening on")
     for _ in range(2):
-        player = start("dotnet", program, "scene", "Weather", endpoint)
+        player = start("dotnet", checks, "scene", "Weather", endpoint)
         player.wait_for("^rain in Rome$")
         player.kill()
     # And what is set again and again.
@@ -225,13 +189,13 @@ def test_python_knows_so_many_simulators_and_no_more(serve):
 
 
 @each_runtime
-def test_unity_does_what_the_settings_say(runtime, netmq, program):
+def test_unity_does_what_the_settings_say(runtime, netmq, checks):
     if runtime == "mono":
         needs_mono()
     channel = EngineConfigurationChannel()
     channel.set_configuration(EngineConfig(640, 480, 2, 0.25, 72, 30))
     exchange = SideChannelManager([channel]).generate_side_channel_messages().hex()
-    command = [RUNTIMES[runtime], program, "sidechannels", "settings", exchange]
+    command = [RUNTIMES[runtime], checks, "sidechannels", "settings", exchange]
     done = finished(command)
     assert done.stdout.splitlines() == [
         "engine: screen resolution 640 x 480",
@@ -244,7 +208,7 @@ def test_unity_does_what_the_settings_say(runtime, netmq, program):
     ]
 
 
-def test_pictures_are_raw_bytes_in_their_order(program):
+def test_pictures_are_raw_bytes_in_their_order(checks):
     """128 x 128 in colour, from C# to Python, each answered with an empty message."""
     count, seen, channels = 30, 0, []
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
@@ -256,7 +220,7 @@ def test_pictures_are_raw_bytes_in_their_order(program):
             return SideChannelManager([channels[-1]])
 
         carrier = Carrier(socket, welcome, print)
-        with subprocess.Popen(["dotnet", program, "sidechannels", "pictures", endpoint, str(count)]) as sender:
+        with subprocess.Popen(["dotnet", checks, "sidechannels", "pictures", endpoint, str(count)]) as sender:
             try:
                 end = time.monotonic() + LIMIT
                 while sender.poll() is None:

@@ -35,7 +35,6 @@ from tests.lessons.test_13_side_channels_bytes import (
     each_terminal,
     frame,
     process,
-    program,
 )
 from tests.programs import PATIENT, steady_endpoint
 
@@ -108,6 +107,7 @@ def test_a_flood_of_what_is_wrong_is_no_flood_of_lines(kind, start, client_comma
 
 @each_terminal
 def test_what_is_no_number_is_printed_in_the_same_way(kind, start, client_command):
+    """It is queued between two exchanges, and leaves with `send`."""
     with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
         socket.linger, socket.rcvtimeo, parameters = 0, 20, []
         endpoint = f"tcp://127.0.0.1:{socket.bind_to_random_port('tcp://127.0.0.1')}"
@@ -169,10 +169,10 @@ def test_what_nobody_takes_has_a_limit_and_is_counted(csharp_says):
     assert len(lines) == 3, "said once"
 
 
-def test_a_python_that_is_silent_for_longer_is_waited_for(start, program):
+def test_a_python_that_is_silent_for_longer_is_waited_for(start, checks):
     """Before it is there for the first time, and in the middle; each time that is one line."""
     endpoint = steady_endpoint()
-    player = start("dotnet", program, "scene", "OwnChannels", endpoint, "1")
+    player = start("dotnet", checks, "scene", "OwnChannels", endpoint, "1")
     silence = f"^no word from {endpoint} within 1 s; is the server running. It is tried again and again$"
     player.wait_for(silence)
     parameters, stats = [], StatsSideChannel()
