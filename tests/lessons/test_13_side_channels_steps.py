@@ -6,18 +6,12 @@ import re
 
 import pytest
 
-from kitlib.setup import dotnet
 from tests.conftest import PYTHON
 from tests.lessons.test_13_side_channels_bytes import RUNTIMES
 from tests.programs import ROOT, finished
 from tests.unity.test_unity_play import needs_mono
 
 KEY = "13_side_channels"
-
-
-@pytest.fixture(scope="session")
-def program(netmq):
-    return dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
 
 
 MOON = f"""
@@ -95,7 +89,7 @@ EnvironmentClient(sys.argv[sys.argv.index("--endpoint") + 1], 20).run(simulator)
 
 
 @pytest.fixture
-def moon(tmp_path):
+def moon(make, tmp_path):
     """moon(*words): an environment that launches such a simulator, and its channels."""
     pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
     from netmq_example.envs.gym_env import ZmqEnv
@@ -105,28 +99,23 @@ def moon(tmp_path):
     from netmq_example.side_channel.stats_side_channel import StatsSideChannel
 
     (tmp_path / "moon.py").write_text(MOON, encoding="utf-8")
-    made = []
 
-    def make(*words, kind=ZmqEnv, **more):
+    def made(*words, kind=ZmqEnv, **more):
         parameters, stats, said = EnvironmentParametersChannel(), StatsSideChannel(), []
         launch = [str(word) for word in words or (PYTHON, tmp_path / "moon.py")]
-        made.append(kind(name="Moon", launch=launch, **more))
-        carry(made[-1], SideChannelManager([parameters, stats], said.append))
-        return made[-1], parameters, stats, said
+        env = make(kind, name="Moon", launch=launch, **more)
+        carry(env, SideChannelManager([parameters, stats], said.append))
+        return env, parameters, stats, said
 
-    yield make
-    for env in made:
-        env.close()
+    return made
 
 
 @pytest.mark.parametrize("kind", ["python", ".net", "mono"])
-def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes_with_its_state(
-    kind, moon, netmq, program
-):
+def test_what_is_set_before_a_reset_is_there_in_it_and_what_a_step_records_comes_with_its_state(kind, moon, checks):
     if kind == "mono":
         needs_mono()
     env, parameters, stats, said = moon(
-        *([] if kind == "python" else [RUNTIMES[kind], program, "sidechannels", "steps"])
+        *([] if kind == "python" else [RUNTIMES[kind], checks, "sidechannels", "steps"])
     )
     assert env.reset(seed=1)[0] == 9.75, "nothing was set"
     parameters.set_float_parameter("gravity", 1.5)
