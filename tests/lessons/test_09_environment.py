@@ -9,17 +9,15 @@ import os
 import re
 import subprocess
 import warnings
-from collections import deque
 
 import pytest
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import LIMIT, ROOT, Mark, finds_processes, finished
+from tests.programs import LIMIT, ROOT, finished
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9 installs it")
 np = pytest.importorskip("numpy", reason="lesson 09 needs numpy: kit.py run 9 installs it")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
-from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 from gymnasium.wrappers import RecordEpisodeStatistics  # noqa: E402
 
 LESSON, ID = ROOT / "python" / "09_environment", "NetMQExample/CartPole-v0"
@@ -159,19 +157,6 @@ def test_the_wrappers_work(in_python):
     assert env.metadata["render_fps"] == 50
 
 
-@finds_processes
-def test_vectors_of_environments_are_as_many_simulators(launch, monkeypatch):
-    mark = Mark()
-    monkeypatch.setenv("KIT_TEST_MARK", mark.environment["KIT_TEST_MARK"])
-    envs = gymnasium.make_vec(ID, 2, vectorization_mode="async", launch=launch("python"))
-    seen, _ = envs.reset(seed=[3, 3])
-    assert np.array_equal(seen[0], seen[1])
-    seen, *_ = envs.step(np.array([0, 1]))
-    assert seen[0, 1] < 0 < seen[1, 1], "one is pushed left, one right"
-    envs.close()
-    assert [command for command in mark.processes().values() if "client.py" in command] == []
-
-
 # The car of lesson 08
 
 
@@ -249,60 +234,8 @@ def test_it_is_registered_once_and_needs_no_pettingzoo(order, launch, tmp_path):
 def test_the_classes_are_found_in_the_package_itself():
     assert issubclass(netmq_example.envs.ZmqEnv, gymnasium.Env)
     assert issubclass(netmq_example.envs.ZmqVectorEnv, gymnasium.vector.VectorEnv)
-    assert set(netmq_example.envs.__all__) == {*netmq_example.envs.MODULES, "register"}
     with pytest.raises(AttributeError, match=r"module 'netmq_example.envs' has no attribute 'ZmqEnvs'"):
         _ = netmq_example.envs.ZmqEnvs
-
-
-# Who uses it
-
-
-def test_stable_baselines3_finds_what_it_calls(in_python):
-    """What its DummyVecEnv, Monitor and PPO do with an environment, in this order, without the package."""
-    env = in_python(CartPole(), max_episode_steps=20)
-    assert isinstance(env, gymnasium.Env) and env.render_mode is None and env.metadata["render_modes"]
-    assert isinstance(env.observation_space, gymnasium.spaces.Box)
-    kept = np.zeros((1, *env.observation_space.shape), env.observation_space.dtype)
-    env.action_space.seed(3)
-    kept[0], _ = env.reset(seed=3)
-    ends = 0
-    for _ in range(60):
-        action = np.array([env.action_space.sample()])
-        seen, reward, terminated, truncated, info = env.step(action[0])
-        assert isinstance(reward, float)
-        if terminated or truncated:
-            info["terminal_observation"] = seen
-            info["TimeLimit.truncated"] = truncated and not terminated
-            ends += 1
-            seen, _ = env.reset()
-            assert not np.array_equal(info["terminal_observation"], seen)
-        kept[0] = seen
-    assert ends >= 3
-
-
-@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_cleanrl_finds_what_it_calls(mode, in_python):
-    """What its ppo.py does, without torch: several environments, statistics, and an array of actions for all."""
-
-    def thunk():
-        return RecordEpisodeStatistics(in_python(CartPole(), max_episode_steps=15))
-
-    envs = SyncVectorEnv([thunk] * 2, autoreset_mode=mode)
-    try:
-        assert isinstance(envs.single_action_space, gymnasium.spaces.Discrete)
-        seen, _ = envs.reset(seed=1)
-        lengths = deque()
-        for _ in range(40):
-            assert seen.shape == (2, 4)
-            seen, rewards, terminations, truncations, infos = envs.step(np.array([0, 1]))
-            over = np.logical_or(terminations, truncations)
-            assert rewards.shape == (2,)
-            ended = infos.get("final_info", infos) if mode == AutoresetMode.SAME_STEP else infos
-            if "episode" in ended:
-                lengths += [int(length) for length in np.asarray(ended["episode"]["l"])[over]]
-        assert len(lengths) >= 4 and set(lengths) <= set(range(8, 12)), "a pole pushed one way falls soon"
-    finally:
-        envs.close()
 
 
 # Training
