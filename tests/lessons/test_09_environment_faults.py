@@ -170,20 +170,6 @@ def test_a_simulator_does_each_request_once_and_says_hello_on_each_connection(ki
     assert world.observe() == pytest.approx(seen, abs=1e-6)
 
 
-@pytest.mark.parametrize("kind", ["python", "csharp"])
-def test_why_a_simulator_was_refused_is_in_its_last_line(kind, start, client_command):
-    with zmq.Context() as context, context.socket(zmq.ROUTER) as router:
-        router.linger = 0
-        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
-        client = start(*client_command(kind, KEY, endpoint, "--timeout", "5"))
-        assert router.poll(1000 * LIMIT)
-        peer, *_ = router.recv_multipart()
-        router.send_multipart([peer, *Message("error", 0, {"code": "bad-space", "text": "it is odd"}).frames()])
-        # And from then on silence.
-        assert client.wait() == 1
-    assert "(bad-space: it is odd)" in client.lines[-1]
-
-
 def test_what_a_simulator_has_done_already_it_does_not_do_again():
     simulator = Simulator(CartPole())
     assert read(simulator.hello().frames()).kind == "hello"
@@ -504,17 +490,6 @@ def test_a_fork_that_lets_go_of_an_environment_leaves_it_alone(here):
 
 
 # Nothing is left
-
-
-@finds_processes
-def test_a_killed_trainer_leaves_no_simulator(start, launch):
-    mark = Mark()
-    words = ["--generations", "1000000", "--launch", *launch("csharp", "--timeout", "1")]
-    trainer = start(PYTHON, LESSON / "train.py", *words, **mark.environment)
-    trainer.wait_for("^generation 1")
-    assert len(mark.processes()) == 2
-    trainer.stop(signal.SIGKILL)
-    assert mark.gone()
 
 
 @finds_processes
