@@ -96,24 +96,6 @@ def test_an_action_outside_its_space_is_named_in_one_line(inside, make):
             env.step(action)
 
 
-@pytest.mark.parametrize(
-    ("where", "text"),
-    [
-        ({"endpoint": "tcp://127.0.0.1:99999"}, "bad endpoint .*write it like tcp://127.0.0.1:5559"),
-        ({"endpoint": "127.0.0.1:5559"}, "bad endpoint .*write it like tcp://127.0.0.1:5559"),
-        ({"launch": ["/no/such/game"]}, "no game at /no/such/game"),
-        ({"launch": [""]}, r"launch takes a path, or a list of a program and its words, not \[''\]"),
-        ({"wait": None}, "wait takes seconds, .*not None"),
-        ({"wait": -1}, "wait takes seconds, .*not -1"),
-        ({"timeout": float("nan")}, "timeout takes seconds, .*not nan"),
-        ({"timeout": "5"}, "timeout takes seconds, .*not '5'"),
-    ],
-)
-def test_words_that_make_cannot_use_are_named(where, text, make):
-    with pytest.raises((ValueError, TypeError, OSError), match=text):
-        make(**where)
-
-
 # The trainer
 
 
@@ -258,28 +240,16 @@ def test_chance_is_splitmix64_as_everybody_has_it():
 # Simulators of somebody else's
 
 
-def box(*shape, low=0, high=1):
-    return ["box", "float32", np.full(shape, low, np.float32), np.full(shape, high, np.float32)]
-
-
-STRANGE = {
-    "one number": (box(1), ["discrete", 2, 0, "int64"]),
-    "a box to do": (box(4), box(3)),
-    "half of one": (box(4), ["discrete", 2.5, 0, "int64"]),
-    "lowest above highest": (box(4, low=2), ["discrete", 2, 0, "int64"]),
-}
-
-
-@pytest.mark.parametrize("spaces", STRANGE.values(), ids=STRANGE)
-def test_spaces_that_nobody_plays_by_hand_do_not_end_the_server(spaces, serve, run):
+def test_a_space_that_nobody_plays_by_hand_does_not_end_the_server(serve, run):
     server, endpoint = serve(KEY)
-    data = trees.write(dict(zip(["observation", "action"], spaces, strict=True)))
+    box = ["box", "float32", np.zeros(4, np.float32), np.ones(4, np.float32)]
+    data = trees.write({"observation": box, "action": box})
     said = Message("hello", 0, {"name": "CartPole", "dt": 0.02}, [Array("uint8", (len(data),), data)])
     with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
         socket.linger = 0
         socket.connect(endpoint)
         socket.send_multipart(said.frames())
-        server.wait_for("^trouble: (no policy|bad-space|unknown-space)")
+        server.wait_for("^trouble: no policy")
     assert run("python", KEY, "--endpoint", endpoint, "--count", "1").code == 0
     assert "Traceback" not in server.output
 
