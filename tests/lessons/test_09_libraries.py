@@ -71,22 +71,17 @@ def mark(monkeypatch):
 
 
 @pytest.fixture
-def made(tmp_path):
+def made(make, tmp_path):
     """made("ZmqEnv"): one with a simulator of its own."""
     (tmp_path / "scene.py").write_text(SCENE, encoding="utf-8")
-    opened = []
 
-    def make(name):
+    def made(name):
         (first, *more), words = MADE[name]
         program = ROOT / "python" / first / "client.py"
         launch = [program, *more, "--timeout", "60"] if program.exists() else [tmp_path / "scene.py", first, *more]
-        opened.append(getattr(envs, name)(**words, launch=[PYTHON, *launch]))
-        return opened[-1]
+        return make(getattr(envs, name), **words, launch=[PYTHON, *launch])
 
-    make.opened = opened  # type: ignore[attr-defined]
-    yield make
-    for env in opened:
-        env.close()
+    return made
 
 
 def simulators(mark):
@@ -125,11 +120,10 @@ def played(env):
 @finds_processes
 @pytest.mark.parametrize("way", WAYS)
 @each_class
-def test_a_copy_is_an_environment_of_its_own(name, way, made, mark):
+def test_a_copy_is_an_environment_of_its_own(name, way, made, make, mark):
     env = made(name)
     first = played(env)
-    other = way(env)
-    made.opened.append(other)
+    other = make(way, env)
     assert type(other) is type(env) and len(simulators(mark)) == 2
     assert data_equivalence(played(other), first, exact=True)
     # And it goes on where it was, as if there had been no other.
