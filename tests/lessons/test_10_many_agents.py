@@ -22,7 +22,7 @@ np = pytest.importorskip("numpy", reason="lesson 10 needs numpy: kit.py run 10 i
 pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium import spaces  # noqa: E402
 from gymnasium.utils.env_checker import data_equivalence  # noqa: E402
-from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
+from gymnasium.vector import AutoresetMode  # noqa: E402
 from gymnasium.wrappers.vector import RecordEpisodeStatistics  # noqa: E402
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test  # noqa: E402
 from pettingzoo.utils.conversions import parallel_to_aec  # noqa: E402
@@ -33,12 +33,10 @@ from netmq_example import trees  # noqa: E402
 from netmq_example.envs import ZmqParallelEnv  # noqa: E402
 from netmq_example.envs.launch import game  # noqa: E402
 from netmq_example.messages import Array, Message, MessageError, read  # noqa: E402
-from netmq_example.records import ANSWERS, ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
-from netmq_example.records import read as read_record  # noqa: E402
+from netmq_example.records import ASKS, NOTHING, RESET, STEP, Record, seeds  # noqa: E402
 from netmq_example.simulation.agents import AgentSimulator  # noqa: E402
 from netmq_example.simulation.areas import AreaSimulator  # noqa: E402
 from netmq_example.simulation.simulation import AgentSimulation, InfoQueue, RealTime  # noqa: E402
-from netmq_example.simulation.simulator import Simulator  # noqa: E402
 from netmq_example.space_bytes import Bytes  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
 from netmq_example.worlds.pursuit import Pursuit  # noqa: E402
@@ -47,18 +45,23 @@ from netmq_example.worlds.road_car import RoadCar  # noqa: E402
 players = importlib.import_module("players")
 policy, drive = players.policy, players.drive
 each_client = pytest.mark.parametrize("kind", CLIENTS)
-MODES = [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED]
 
 
-def areas(inside, count=AREAS, **more):
+@pytest.fixture
+def areas(inside, make):
     """Areas of a simulator in this process."""
-    simulator = inside(AreaSimulator([CartPole() for _ in range(count)]))
-    return gymnasium.make_vec("NetMQExample/CartPole-v0", count, socket=simulator.socket, **more)
+
+    def made(**more):
+        simulator = inside(AreaSimulator([CartPole() for _ in range(AREAS)]))
+        return make(gymnasium.make_vec, "NetMQExample/CartPole-v0", AREAS, socket=simulator.socket, **more)
+
+    return made
 
 
-def pursuit(inside, **more):
+@pytest.fixture
+def pursuit(inside, make):
     """The game in this process."""
-    return ZmqParallelEnv(socket=inside(AgentSimulator(Pursuit())).socket, **more)
+    return lambda **more: make(ZmqParallelEnv, socket=inside(AgentSimulator(Pursuit())).socket, **more)
 
 
 @pytest.fixture(scope="module")
@@ -83,11 +86,6 @@ def played(kind, kept, launch):
     if kind not in kept:
         kept[kind] = ZmqParallelEnv(launch=launch(kind, key=KEY), render_mode="rgb_array")
     return kept[kind]
-
-
-def said(simulator, request):
-    """The record that answers one."""
-    return read_record(ANSWERS, *simulator.answer(request))
 
 
 def steps(*numbers):
@@ -115,70 +113,12 @@ def same(ours, theirs):
     assert data_equivalence(ours[-1], theirs[-1]), f"{ours[-1]} {theirs[-1]}"
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_areas_are_what_gymnasiums_own_vector_makes_of_as_many_environments(mode, inside, make):
-    """The same numbers and the same infos, also through many ends; the pole falls at once, or time is up."""
-    ours = areas(inside, autoreset_mode=mode, max_episode_steps=12)
-
-    def single():
-        return make(socket=inside(Simulator(CartPole())).socket, max_episode_steps=12)
-
-    theirs = SyncVectorEnv([single] * AREAS, autoreset_mode=mode)
-    assert ours.metadata["autoreset_mode"] == mode == theirs.metadata["autoreset_mode"]
-    assert (ours.observation_space, ours.action_space) == (theirs.observation_space, theirs.action_space)
-    same(ours.reset(seed=7), theirs.reset(seed=7))
-    actions, ends = np.random.default_rng(1), [0, 0]
-    for _ in range(50):
-        action = np.where(np.arange(AREAS) < 2, 1, actions.integers(2, size=AREAS))
-        mine = ours.step(action)
-        same(mine, theirs.step(action))
-        ends = [ends[0] + mine[2].sum(), ends[1] + mine[3].sum()]
-        if mode == AutoresetMode.DISABLED and (over := mine[2] | mine[3]).any():
-            same(*(envs.reset(options={"reset_mask": over.copy()}) for envs in (ours, theirs)))
-    assert min(ends) > 3, "episodes ended both ways"
-    # Once more from a seed for each, and from a state.
-    seeds = list(range(10, 10 + AREAS))
-    same(ours.reset(seed=seeds), theirs.reset(seed=seeds))
-    state = {"state": [0.1, 0, 0, 0]}
-    same(ours.reset(options=state), theirs.reset(options=state))
-    theirs.close()
-    ours.close()
-
-
-def test_infos_of_a_simulation_come_from_each_area():
-    """The car says how many metres it has come; a road is left sooner or later."""
-    simulator = AreaSimulator([RoadCar(), RoadCar()])
-    first = said(simulator, Record(ASKS, 1, seeds([1, 2]), [RESET, RESET], [b"", b""]))
-    assert (list(map(len, first.rows)), list(map(len, first.infos))) == ([20, 20], [0, 0])
-    action = Bytes(RoadCar.action).write([0, 1])
-    second = said(simulator, Record(ASKS, 2, seeds([0, 3]), [STEP, RESET], [action, b""]))
-    assert list(trees.read(second.infos[0])) == ["metres"] and len(second.infos[1]) == 0, "one was reset"
-    assert (simulator.episodes, simulator.steps) == (3, 1)
-
-
-def test_both_languages_step_areas_alike(csharp_areas, inside):
-    """Not to the last bit: a pole needs sines. Two of them fall, and begin anew in the next step."""
-    envs = [csharp_areas, areas(inside)]
-    first, other = (each.reset(seed=3)[0] for each in envs)
-    assert first == pytest.approx(other, abs=0)
-    ends = 0
-    for step in range(16):
-        action = np.array([1, 0, step % 2, step % 2])
-        (mine, *said, _), (seen, *others_said, _) = (each.step(action) for each in envs)
-        assert mine == pytest.approx(seen, abs=1e-6), step
-        assert np.array_equal(said, others_said)
-        ends += said[1].sum()
-    assert ends >= 2
-    states = [each.reset(options={"state": [0.1, 0.2, 0, 0]})[0] for each in envs]
-    assert np.array_equal(*states) and (states[0][:, 1] == np.float32(0.2)).all()
-    envs[1].close()
-
-
-def test_both_languages_drive_cars_alike(launch, inside):
+def test_both_languages_drive_cars_alike(launch, inside, make):
     """To the last bit, by actions that are no whole numbers; and one of them leaves its road."""
     words = launch("csharp", "--world", "Car", "--areas", "3", key=KEY)
     ours = inside(AreaSimulator([RoadCar() for _ in range(3)])).socket
-    envs = [gymnasium.make_vec("NetMQExample/Car-v0", 3, **where) for where in ({"launch": words}, {"socket": ours})]
+    wheres = {"launch": words}, {"socket": ours}
+    envs = [make(gymnasium.make_vec, "NetMQExample/Car-v0", 3, **where) for where in wheres]
     seen = [each.reset(seed=5) for each in envs]
     same(*seen)
     ends = 0
@@ -189,8 +129,6 @@ def test_both_languages_drive_cars_alike(launch, inside):
         same(*seen)
         ends += seen[0][2].sum()
     assert ends and seen[0][-1]["metres"][1] > 1
-    for each in envs:
-        each.close()
 
 
 @pytest.mark.parametrize("kind", ["python", "csharp"])
@@ -204,11 +142,11 @@ def test_a_crowd_of_cars_stays_on_its_roads(kind, serve, start, client_command):
     assert client.lines[-1] == "done: 3 episodes, 3000 steps"
 
 
-@pytest.mark.parametrize("mode", MODES[:2])
-def test_gymnasiums_vector_wrappers_work(mode, inside):
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_gymnasiums_vector_wrappers_work(mode, areas):
     if mode == AutoresetMode.SAME_STEP and gymnasium.__version__ < "1.4":
         pytest.skip("before Gymnasium 1.4 its wrapper miscounts episodes that began at once")
-    envs = RecordEpisodeStatistics(areas(inside, autoreset_mode=mode, max_episode_steps=5))
+    envs = RecordEpisodeStatistics(areas(autoreset_mode=mode, max_episode_steps=5))
     envs.reset(seed=1)
     lengths = []
     for _ in range(20):
@@ -216,21 +154,19 @@ def test_gymnasiums_vector_wrappers_work(mode, inside):
         if "episode" in infos:
             lengths += list(infos["episode"]["l"][infos["_episode"]])
     assert set(lengths) == {5} and len(lengths) >= 3 * AREAS
-    envs.close()
 
 
-def test_each_area_has_its_picture(csharp_areas, inside):
-    for envs in csharp_areas, areas(inside, render_mode="rgb_array"):
+def test_each_area_has_its_picture(csharp_areas, areas):
+    for envs in csharp_areas, areas(render_mode="rgb_array"):
         envs.reset(seed=[1, 2, 3, 4])
         pictures = envs.render()
         assert [picture.shape for picture in pictures] == [(200, 300, 3)] * AREAS
         assert len({picture.tobytes() for picture in pictures}) == AREAS
-    envs.close()
 
 
-def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, inside):
+def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, areas):
     orders = [RESET] * AREAS
-    for envs in csharp_areas, areas(inside):
+    for envs in csharp_areas, areas():
         seen, _ = envs.reset(seed=1)
         # To Gymnasium 1.1, numbers with a fraction are in a MultiDiscrete.
         fractions = [] if np.zeros(AREAS) in envs.action_space else [np.zeros(AREAS)]
@@ -253,31 +189,29 @@ def test_areas_name_what_is_wrong_and_none_of_them_moves(csharp_areas, inside):
             with pytest.raises(MessageError, match=text):
                 envs.areas.ask(request)
         assert np.array_equal(envs.areas.read(envs.areas.ask(resets([NOTHING] * AREAS)))[0], seen)
-    envs.close()
 
 
 # Agents
 
 
 @pytest.mark.parametrize("kind", ["csharp"])
-def test_pettingzoos_tests_pass_without_a_warning(played, inside):
-    ours = pursuit(inside, render_mode="rgb_array")
+def test_pettingzoos_tests_pass_without_a_warning(played, pursuit):
+    ours = pursuit(render_mode="rgb_array")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         parallel_api_test(played, num_cycles=200)
         api_test(parallel_to_aec(ours), num_cycles=200)
-    ours.close()
     # PettingZoo 1.24 decides by itself how many.
     cycles = {"num_cycles": 100} if "num_cycles" in inspect.signature(parallel_seed_test).parameters else {}
-    parallel_seed_test(lambda: pursuit(inside), **cycles)
+    parallel_seed_test(pursuit, **cycles)
 
 
 @pytest.mark.parametrize(("kind", "seeds"), [("csharp", [9, 2]), ("unity", [9]), ("python", [9])])
-def test_a_game_is_the_same_everywhere(kind, seeds, played, inside):
+def test_a_game_is_the_same_everywhere(kind, seeds, played, pursuit):
     """To the last bit: what is seen, rewards, ends and infos; agents end early and late, and infos go both ways. In the
     first game both rabbits are caught, and the environment hears of it.
     """
-    envs = [pursuit(inside), played]
+    envs = [pursuit(), played]
     early, survivors, told = set(), [], []
     for seed in seeds:
         states = [env.reset(seed=seed) for env in envs]
@@ -299,7 +233,6 @@ def test_a_game_is_the_same_everywhere(kind, seeds, played, inside):
     assert {info["by"][:6] for info in told} == {"hunter"}
     if kind == "csharp":
         assert {name[:6] for name in early} == {"hunter", "rabbit"} and survivors == [5, 3]
-    envs[0].close()
 
 
 @each_client
@@ -378,41 +311,34 @@ class Post(AgentSimulation):
         self.infos.send(agent, info)
 
 
-def post(inside):
-    return ZmqParallelEnv("Post", socket=inside(AgentSimulator(Post())).socket)
+@pytest.fixture
+def post(inside, make):
+    return make(ZmqParallelEnv, "Post", socket=inside(AgentSimulator(Post())).socket)
 
 
-def test_a_game_of_texts_dicts_and_sequences(inside):
+def test_a_game_of_texts_dicts_and_sequences(post):
     """What is seen is what was done, also where one of two is over."""
-    env = post(inside)
-    assert env.reset(options={"says": "dear"})[0] == {"ann": {"says": "dear", "stamps": ()}, "bob": "dear"}
+    assert post.reset(options={"says": "dear"})[0] == {"ann": {"says": "dear", "stamps": ()}, "bob": "dear"}
     letters = [("ah", 3, (4, 1)), ("", 2, ()), ("x", 0, (0,)), ("oh", 1, (2, 2))]
     for step, (says, times, stamps) in enumerate(letters, 1):
         actions = {"ann": {"says": says, "times": times}, "bob": stamps}
-        seen, rewards, terminated, _, infos = env.step(actions)
+        seen, rewards, terminated, _, infos = post.step(actions)
         assert seen["bob"] == seen["ann"]["says"] == says * times
         np.testing.assert_equal(seen["ann"]["stamps"], tuple(np.array([one, one / 2], np.float32) for one in stamps))
         assert rewards == dict.fromkeys(("ann", "bob"), len(stamps)) and terminated["ann"] == (step == 4)
         told = {"bob": [{"stamps": list(stamps), "letter": actions["ann"]}]}
         assert infos["ann"] == {"read": [says * times, len(stamps)], "told": told}
     for _ in range(2):
-        seen, *_ = env.step({"bob": (3,)})
+        seen, *_ = post.step({"bob": (3,)})
         assert seen == {"bob": "oh"}
-    assert env.agents == []
-    assert env.step({}) == ({}, {}, {}, {}, {}), "wrappers step once more"
+    assert post.agents == []
+    assert post.step({}) == ({}, {}, {}, {}, {}), "wrappers step once more"
     nested = {"a": [1, {"b": "c"}], "d": [], "e": {"f": None}}
-    assert env.send_info(nested, "bob") == {"bob": [nested]}
-    env.close()
+    assert post.send_info(nested, "bob") == {"bob": [nested]}
 
 
-def test_a_game_of_texts_dicts_and_sequences_passes_pettingzoos_test(inside):
-    env = post(inside)
-    parallel_api_test(env, num_cycles=50)
-    env.close()
-
-
-def test_a_game_of_texts_dicts_and_sequences_is_the_same_in_both_languages(inside, messages_program):
-    envs = [post(inside), ZmqParallelEnv("Post", launch=[*messages_program[:2], "game"])]
+def test_a_game_of_texts_dicts_and_sequences_is_the_same_in_both_languages(post, make, checks):
+    envs = [post, make(ZmqParallelEnv, "Post", launch=["dotnet", checks, "game"])]
     for name in envs[0].possible_agents:
         assert envs[0].observation_space(name) == envs[1].observation_space(name)
         assert envs[0].action_space(name) == envs[1].action_space(name)
@@ -431,28 +357,9 @@ def test_a_game_of_texts_dicts_and_sequences_is_the_same_in_both_languages(insid
                 env.remote.ask(Record(ASKS, 0, bytes(16), [STEP] * 2, [letter, wrong]))
         with pytest.raises(MessageError, match=r"not-in-space: \['says'\]: 'é' is not in Text"):
             env.reset(options={"says": "é"})
-        env.close()
 
 
 # Infos
-
-
-def test_a_game_hears_and_says_at_any_time():
-    class Talkative(Pursuit):
-        def on_info(self, agent, info):
-            self.infos.send(agent, {"heard": str(info)})
-
-    simulator = AgentSimulator(Talkative())
-    asked = info(["rabbit_1", {"a": 1}])
-    asked.id = 1
-    answer = simulator.answer(asked)
-    assert trees.read(read(answer).arrays[0].data) == [["rabbit_1", {"heard": "{'a': 1}"}]]
-    assert simulator.answer(asked) == answer, "asked again it is not said twice"
-    # What nobody has taken comes with the next step.
-    simulator.game.infos.send("", {"at": np.zeros(2)})
-    begun = said(simulator, Record(ASKS, 2, seeds([1] * 5), [RESET] * 5, [b""] * 5))
-    ((agent, told),) = trees.read(begun.options)
-    assert (agent, told["at"].tolist()) == ("", [0, 0])
 
 
 def test_before_the_first_reset_nobody_lives():
@@ -487,13 +394,10 @@ def rest(env, seen):
 
 
 @each_client
-def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, inside):
+def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, pursuit, make):
     """A thinker's second is ten ticks at least; how many more it becomes on a busy machine nobody knows."""
-    env = (
-        pursuit(inside, real_time=True)
-        if kind == "python"
-        else ZmqParallelEnv(launch=launch(kind, key=KEY), real_time=True)
-    )
+    inside = kind == "python"
+    env = pursuit(real_time=True) if inside else make(ZmqParallelEnv, launch=launch(kind, key=KEY), real_time=True)
     # In this one no rabbit is near a hunter.
     seen, _ = env.reset(seed=10)
     begin = time.monotonic()
@@ -504,7 +408,6 @@ def test_the_world_goes_on_while_python_thinks_if_it_is_to(kind, launch, inside)
     time.sleep(1.05)
     seen, ticks = rest(env, seen)
     assert ticks >= 10
-    env.close()
 
 
 @each_client
@@ -586,14 +489,3 @@ def test_a_game_is_found_by_its_path(system, file, tmp_path, monkeypatch):
     program.write_text("#!/bin/sh\n", encoding="ascii")
     assert game(str(folder / "Pursuit")) == str(program)
     assert program.stat().st_mode & 0o111, "it was made executable"
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="there a script is no program")
-def test_a_game_is_started_by_its_path(launch, tmp_path):
-    words = " ".join(f"'{word}'" for word in launch("python", key=KEY))
-    (tmp_path / "Pursuit.x86_64").write_text(f'#!/bin/sh\nexec {words} "$@"\n', encoding="utf-8")
-    env = ZmqParallelEnv(launch=str(tmp_path / "Pursuit"))
-    try:
-        assert list(env.reset(seed=1)[0]) == env.possible_agents
-    finally:
-        env.close()
