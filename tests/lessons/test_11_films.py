@@ -166,22 +166,19 @@ def game(inside):
 
 
 @pytest.fixture
-def make(game):
+def make(game, make):
     """An environment of that game, whose views come as well."""
-    made = []
 
-    def make(kind=UnityGymEnv, shows=True, **words):
+    def made(kind=UnityGymEnv, shows=True, **words):
         endpoint = steady_endpoint()
         spaces = ONE if kind is UnityGymEnv else MANY
         where = {"socket": game.simulator.socket, "view_endpoint": endpoint}
-        made.append(kind(env_name="Count", **{**where, **spaces, **words}))
+        env = make(kind, env_name="Count", **{**where, **spaces, **words})
         if shows:
             game.show(endpoint)
-        return made[-1]
+        return env
 
-    yield make
-    for env in made:
-        env.close()
+    return made
 
 
 def steps_of(pictures):
