@@ -1,20 +1,5 @@
-"""The page "You come from gymize": its agent and its script run as they stand there. And each defect that its users
-knew of, or that was found when it was read, is a test here or in another file of this lesson:
-
-- several agents were waited for until one had answered: test_a_step_waits_for_all_who_act
-- with PettingZoo 1.27 its AEC class failed, and asking twice for `last()` hung: test_one_after_the_other
-- reset cleared terminations twice, truncations never: test_reset_clears_rewards_ends_and_infos
-- `OnInfo +=` did not compile, and who None and "" are was said wrong: below, and test_infos_go_both_ways
-- an agent that was disabled stayed (OnDisabled, misspelt): test_agents_end_leave_and_come, and below in a scene
-- a picture had four channels, and three in its shape: test_a_camera_sensor_sees_the_scene_upright
-- private members of base classes were not found: test_every_member_is_seen_as_its_attribute_says
-- observations began with a random sample, dicts were replaced whole, and what was handed out changed later:
-  test_observations_are_copies_and_begin_with_nothing, and test_11_trees.py
-- dictionaries were touched by socket threads: here only Update touches a scene, and the player, in which the tests
-  below run, throws if another thread does
-
-What cannot exist here: a pinned websockets, resumed connections, distutils, NumSharp's DLL (none is used); a deleted
-folder beside a video (lesson 11 writes no files).
+"""The page "You come from gymize": its agent and its script run as they stand there, and so do scenes with what gymize
+did wrong: agents that die, leave and come, and scenes that load. The player throws if another thread touches them.
 """
 
 from __future__ import annotations
@@ -25,7 +10,6 @@ import sys
 import pytest
 
 from kitlib.docs import guide
-from kitlib.setup import dotnet
 from tests.programs import ROOT, free_port, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
@@ -41,10 +25,9 @@ CHECKS = ROOT / "tests" / "lessons" / "checks"
 
 
 @pytest.fixture
-def scene(netmq, start):
+def scene(checks, start):
     """A scene with the page's agent, of tests/lessons/checks/Scenes.cs, as a program."""
-    program = dotnet.build(netmq, CHECKS)
-    return lambda endpoint, *how, name="gymize": start("dotnet", program, "scene", name, endpoint, *how)
+    return lambda endpoint, *how, name="gymize": start("dotnet", checks, "scene", name, endpoint, *how)
 
 
 @pytest.fixture
@@ -166,15 +149,14 @@ def test_who_dies_keeps_its_last_reward_and_the_next_reset_brings_it_back(scene)
 
 
 @pytest.fixture
-def race(scene):
+def race(scene, make):
     """Such a scene, and its environment."""
     pytest.importorskip("PIL", reason="the agent sees a PNG file")
-    made = []
 
     def race(*how, **shown):
         endpoint = steady_endpoint()
         player = scene(endpoint, *how, name="Racer")
-        env = gymnasium.make(
+        env = make(
             "NetMQExample/Unity-v0",
             env_name="Racer",
             endpoint=endpoint,
@@ -189,12 +171,9 @@ def race(scene):
             **shown,
             action_space=spaces.Dict(speed=spaces.Box(-1, 1, (1,)), arr=spaces.Tuple([spaces.Discrete(3)])),
         )
-        made.append(env)
         return env, player
 
-    yield race
-    for env in made:
-        env.close()
+    return race
 
 
 DRIVE = {"speed": np.ones(1, np.float32), "arr": (1,)}
