@@ -11,7 +11,6 @@ import sys
 
 import pytest
 
-from kitlib.setup import dotnet
 from netmq_example import locator
 from netmq_example.locator import LocatorError
 from tests.programs import ROOT, finished
@@ -47,16 +46,15 @@ def python_says(text, name="", scope=None):
 
 
 @pytest.fixture(scope="session")
-def csharp_says(netmq):
+def csharp_says(checks):
     """What Locator.cs says of each case, in one process. A text in place of a case is the culture of those after it."""
-    program = dotnet.build(netmq, ROOT / "tests" / "lessons" / "checks")
 
     def digits(text):
         return "-" if text is None else "=" + text.encode("utf-16-be", "surrogatepass").hex()
 
     def says(cases, runtime="dotnet"):
         lines = [f"culture {case}" if isinstance(case, str) else " ".join(map(digits, case)) for case in cases]
-        done = finished([runtime, program, "locators"], input="\n".join(lines) + "\n")
+        done = finished([runtime, checks, "locators"], input="\n".join(lines) + "\n")
         assert done.returncode == 0, done.stderr
         answers = [answer.split(" ", 1) for answer in done.stdout.splitlines()]
         return [
