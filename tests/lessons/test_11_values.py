@@ -53,37 +53,20 @@ class Car(Agent):
 
 
 @pytest.fixture
-def world(monkeypatch):
-    """Makes an environment, without a wire: its simulator is in this process, and `change` alters what it answers."""
+def world(inside, make):
+    """Makes an environment whose simulator is in this process; `change` alters what it answers."""
 
-    def make(space=ONE, simulator=None, change=lambda said: said, kind=UnityGymEnv, **spaces_of):
+    def made(space=ONE, simulator=None, change=lambda said: said, kind=UnityGymEnv, **spaces_of):
         simulator = simulator or SceneSimulator("Cars", 0.1, [Car()])
 
-        class Wire:
-            def __init__(self, **where):
-                self.connection, self.id, self.close = self, 0, lambda: None
+        def answer(request):
+            return [change(records.read_frames(records.ANSWERS, simulator.answer(request))).frames()]
 
-            def start(self, owner, accept):
-                accept(read(simulator.hello().frames()))
-                return self.close
-
-            def begin(self, accept, ask):
-                return ask(None)
-
-            def ask(self, request):
-                self.id += 1
-                request.id = self.id
-                asked = records.read_frames(records.ASKS, request.frames())
-                answer = records.read_frames(records.ANSWERS, simulator.answer(asked))
-                if answer.kind == "error":
-                    raise MessageError(answer.values["code"], answer.values["text"])
-                return change(answer)
-
-        monkeypatch.setattr(unity_env, "Simulators", Wire)
         declared = {"observation_space": spaces.Dict(x=space), "action_space": spaces.Discrete(2)}
-        return kind("Cars", **({**declared, **spaces_of} if kind is UnityGymEnv else spaces_of))
+        words = {**declared, **spaces_of} if kind is UnityGymEnv else spaces_of
+        return make(kind, "Cars", socket=inside(simulator, answer).socket, **words)
 
-    return make
+    return made
 
 
 def seeing(value):
@@ -131,27 +114,6 @@ def test_what_is_no_locator_with_a_value_is_named(odd, said, world):
 
 GRAPH = spaces.Graph(spaces.Box(-9, 9, (1,), np.float32), spaces.Box(-9, 9, (1,), np.float32))
 NODES, EDGES = np.zeros((2, 1), np.float32), np.zeros((1, 1), np.float32)
-ODD = {
-    "links that are text": (GRAPH, spaces.GraphInstance(NODES, EDGES, "x"), "not-in-space: 'agent'@"),
-    "links too large": (GRAPH, spaces.GraphInstance(NODES, EDGES, [2**52]), "not-in-space: 'agent'@"),
-    "links with a fraction": (
-        GRAPH,
-        spaces.GraphInstance(NODES, EDGES, np.array([[0, 0.7]])),
-        "not-in-space: 'agent'@",
-    ),
-    "text for a number": (spaces.Box(0, 1, (1,), np.float32), "0.5", "bad-observation: .*'0.5' is no number"),
-    "a whole number that no float has": (ONE, [2**24 + 1, 0], "bad-observation: .*would become another number"),
-    "a number for a sequence": (spaces.Sequence(ONE), 5, "bad-observation|not-in-space"),
-    "too many": (spaces.Sequence(spaces.Discrete(2)), np.zeros(200_000, np.int64), "too-many: 'agent'@.*200000 items"),
-    "one of many": (spaces.Sequence(ONE), [np.zeros(2), np.full(2, 10.0)], r"not-in-space: 'agent'@\['x'\]\[1\]"),
-}
-
-
-@pytest.mark.parametrize("what", ODD)
-def test_a_value_that_does_not_fit_is_named(what, world):
-    space, value, said = ODD[what]
-    with pytest.raises(MessageError, match=said):
-        world(space, seeing(value)).reset(seed=1)
 
 
 def test_an_action_with_a_part_too_few_is_named():
@@ -234,21 +196,13 @@ def test_a_space_that_no_message_has_is_named_before_anybody_is_waited_for(wrong
         UnityGymEnv("Cars", wait=0.1, endpoint="tcp://127.0.0.1:*", **{**declared, **wrong})
 
 
-ENDLESS: dict[str, Any] = {}
-ENDLESS["it"] = ENDLESS
-
-
-@pytest.mark.parametrize(
-    "info", [2**63, "\ud800", ENDLESS, object(), float("nan"), {1: 2}], ids=lambda info: type(info)
-)
-def test_what_cannot_be_sent_is_named_before_it_is(info, world):
+def test_what_cannot_be_sent_is_named_before_it_is(world):
     env = world(simulator=seeing(np.zeros(2)))
     env.reset(seed=1)
-    for call in (lambda: env.send_info(info), lambda: env.reset(options={"a": info})):
-        with pytest.raises(
-            ValueError, match=r"^(the info|option 'a') cannot be sent: .*(large|place|text|finite|keys|end)"
-        ):
-            call()
+    with pytest.raises(ValueError, match=r"^the info cannot be sent: .*object has no place in a message$"):
+        env.send_info(object())
+    with pytest.raises(ValueError, match=r"^option 'a' cannot be sent: object has no place in a message$"):
+        env.reset(options={"a": object()})
     assert env.step(1)[2:4] == (False, False), "it goes on"
 
 
@@ -427,18 +381,6 @@ def test_an_action_that_is_none_moves_nobody(row):
     assert (simulator.episodes, simulator.steps) == (1, 0)
 
 
-def test_rewards_and_ends_may_be_whole_numbers(world):
-    class Gives(Car):
-        def on_action(self, action):
-            vars(self).update(reward=1, terminated=1, truncated=np.bool_(False))
-
-    car = Gives()
-    car.x = np.zeros(2)
-    env = world(simulator=SceneSimulator("Cars", 0.1, [car]))
-    env.reset(seed=1)
-    assert env.step(1)[1:4] == (1.0, True, False)
-
-
 def test_who_has_ended_has_no_more_ticks(world):
     class Counts(Agent):
         ticks = 0
@@ -507,7 +449,18 @@ def spoil(seen):
 
 
 SEEN = {
-    **ODD,
+    "links that are text": (GRAPH, spaces.GraphInstance(NODES, EDGES, "x"), "not-in-space: 'agent'@"),
+    "links too large": (GRAPH, spaces.GraphInstance(NODES, EDGES, [2**52]), "not-in-space: 'agent'@"),
+    "links with a fraction": (
+        GRAPH,
+        spaces.GraphInstance(NODES, EDGES, np.array([[0, 0.7]])),
+        "not-in-space: 'agent'@",
+    ),
+    "text for a number": (spaces.Box(0, 1, (1,), np.float32), "0.5", "bad-observation: .*'0.5' is no number"),
+    "a whole number that no float has": (ONE, [2**24 + 1, 0], "bad-observation: .*would become another number"),
+    "a number for a sequence": (spaces.Sequence(ONE), 5, "bad-observation|not-in-space"),
+    "too many": (spaces.Sequence(spaces.Discrete(2)), np.zeros(200_000, np.int64), "too-many: 'agent'@.*200000 items"),
+    "one of many": (spaces.Sequence(ONE), [np.zeros(2), np.full(2, 10.0)], r"not-in-space: 'agent'@\['x'\]\[1\]"),
     "another kind of what a OneOf has": (spaces.OneOf([ONE, spaces.Text(9)]), (1, "text"), None),
     "whole numbers of 32 bits": (spaces.Dict(a=NARROW, b=spaces.Discrete(2)), None, None),
     "a stack of dicts as a list": (
@@ -546,8 +499,9 @@ def test_a_plan_reads_what_merging_makes(what):
         value = space.sample() if value is None and what.startswith("whole") else value
         one, other = told(planned, (PLACE, value)), told(merged, (f"{PLACE} & {PLACE}", value))
         assert merged.plan is None
+        assert isinstance(one, str) == (value is odd and said is not None), one
         if isinstance(one, str):
-            assert said and re.match(said, one), one
+            assert re.match(said, one), one
             assert one.replace(PLACE, f"{PLACE} & {PLACE}")[:80] == other[:80] or isinstance(other, str)
             one, other = planned.again(), merged.again()
         assert equal(one, other) and str(one) == str(other), "in the same order, too"
