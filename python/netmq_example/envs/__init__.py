@@ -30,17 +30,6 @@ try:
 except ImportError as error:
     raise without(error) from None
 
-__all__ = [
-    "UnityAECEnv",
-    "UnityGymEnv",
-    "UnityParallelEnv",
-    "UnityVectorEnv",
-    "ZmqEnv",
-    "ZmqParallelEnv",
-    "ZmqVectorEnv",
-    "register",
-]
-
 # Whole names, from which `kit.py copy` reads what belongs together.
 MODULES = {
     "UnityAECEnv": "netmq_example.envs.unity_parallel_env",
@@ -51,6 +40,7 @@ MODULES = {
     "ZmqParallelEnv": "netmq_example.envs.parallel_env",
     "ZmqVectorEnv": "netmq_example.envs.vector_env",
 }
+__all__ = [*MODULES, "register"]
 WORLD = {
     "entry_point": "netmq_example.envs.gym_env:ZmqEnv",
     "vector_entry_point": "netmq_example.envs.vector_env:ZmqVectorEnv",

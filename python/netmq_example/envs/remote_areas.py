@@ -1,6 +1,5 @@
 """Areas as messages: what a vector environment asks of its simulator, and what it makes of the answers.
 
-Each area has a random generator for its seeds and a time limit of its own, as if it were an environment by itself.
 vector_env.py is made of it; unity_vector_env.py has agents in place of areas.
 """
 
