@@ -7,7 +7,7 @@
 //     var scope = Locator.Parse("car@.body");
 //     Console.WriteLine(Locator.Parse(".speed", scope: scope));          prints: 'car'@['body']['speed'] = $
 //
-// It prints the canonical text: two locators are equal if these are. The guide has the whole language, in
+// It prints the canonical text: two locators mean the same if these are equal. The guide has the whole language, in
 // docs/guide/11_locators.md; the Python side is netmq_example/locator.py. It needs neither NetMQ nor UnityEngine.
 using System;
 using System.Collections.Generic;
@@ -95,7 +95,7 @@ namespace NetMQExample
     }
 
     /// <summary>Its mappings in the order of their canonical texts, in which they are also written.</summary>
-    public sealed class Locator : IEquatable<Locator>
+    public sealed class Locator
     {
         private readonly string text;
 
@@ -158,14 +158,5 @@ namespace NetMQExample
 
         /// <summary>The canonical text.</summary>
         public override string ToString() => text;
-
-        /// <summary>Whether the canonical texts are equal.</summary>
-        public bool Equals(Locator other) => other != null && text == other.text;
-
-        /// <summary>Whether it is a locator whose canonical text is equal.</summary>
-        public override bool Equals(object other) => Equals(other as Locator);
-
-        /// <summary>Of the canonical text.</summary>
-        public override int GetHashCode() => text.GetHashCode();
     }
 }
