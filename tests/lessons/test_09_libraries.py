@@ -247,9 +247,7 @@ def test_no_simulator_is_left_however_a_script_ends(kind, many, start, launch, t
         program.wait_for("^ready")
         # Whoever ends at once may be gone by now.
         if ENDS[how]:
-            assert len([one for one in mark.processes().values() if "--endpoint" in one]) == (
-                2 if many == "async" else 1
-            )
+            assert len(simulators(mark)) == (2 if many == "async" else 1)
             program.process.send_signal(ENDS[how])
     for how, (mark, program) in scripts.items():
         program.wait()

@@ -133,9 +133,7 @@ def a_space(random, depth=0):
         lambda random: spaces.Discrete(int(random.integers(1, 9)), start=int(random.integers(-5, 5))),
         lambda random: spaces.MultiBinary([2, 3] if random.random() < 0.5 else 4),
         lambda random: spaces.MultiDiscrete([2, 5], start=[-1, 3]),
-        lambda random: spaces.Text(
-            int(random.integers(1, 12)), min_length=0, charset="aß\\\"'\U0001f697\u202e\x7f\n{}"
-        ),
+        lambda random: spaces.Text(int(random.integers(1, 12)), min_length=0, charset=CHARACTERS),
         lambda random: spaces.Graph(a_box(random), spaces.Discrete(3) if random.random() < 0.5 else a_box(random)),
         lambda random: spaces.Graph(spaces.Discrete(4), None),
         lambda random: spaces.Sequence(a_box(random), stack=True),
