@@ -43,9 +43,6 @@ namespace NetMQExample
             }
         }
 
-        /// <summary>How many ticks one of its steps takes.</summary>
-        public int StepPeriod => stepPeriod;
-
         /// <inheritdoc/>
         public AgentState State => state ??= MakeState();
 

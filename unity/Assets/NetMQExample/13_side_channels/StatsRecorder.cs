@@ -38,10 +38,6 @@ namespace NetMQExample
             QueueMessageToSend(msg);
         }
 
-        /// <summary>Under the name that ML-Agents' own channel has for it.</summary>
-        public void AddStat(string key, float value, StatAggregationMethod aggregationMethod) =>
-            Add(key, value, aggregationMethod);
-
         /// <inheritdoc/>
         protected override void OnMessageReceived(IncomingMessage msg) =>
             throw new UnityAgentsException("statistics came from Python, which is to receive them");
