@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib
 import json
 import shutil
 import subprocess
 import sys
 import threading
 import time
-from typing import Any
 
 import pytest
 import zmq
 
-from tests.programs import LIMIT, ROOT
+from tests.programs import LIMIT
 
 np = pytest.importorskip("numpy", reason="lesson 12 needs numpy: kit.py run 12 installs it")
 Image = pytest.importorskip("PIL.Image", reason="lesson 12 needs Pillow: kit.py run 12 installs it")
@@ -441,51 +438,3 @@ def test_a_game_that_sends_nonsense_gets_errors_and_the_film_goes_on(films, cont
     assert [line for line in films.lines if "bad-picture" in line and line.startswith("trouble: film")]
     assert len(shown(film.path)[0]) == film.frames == 2
     assert film.newest.shape == (8, 8, 3), "without alpha"
-
-
-# Gymnasium's render modes, which lesson 09's environment has
-
-
-@pytest.mark.parametrize("mode", ["rgb_array", "rgb_array_list"])
-def test_gymnasiums_render_modes_become_films(mode, make, launch, tmp_path):
-    env = make(launch=launch("python"), render_mode=mode)
-    env.reset(seed=1)
-    pictures = [env.render()] if mode == "rgb_array" else []
-    for step in range(8):
-        env.step(step % 2)
-        pictures += [env.render()] if mode == "rgb_array" else []
-    if mode == "rgb_array_list":
-        pictures = env.render()
-        assert env.render() == [], "each picture is given once"
-    assert len(pictures) == 9 and not np.array_equal(pictures[0], pictures[-1])
-    rate = env.metadata["render_fps"]
-    film = open_film(tmp_path / "episode.gif")
-    for number, pixels in enumerate(pictures):
-        film.add(pixels, number / rate)
-    film.close(len(pictures) / rate)
-    again, times = shown(tmp_path / "episode.gif")
-    assert times == [20] * 9
-    assert all(np.array_equal(*pair) for pair in zip(again, pictures, strict=True))
-
-
-def test_a_game_of_hunters_and_rabbits_becomes_a_film(launch, tmp_path):
-    """Lesson 10's agents: the pictures of a whole game, in the world's own time, read by Pillow and in its order."""
-    pytest.importorskip("pettingzoo", reason="lesson 10 needs pettingzoo: kit.py run 10 installs it")
-    sys.path.append(str(ROOT / "python" / "10_many_agents"))
-    players = importlib.import_module("players")
-    from netmq_example.envs.parallel_env import ZmqParallelEnv
-
-    env: Any = ZmqParallelEnv("Pursuit", launch=launch("python", key="10_many_agents"), render_mode="rgb_array")
-    with contextlib.closing(env):
-        seen, _ = env.reset(seed=1)
-        film, pictures, second = open_film(tmp_path / "pursuit.gif"), [env.render()], 1 / env.metadata["render_fps"]
-        film.add(pictures[0], 0)
-        while env.agents:
-            seen, *_ = env.step({agent: players.policy(agent, seen[agent]) for agent in env.agents})
-            pictures.append(env.render())
-            film.add(pictures[-1], second * (len(pictures) - 1))
-        film.close(second * len(pictures))
-    again, times = shown(tmp_path / "pursuit.gif")
-    assert len(again) == len(pictures) > 20 and sum(times) == pytest.approx(1000 * second * len(pictures), abs=10)
-    assert all(np.array_equal(*pair) for pair in zip(again, pictures, strict=True))
-    assert len({picture.tobytes() for picture in pictures}) > len(pictures) / 2, "they move"
