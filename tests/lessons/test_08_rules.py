@@ -11,8 +11,9 @@ np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 in
 from netmq_example.camera import pictures  # noqa: E402
 from netmq_example.camera.client import Action, DriverClient  # noqa: E402
 from netmq_example.camera.recording import Recorder, recorded  # noqa: E402
-from netmq_example.messages import Array, Message  # noqa: E402
+from netmq_example.messages import Message  # noqa: E402
 from netmq_example.worlds.road import Car, DrawnCamera, Road  # noqa: E402
+from tests.lessons.test_08_see_and_steer import action, frame  # noqa: E402
 
 NAN = float("nan")
 WHERE = "tcp://127.0.0.1:5558"
@@ -96,13 +97,10 @@ def test_so_many_pictures_in_a_row_without_an_action_are_given_up(context):
 
 def test_where_there_is_no_pillow_recording_ends_and_driving_goes_on(tmp_path, monkeypatch):
     lines = []
-    values = {"frame": 1, "run": "", "manual": False, "cameras": "center", "encoding": "raw", "bottom_up": False}
-    frame = Message("frame", 1, values | dict.fromkeys(pictures.NUMBERS, 0.0))
-    frame.arrays.append(Array("uint8", (8, 8, 3), bytes(192)))
     monkeypatch.setattr(pictures, "Image", None)
     recorder = Recorder(tmp_path, lines.append)
     for _ in range(2):
-        recorder.add(frame, Message("action", 1, {"throttle": 0, "brake": 0, "steer": 0}))
+        recorder.add(frame(1), action(1))
     assert lines[-1].startswith("trouble: recording has stopped, the car drives on: JPEG needs Pillow")
     assert len(lines) == 2
 

@@ -16,8 +16,6 @@ import math
 import os
 import random
 import re
-import shutil
-import socket
 import sys
 import time
 from pathlib import Path
@@ -38,8 +36,9 @@ sys.path.insert(0, str(LESSON))
 np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
 Image = pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
 driver, train = map(importlib.import_module, ("driver", "train"))
+from netmq_example.camera import recording  # noqa: E402
 from netmq_example.camera.pictures import encode, pictures  # noqa: E402
-from netmq_example.camera.recording import Recorder  # noqa: E402
+from netmq_example.camera.recording import MOST_DRIVES, Recorder  # noqa: E402
 from netmq_example.worlds import road as world  # noqa: E402
 
 VALUES = {"run": "a test", "manual": False, "sim_time": 0.0, "wall_time": 0.0, "speed": 8.0}
@@ -52,9 +51,13 @@ def frame(number, *seen, **values):
     """The message about some pictures, top row first, or about JPEG files."""
     arrays = [
         Array("uint8", (len(one),), one) if isinstance(one, bytes) else Array("uint8", one.shape, one.copy())
-        for one in seen
+        for one in seen or (GREY,)
     ]
     return Message("frame", number, VALUES | {"frame": number} | values, arrays)
+
+
+def action(number, **values):
+    return Message("action", number, {"frame": number, "throttle": 0.5, "brake": 0.0, "steer": 0.25} | values)
 
 
 @pytest.fixture(scope="module")
@@ -70,22 +73,6 @@ def road():
 @pytest.fixture
 def plain(camera, road):
     return camera.draw(world.Car.on(road), 0)[::-1]
-
-
-@pytest.fixture
-def driven(start, tmp_path):
-    """driven("return 1, 0, 0", "--record", "runs"): the lesson's server with this `drive`, whatever a reader has made
-    of it: (program, endpoint)."""
-
-    def serve(drive, *options):
-        shutil.copytree(ROOT / "python" / "netmq_example", tmp_path / "netmq_example")
-        path = shutil.copytree(LESSON, tmp_path / "mine") / "server.py"
-        mine = f"def drive(pictures, telemetry):\n    {drive}\n\n\nif __name__"
-        path.write_text(path.read_text(encoding="utf-8").replace("if __name__", mine), encoding="utf-8")
-        server = start(PYTHON, path, "--endpoint", "tcp://127.0.0.1:0", *options, folder=tmp_path)
-        return server, server.wait_for(r"^listening on (\S+)")[1]
-
-    return serve
 
 
 @pytest.fixture
@@ -123,8 +110,8 @@ def check_recording(folder, lost=0):
 # What is recorded
 
 
-def test_the_numbered_picture_is_the_recorded_one_and_a_replay_gives_the_same_actions(driven, runs, tmp_path):
-    server, endpoint = driven("return follow_road(main_camera(pictures), telemetry['speed'])", "--record", "runs")
+def test_the_numbered_picture_is_the_recorded_one_and_a_replay_gives_the_same_actions(serve, runs, tmp_path):
+    server, endpoint = serve(KEY, "--record", "runs")
     where, folder = ["--endpoint", endpoint, "--lockstep", *PATIENT], tmp_path / "runs"
     drives = [["--jpeg"], [], ["--jpeg", "--cameras", "left,right"]]
     for run in runs("python", KEY, [[*where, "--count", "30", *words] for words in drives]):
@@ -159,7 +146,7 @@ def recorded(folder, count, cameras="center", jpeg=False, size=8):
         picture = np.full((size, 2 * size, 3), number % 200, np.uint8)
         seen = [encode(picture) if jpeg else picture for _ in names]
         message = frame(number, *seen, cameras=cameras, encoding="jpeg" if jpeg else "raw", steer=number / 100)
-        keeper.add(message, Message("action", number, {"throttle": 1.0, "brake": 0.0, "steer": -number / 7}))
+        keeper.add(message, action(number, steer=-number / 7))
     return folder / "run_0001"
 
 
@@ -191,12 +178,6 @@ def test_three_kinds_of_reader_open_a_recording(tmp_path):
     assert [float(row["answered_steer"]) for row in rows(folder)] == [-i / 7 for i in range(12)], "to the last bit"
 
 
-def test_what_came_as_jpeg_is_kept_to_the_byte(tmp_path, plain):
-    keeper, file = Recorder(tmp_path), encode(plain)
-    keeper.add(frame(3, file, encoding="jpeg"), Message("action", 3, {"throttle": 0, "brake": 0, "steer": 0}))
-    assert (tmp_path / "run_0001" / "IMG" / "center_000003.jpg").read_bytes() == file
-
-
 def test_other_sizes_and_two_cars_get_folders_of_their_own(serve, ask, tmp_path, plain):
     server, endpoint = serve(KEY, "--record", "runs")
     small = np.ascontiguousarray(plain[::2, ::2])
@@ -214,10 +195,10 @@ def test_other_sizes_and_two_cars_get_folders_of_their_own(serve, ask, tmp_path,
 
 
 def test_each_hundred_pictures_are_said(tmp_path):
-    lines, action = [], Message("action", 0, dict.fromkeys(("throttle", "brake", "steer"), 0.0))
+    lines = []
     keeper = Recorder(tmp_path, lines.append)
     for number in range(201):
-        keeper.add(frame(number, GREY), action)
+        keeper.add(frame(number), action(number))
     where = tmp_path / "run_0001"
     assert lines[0] == f"recording to {where}: center, 32 x 24"
     assert lines[1:] == [f"recorded {count} pictures to {where}" for count in (100, 200)]
@@ -233,17 +214,43 @@ def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_is_there(serve, t
     (folder / "IMG" / "center_000002.jpg").unlink()
     half = folder / "IMG" / "center_000005.jpg"
     half.write_bytes(half.read_bytes()[:300])
+    pipe = folder / "IMG" / "center_000007.jpg"
+    pipe.unlink()
+    if sys.platform != "win32":
+        os.mkfifo(pipe)
     _, endpoint = serve(KEY)
     nobody = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--timeout", "0.2"]
     there, alone = python_runs(
         LESSON / "replay.py", [[str(folder), "--endpoint", endpoint, *PATIENT], [str(folder), *nobody]]
     )
     found = (re.match(r"trouble: line (\d+) of metadata.csv", line) for line in there.lines)
-    assert [int(line[1]) for line in found if line] == [4, 7, 11]
+    assert [int(line[1]) for line in found if line] == [4, 7, 9, 11]
     assert "center_000002.jpg" in there.lines[1] and "no JPEG picture" in there.lines[2]
-    assert (there.code, there.lines[-1]) == (0, "done: 7 of 7 pictures have an action")
+    assert (there.code, there.lines[-1]) == (0, "done: 6 of 6 pictures have an action")
     assert alone.code == 1
     assert re.fullmatch(r"gave up: no reply from tcp://\S+ within 0.2 s; is the server running\?", alone.lines[-1])
+
+
+DAMAGES = {
+    "binary": lambda row: b"\xff\xfe\0" + row,
+    "a stray quote": lambda row: b'"' + row,
+    "a huge cell": lambda row: b"x" * 200_000 + row,
+    "a comma too many": lambda row: row.replace(b"\n", b",\n"),
+    "nan": lambda row: row.replace(b"8.0", b"nan"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+def test_a_row_that_cannot_be_read_is_said_and_left_out(damage, tmp_path, capsys):
+    """And Excel's mark at the beginning is none."""
+    folder = recorded(tmp_path, 9)
+    columns, *lines = (folder / "metadata.csv").read_bytes().splitlines(keepends=True)
+    lines[5] = damage(lines[5])
+    (folder / "metadata.csv").write_bytes(b"".join(["\ufeff".encode(), columns, *lines]))
+    capsys.readouterr()
+    assert [row.values["frame"] for row in recording.recorded(folder)] == [0, 1, 2, 3, 4, 6, 7, 8]
+    (said,) = capsys.readouterr().out.splitlines()
+    assert said.startswith("trouble: line 7 of metadata.csv is left out")
 
 
 FOREIGN = {"empty": b"", "other": b"a,b,c\n1,2,3\n", "utf-16": "file_name\n".encode("utf-16")}
@@ -347,6 +354,38 @@ def test_what_was_learned_from_a_lap_stays_on_the_road_and_a_server_drives_by_it
     assert action.values["steer"] == act({"center": plain}, {"speed": 8.0})[2] != driver.follow_road(plain, 8.0)[2]
 
 
+MODELS = {"empty": b"", "text": b"weights", "half a zip": b"PK\x03\x04half", "large": bytes(64 * 1024 + 1)}
+
+
+class Evil:
+    """It does what it likes with whoever unpacks it."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return Path.touch, (self.path,)
+
+
+def test_what_is_no_model_ends_the_server_in_one_line(tmp_path, runs):
+    """Before it listens: no client comes to wait for it."""
+    size = 12 * 32 * 3 + 1
+    for name, content in MODELS.items():
+        (tmp_path / name).write_bytes(content)
+    for name, weights in {"short": np.zeros(5), "nan": np.full(size, np.nan), "words": np.array(["a"] * size)}.items():
+        np.savez(tmp_path / name, weights=weights)
+    np.savez(tmp_path / "pickled", weights=np.array([Evil(tmp_path / "was run")], object))
+    if sys.platform != "win32":
+        os.mkfifo(tmp_path / "pipe")
+    paths = [*tmp_path.iterdir()]
+    words = ["--endpoint", "tcp://127.0.0.1:0", "--model"]
+    for path, (code, lines) in zip(paths, runs("server", KEY, [[*words, str(path)] for path in paths]), strict=True):
+        assert (code, len(lines)) == (1, 1), lines
+        assert lines[0].startswith(f"no model in {path}: ")
+        assert path.name not in ("large", "pipe") or "must be a regular file of at most 65536 bytes" in lines[0]
+    assert not (tmp_path / "was run").exists()
+
+
 CHANGES = {
     "jpeg": lambda picture: np.asarray(Image.open(io.BytesIO(encode(picture)))),
     "dark": lambda picture: (picture * 0.15).astype(np.uint8),
@@ -416,30 +455,11 @@ def test_a_kill_loses_at_most_the_last_picture(serve, start, client_command, tmp
         assert len(check_recording(folder, lost=number < 3)) >= 5
 
 
-def test_on_a_full_disk_the_car_drives_on(serve, ask, plain, tmp_path):
-    resource = pytest.importorskip("resource")
-    if not hasattr(resource, "prlimit"):
-        pytest.skip("only Linux takes a running program's disk away")
-    server, endpoint = serve(KEY, "--record", "runs")
-    for number in range(5):
-        if number == 3:
-            # No file may grow beyond this: a picture is cut off in its middle.
-            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
-        assert ask(endpoint, frame(number, plain)).kind == "action"
-        # It answers before it records; by its next answer that is done.
-        ask(endpoint, Message("nothing"))
-    server.wait_for("^trouble: recording has stopped, the car drives on: ")
-    assert server.stop() == 0
-    folder = tmp_path / "runs" / "run_0001"
-    assert [len(rows(folder)), len(rows(folder, "driving_log.csv")), len(list((folder / "IMG").iterdir()))] == [3] * 3
-    assert "Traceback" not in server.output and sum("trouble" in line for line in server.lines) == 1
-
-
 @pytest.mark.parametrize("full", range(5))
 def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, capsys):
     """The disk is full from the second picture on, at each place where something is written."""
-    keeper, action = Recorder(tmp_path), Message("action", 1, {"throttle": 1.0, "brake": 0.0, "steer": 0.0})
-    assert keeper.add(frame(1, plain, plain, cameras="left,right"), action) is None
+    keeper = Recorder(tmp_path)
+    assert keeper.add(frame(1, plain, plain, cameras="left,right"), action(1)) is None
     drive = next(iter(keeper.drives.values()))
     writes = itertools.count()
     real = Path.write_bytes
@@ -463,10 +483,42 @@ def test_nothing_half_written_stays(full, tmp_path, monkeypatch, plain, capsys):
     monkeypatch.setattr(Path, "write_bytes", half)
     for table in (drive.metadata, drive.log):
         table.file = Full(table.file)
-    keeper.add(frame(2, plain, plain, cameras="left,right"), action)
+    keeper.add(frame(2, plain, plain, cameras="left,right"), action(2))
     assert [len(rows(drive.folder, name)) for name in ("metadata.csv", "driving_log.csv")] == [1 + (full == 4)] * 2
     assert len(list((drive.folder / "IMG").iterdir())) == 2 * (1 + (full == 4))
     assert ("No space left on device" in capsys.readouterr().out) == (full < 4)
+
+
+def test_a_folder_that_cannot_be_written_to_is_named_and_the_recording_stops(tmp_path, capsys):
+    (tmp_path / "file").write_text("a file", encoding="utf-8")
+    places = [tmp_path / "file"]
+    if sys.platform != "win32":
+        places.append(tmp_path / "link")
+        places[1].symlink_to("/nowhere/at/all")
+    for place in places:
+        keeper = Recorder(place)
+        for number in range(3):
+            keeper.add(frame(number), action(number))
+        (line,) = capsys.readouterr().out.splitlines()
+        assert re.match(f"trouble: recording has stopped, the car drives on: .*{place.name}", line)
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "a file"
+
+
+def test_so_many_cars_are_recorded_and_no_more(tmp_path, capsys):
+    keeper = Recorder(tmp_path)
+    for number in range(3):
+        for car in range(MOST_DRIVES + 5):
+            keeper.add(frame(number, run=f"car {car}"), action(number))
+    folders = list(tmp_path.glob("run_*"))
+    assert len(folders) == MOST_DRIVES and all(len(rows(folder)) == 3 for folder in folders)
+    assert sum(line.startswith(f"trouble: {MOST_DRIVES} cars") for line in capsys.readouterr().out.splitlines()) == 1
+
+
+def test_numbers_that_go_back_are_recorded_and_none_twice(tmp_path):
+    keeper = Recorder(tmp_path)
+    for number in (5, 3, 5, 2**53 - 1, 4):
+        keeper.add(frame(number), action(number))
+    assert [int(row["frame"]) for row in rows(tmp_path / "run_0001")] == [5, 3, 2**53 - 1, 4]
 
 
 FILE = encode(GREY)
@@ -508,40 +560,6 @@ def test_what_is_no_picture_is_refused_by_name_and_the_server_serves_on(serve, a
     assert all(math.isfinite(huge[name]) for name in ("throttle", "brake", "steer"))
     assert server.stop() == 0
     assert "Traceback" not in server.output
-
-
-def by_hand(endpoint, number, picture, share):
-    """A REQ client made of bytes, ZMTP 3.0, which sends this share of its pixels and leaves; what it was answered."""
-    header, data = (bytes(part) for part in frame(number, picture).frames())
-    ready = b"\x05READY\x0bSocket-Type\x00\x00\x00\x03REQ"
-    with socket.create_connection(("127.0.0.1", int(endpoint.rpartition(":")[2])), timeout=20) as peer:
-        peer.sendall(b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 32))
-        peer.sendall(b"\x04" + bytes([len(ready)]) + ready)
-        # Nothing may be sent before the other side's READY, or it hangs up.
-        said = b""
-        while b"REP" not in said:
-            said += peer.recv(4096)
-        # REQ's empty part, the header, and the pixels; a length that does not come at once.
-        peer.sendall(b"\x01\x00\x03" + len(header).to_bytes(8, "big") + header)
-        for byte in b"\x02" + len(data).to_bytes(8, "big"):
-            peer.sendall(bytes([byte]))
-        peer.sendall(data[: int(len(data) * share)])
-        if share < 1:
-            peer.shutdown(socket.SHUT_WR)
-        answer = b""
-        while b"action" not in answer and (more := peer.recv(4096)):
-            answer += more
-        return answer
-
-
-def test_half_a_message_of_a_peer_that_leaves_is_none(serve, ask, tmp_path, plain):
-    """Header sizes, what arrives in parts, and who leaves half-way are ZeroMQ's: it comes whole or not at all."""
-    _, endpoint = serve(KEY, "--record", "runs")
-    assert b"action" in by_hand(endpoint, 4, plain, 1)
-    assert b"action" not in by_hand(endpoint, 5, plain, 0.5)
-    assert ask(endpoint, frame(6, plain)).values["frame"] == 6
-    ask(endpoint, Message("nothing"))
-    assert [row["frame"] for row in rows(tmp_path / "runs" / "run_0001")] == ["4", "6"]
 
 
 @pytest.mark.parametrize("kind", ["raw", "jpeg", "with alpha", "upside down"])
@@ -588,8 +606,7 @@ def test_lerobot_gets_what_the_page_gives_it(tmp_path, plain, start):
     camera, dataset = (block.body for block in page if "test_lerobot_gets" in block.source)
     recorder = Recorder(tmp_path / "runs")
     for number in (1, 2, 3):
-        seen = frame(number, plain)
-        recorder.add(seen, Message("action", number, {"frame": number, "throttle": 0.5, "brake": 0.0, "steer": 0.1}))
+        recorder.add(frame(number, plain), action(number))
     if importlib.util.find_spec("lerobot"):
         where = {"PYTHONPATH": str(ROOT / "python"), "HF_HUB_OFFLINE": "1"}
     else:
@@ -604,27 +621,24 @@ def test_lerobot_gets_what_the_page_gives_it(tmp_path, plain, start):
     assert importlib.util.find_spec("lerobot") or made.lines == ["saved 2 at 50", "whole"]
 
 
-def test_a_driver_that_says_nan_is_told_so(driven, ask, plain):
-    _, endpoint = driven("speed = telemetry['speed']; return speed / 8, 0.0, float('nan') if speed > 8 else 7")
-    assert ask(endpoint, frame(1, plain)).values == {"frame": 1, "throttle": 1, "brake": 0, "steer": 7}
-    reply = ask(endpoint, frame(2, plain, speed=9.0))
-    assert (reply.kind, reply.id, reply.values["code"]) == ("error", 2, "error-in-driver")
-    assert reply.values["text"].endswith("drive returns steer nan, which is not finite')")
-    assert ask(endpoint, frame(3, plain)).kind == "action"
+def test_a_picture_that_cannot_be_used_is_refused_and_the_others_recorded(tmp_path, serve, ask):
+    """One too small to steer by, and one that no JPEG can hold."""
+    path = tmp_path / "model.npz"
+    np.savez(path, weights=np.zeros(12 * 32 * 3 + 1))
+    _, endpoint = serve(KEY, "--model", str(path), "--record", "runs")
+    for shape, says in (((3, 3, 3), "too few to steer by"), ((1, 70_000, 3), "uint8 [height, width, 3 or 4]")):
+        reply = ask(endpoint, frame(1, np.zeros(shape, np.uint8)))
+        assert reply.values["code"] == "bad-shape" and says in reply.values["text"]
+    for number in (2, 3):
+        assert ask(endpoint, frame(number)).kind == "action"
+    assert (tmp_path / "runs" / "run_0001" / "IMG" / "center_000002.jpg").exists()
 
 
-def test_pictures_of_1080p(driven, ask, tmp_path, plain):
+def test_pictures_of_1080p(serve, ask, tmp_path, plain):
     """6 MB each, raw."""
-    _, endpoint = driven("return follow_road(main_camera(pictures), telemetry['speed'])", "--record", "runs")
+    _, endpoint = serve(KEY, "--record", "runs")
     large = np.ascontiguousarray(np.asarray(Image.fromarray(plain.copy()).resize((1920, 1080))))
     action = ask(endpoint, frame(1, large))
     assert (action.values["frame"], action.values["steer"]) == (1, pytest.approx(driver.follow_road(large, 8.0)[2]))
     ask(endpoint, Message("nothing"))
     assert [(row["width"], row["height"]) for row in rows(tmp_path / "runs" / "run_0001")] == [("1920", "1080")]
-
-
-def test_a_message_says_its_pictures(plain):
-    """The lowest row first, and alpha, are not seen by whoever asks for the pictures."""
-    alpha = np.dstack([plain[::-1], np.full(plain.shape[:2], 9, np.uint8)])
-    (seen,) = pictures(frame(1, alpha, bottom_up=True)).values()
-    assert np.array_equal(seen, plain)

@@ -1,32 +1,22 @@
 """Lesson 08: what a user adds to it. Values of one's own go with a picture and come with an action, each said in one
-place; `drive` gets all pictures and all telemetry; and a recording has columns for them. The blocks are the page's.
+place; `drive` gets all pictures and all telemetry; and a recording has columns for them. The blocks are the page's. The
+fixtures are those of test_08_see_and_steer.py.
 """
 
+# ruff: noqa: F401, F811
 from __future__ import annotations
 
-import csv
-import importlib
 import math
 import shutil
-import sys
 
 import pytest
 
 from kitlib.docs import guide
-from netmq_example.messages import Array, Message, read
+from netmq_example.camera.recording import Recorder, recorded
+from netmq_example.messages import Message
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.conftest import ask
+from tests.lessons.test_08_see_and_steer import KEY, LESSON, action, ask, driver, frame, np, rows
 from tests.programs import PATIENT, ROOT
-
-np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
-pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
-KEY = "08_see_and_steer"
-LESSON = ROOT / "python" / KEY
-sys.path.insert(0, str(LESSON))
-driver = importlib.import_module("driver")
-
-from netmq_example.camera.recording import Recorder, recorded  # noqa: E402
-from netmq_example.worlds.road import Car, DrawnCamera, Road  # noqa: E402
 
 # Else several pictures are on their way before the first action comes.
 LOCKSTEP = ["--lockstep", "true"]
@@ -35,12 +25,6 @@ BLOCKS = [block for block in guide.blocks(ROOT / "docs" / "guide" / f"{KEY}.md")
 (CAR,) = (block.body for block in BLOCKS if "class MyCar" in block.body)
 (MEMBERS,) = (block.body for block in BLOCKS if "void Telemetry" in block.body)
 (VALUES,) = (block.body for block in BLOCKS if '"zoom"' in block.body and block.language == "python")
-STEREO = """
-def drive(pictures, telemetry):
-    left = follow_road(pictures["left"], telemetry["speed"])
-    right = follow_road(pictures["right"], telemetry["speed"])
-    return [(a + b) / 2 for a, b in zip(left, right)]
-"""
 
 
 @pytest.fixture
@@ -58,24 +42,7 @@ def driven(start, tmp_path):
     return serve
 
 
-def rows(folder):
-    with (folder / "metadata.csv").open(newline="", encoding="utf-8") as table:
-        return list(csv.DictReader(table))
-
-
-def frame(number, *seen, **values):
-    known = {"frame": number, "run": "r", "manual": False, "encoding": "raw", "bottom_up": False}
-    known |= dict.fromkeys(("sim_time", "wall_time", "throttle", "brake", "steer", "speed"), 0.5)
-    known["cameras"] = "center" if len(seen) < 2 else "left,right"
-    seen = seen or (np.zeros((8, 8, 3), np.uint8),)
-    return Message("frame", number, known | values, [Array("uint8", one.shape, one.tobytes()) for one in seen])
-
-
-def action(number, **values):
-    return Message("action", number, {"frame": number, "throttle": 0.5, "brake": 0.0, "steer": 0.25} | values)
-
-
-def test_a_value_each_way_is_played_recorded_and_replayed(driven, tmp_path, start, console, netmq):
+def test_a_value_each_way_is_played_recorded_and_replayed(driven, ask, tmp_path, start, console, netmq):
     zoom = """Debug.Log($"zoom {action.Value("zoom", 1)}");"""
     more = """
         Debug.Log($"{action.Value("lamp")} {action.Value("no", 3)} {action.Value("text", 4)}{action.Text("lamp")}");"""
@@ -96,29 +63,12 @@ def test_a_value_each_way_is_played_recorded_and_replayed(driven, tmp_path, star
     server.wait_for(r"^speed \d\.\d m/s, battery 99\.6$")
     replay = start(PYTHON, tmp_path / "mine" / "replay.py", tmp_path / "runs" / "run_0001", "--endpoint", endpoint)
     assert replay.wait() == 0, replay.output
-    read(ask_nothing(endpoint))
+    # It answers before it records; by its next answer that is done.
+    ask(endpoint, Message("nothing"))
     for run in ("run_0001", "run_0002"):
         known = rows(tmp_path / "runs" / run)
         assert [float(row["battery"]) for row in known] == pytest.approx([100, 99.9, 99.8, 99.7, 99.6])
         assert {(row["answered_zoom"], row["answered_text"]) for row in known} == {("2.0", "go")}
-
-
-def ask_nothing(endpoint):
-    """It answers before it records; by its next answer that is done."""
-    import zmq
-
-    with zmq.Context() as context:
-        return ask(context, endpoint, *Message("nothing").frames())
-
-
-def test_both_pictures_are_driven_by(driven, context):
-    road = Road()
-    car, camera = Car.on(road, 300), DrawnCamera(road)
-    left, right = (np.ascontiguousarray(camera.draw(car, 0, at)[::-1]) for at in (-0.4, 0.4))
-    _, endpoint = driven(STEREO)
-    answer = read(ask(context, endpoint, *frame(0, left, right, speed=8.0).frames())).values
-    steer = [driver.follow_road(picture, 8.0)[2] for picture in (left, right)]
-    assert steer[0] != steer[1] and answer["steer"] == pytest.approx(sum(steer) / 2)
 
 
 # As one has it who comes from a driving trainer: a function of the images and four numbers, which returns three.
@@ -136,7 +86,7 @@ def drive(pictures, telemetry):
 
 
 @pytest.mark.parametrize("kind", CLIENTS)
-def test_what_the_user_of_a_driving_trainer_types(kind, driven, runs, tmp_path):
+def test_what_the_user_of_a_driving_trainer_types(kind, driven, ask, runs, tmp_path):
     server, endpoint = driven(TRAINER, "--record", "runs")
     words = ["--endpoint", endpoint, "--count", "12", "--cameras", "left,right", "--lockstep", *PATIENT]
     ((code, lines),) = runs(kind, KEY, [words])
@@ -144,12 +94,29 @@ def test_what_the_user_of_a_driving_trainer_types(kind, driven, runs, tmp_path):
     sizes = r"\(240, 320, 3\) \(240, 320, 3\)"
     server.wait_for(f"^telemetry: {sizes} speed 0.00 throttle 0.00 steer 0.00 brake 1.00$")
     server.wait_for(f"^telemetry: {sizes} speed 0.43 throttle 0.50 steer 0.00 brake 0.00$")
-    read(ask_nothing(endpoint))
+    # It answers before it records; by its next answer that is done.
+    ask(endpoint, Message("nothing"))
     known = rows(tmp_path / "runs" / "run_0001")
     assert [(row["left_file_name"][:8], row["right_file_name"][:9]) for row in known] == [
         ("IMG/left", "IMG/right")
     ] * 12
     assert {row["answered_throttle"] for row in known} == {"0.5"}
+
+
+NAN = """
+def drive(pictures, telemetry):
+    speed = telemetry["speed"]
+    return speed / 8, 0.0, float("nan") if speed > 8 else 7
+"""
+
+
+def test_a_driver_that_says_nan_is_told_so(driven, ask):
+    _, endpoint = driven(NAN)
+    assert ask(endpoint, frame(1)).values == {"frame": 1, "throttle": 1, "brake": 0, "steer": 7}
+    reply = ask(endpoint, frame(2, speed=9.0))
+    assert (reply.kind, reply.id, reply.values["code"]) == ("error", 2, "error-in-driver")
+    assert reply.values["text"].endswith("drive returns steer nan, which is not finite')")
+    assert ask(endpoint, frame(3)).kind == "action"
 
 
 def test_what_a_driver_returns():
