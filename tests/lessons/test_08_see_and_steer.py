@@ -248,7 +248,8 @@ def test_a_row_that_cannot_be_read_is_said_and_left_out(damage, tmp_path, capsys
     lines[5] = damage(lines[5])
     (folder / "metadata.csv").write_bytes(b"".join(["\ufeff".encode(), columns, *lines]))
     capsys.readouterr()
-    assert [row.values["frame"] for row in recording.recorded(folder)] == [0, 1, 2, 3, 4, 6, 7, 8]
+    found = [(row.values["frame"], *row.pictures) for row in recording.recorded(folder)]
+    assert found == [(number, "center") for number in (0, 1, 2, 3, 4, 6, 7, 8)]
     (said,) = capsys.readouterr().out.splitlines()
     assert said.startswith("trouble: line 7 of metadata.csv is left out")
 
