@@ -64,7 +64,6 @@ def main() -> None:
                     hub.take(bytes(message[0]), message[1:])
             # A silent peer gets its message again, and an episode without a simulator gets the next free one.
             hub.tick()
-            # The table shows each simulator's request.
             board.show(hub)
 
 

@@ -4,18 +4,14 @@ import copy
 import itertools
 import json
 import os
-import re
-import struct
-import subprocess
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 import zmq
 
 from netmq_example import messages, records
-from netmq_example.fleet.board import MOST_LINES, MOST_ROWS, Board, rows_of
+from netmq_example.fleet.board import MOST_LINES, Board
 from netmq_example.fleet.hub import Hub
 from netmq_example.records import ANSWERS, ASKS, NOTHING, Record, rewards
 from tests.conftest import PYTHON
@@ -389,22 +385,6 @@ def test_the_board_says_what_has_changed_and_makes_no_flood_of_lines(capsys):
         assert capsys.readouterr().out.splitlines() == [line for line in (more, said * changed) if line]
 
 
-def test_the_table_has_a_row_for_each_of_the_first_simulators():
-    hub = Hub(SILENT)
-    for number in range(MOST_ROWS + 2):
-        hello = Message("hello", 0, {"name": "World", "dt": 0.02}, [SPACES])
-        hub.take(b"%d" % number, hello.frames())
-    *rows, last = rows_of(hub)
-    assert len(rows) == MOST_ROWS and last == "  and 2 more"
-    assert re.fullmatch(r"  simulator 1: 'World', free, heard \d+\.\d s ago", rows[0])
-
-
-def test_a_row_is_cut_by_its_letters_and_so_each_of_them_takes_one_column():
-    hub = Hub(SILENT)
-    hub.take(b"1", Message("hello", 0, {"name": "車" * 30, "dt": 0.02}, [SPACES]).frames())
-    assert rows_of(hub)[0].isascii()
-
-
 def test_for_episodes_that_wait_a_simulator_is_sought_once():
     hub, count = Hub(SILENT), 5
     for number in range(count):
@@ -420,25 +400,3 @@ def test_for_episodes_that_wait_a_simulator_is_sought_once():
     hub.free = sought.append
     hub.take(b"stranger", Message("whatever").frames())
     assert sought == ["World"]
-
-
-def test_the_table_is_not_wider_or_higher_than_its_terminal(peer):
-    pty, fcntl, termios = (pytest.importorskip(name, reason="Unix has them") for name in ("pty", "fcntl", "termios"))
-    ours, its = pty.openpty()
-    fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("4H", 5, 30, 0, 0))
-    words = [PYTHON, SERVER, "--endpoint", "tcp://127.0.0.1:0"]
-    environment = {name: text for name, text in os.environ.items() if name not in ("COLUMNS", "LINES")}
-    with subprocess.Popen(words, stdout=its, env=environment) as hub, open(ours, "rb", 0) as terminal:
-        try:
-            shown = ""
-            while not (found := re.search(r"listening on (\S+)\r\n", shown)):
-                shown += terminal.read(1000).decode()
-            shown_there = SimpleNamespace(endpoints=lambda: {"endpoint": found[1]})
-            fleet = [peer(shown_there).hello() for _ in range(8)]
-            # What stands between two signs that take the table off is the table.
-            while not (tables := [part for part in shown.split("\x1b[J")[1:-1] if "8 simulators" in part]):
-                shown += terminal.read(1000).decode()
-        finally:
-            hub.kill()
-    rows = tables[0].partition("\x1b")[0].splitlines()
-    assert fleet and len(rows) == 4 and max(map(len, rows)) == 29, rows

@@ -131,9 +131,6 @@ class Member:
             self.asked = time.monotonic()
             self.send_last()
 
-    def silence(self) -> float:
-        return time.monotonic() - self.heard
-
     def send_last(self) -> None:
         """The last request, or welcome, perhaps once more."""
         self.sent = time.monotonic()
