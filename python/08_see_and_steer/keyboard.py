@@ -5,17 +5,12 @@ A terminal tells when a key is pressed, and not when it is let go: what was set 
 
 import os
 import sys
-from typing import Protocol
+
+from drive import Drive
 
 KEYS = {b"\x1b[A": "up", b"\x1b[B": "down", b"\x1b[C": "right", b"\x1b[D": "left", b" ": "space", b"\n": "enter"}
 KEYS |= {b"\xe0H": "up", b"\xe0P": "down", b"\xe0M": "right", b"\xe0K": "left", b"\r": "enter"}
 KEYS |= {b"w": "up", b"s": "down", b"d": "right", b"a": "left", b"W": "up", b"S": "down", b"D": "right", b"A": "left"}
-
-
-class Driven(Protocol):
-    def take_over(self, throttle: float, brake: float, steer: float) -> None: ...
-
-    def give_back(self) -> None: ...
 
 
 class Keyboard:
@@ -26,7 +21,7 @@ class Keyboard:
         self.throttle = self.brake = self.steer = 0.0
         self.rest = b""
 
-    def look(self, driven: Driven) -> None:
+    def look(self, drive: Drive) -> None:
         """Take what was pressed since the last call."""
         self.rest += pressed() if self.wanted else b""
         while self.rest:
@@ -45,9 +40,9 @@ class Keyboard:
             elif key == "space":
                 self.throttle, self.brake = 0.0, 1.0
             if key == "enter":
-                driven.give_back()
+                drive.give_back()
             elif key:
-                driven.take_over(self.throttle, self.brake, self.steer)
+                drive.take_over(self.throttle, self.brake, self.steer)
 
     def __enter__(self) -> "Keyboard":
         if self.wanted and sys.platform != "win32":
