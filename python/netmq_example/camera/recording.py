@@ -18,6 +18,7 @@ needs numpy and Pillow.
 import contextlib
 import csv
 import errno
+import functools
 import io
 import math
 import os
@@ -47,9 +48,7 @@ OVER_SECONDS = 10.0
 # Of the table of a recording.
 LARGEST_BYTES = 1024 * 1024 * 1024
 
-
-def print_at_once(line: str) -> None:
-    print(line, flush=True)
+print_at_once = functools.partial(print, flush=True)
 
 
 class Recorder:

@@ -43,11 +43,6 @@ ASK_AGAIN_SECONDS = 1.0
 SLICE_MS = 20
 
 
-def new_id() -> str:
-    """An id must never come twice, whichever program makes one: hence the uuid."""
-    return uuid.uuid4().hex
-
-
 def job_id(name: str, value: Any) -> str:
     """A job's id."""
     if isinstance(value, str) and re.fullmatch("[0-9A-Za-z][0-9A-Za-z-]{0,63}", value):
@@ -84,7 +79,8 @@ class JobClient(OneProcess):
     ) -> None:
         self.context = check.instance("context", context, zmq.Context)
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5564")
-        self.job = new_id() if job is None else job_id("job", job)
+        # An id must never come twice, whichever program makes one: hence the uuid.
+        self.job = uuid.uuid4().hex if job is None else job_id("job", job)
         self.timeout = check.seconds("timeout", timeout)
         self.tries = check.count("tries", tries)
         self.report = check.function("report", report)

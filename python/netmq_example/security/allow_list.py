@@ -21,7 +21,7 @@ import zmq
 from zmq.utils import z85
 
 from netmq_example import check
-from netmq_example.program import Context, Socket
+from netmq_example.program import Context, Socket, show
 from netmq_example.security.keys import checked_path, example, key_in, load
 
 DOMAIN = b"lesson"
@@ -32,15 +32,10 @@ MOST_NAMED = 10
 MOST_COUNTED = 1000
 
 
-def print_line(line: str) -> None:
-    """In one piece: refused keys are reported on another thread than the server's own lines."""
-    print(f"{line}\n", end="", flush=True)
-
-
 class AllowList:
     """The clients that may come in: the files in allowed/, as they are at this moment."""
 
-    def __init__(self, folder: Path | str, report: Callable[[str], object] = print_line) -> None:
+    def __init__(self, folder: Path | str, report: Callable[[str], object] = show) -> None:
         """ValueError if there is no server.key_secret in this folder. `report` gets a line for each refused key."""
         # In full: there may be more than one folder `keys`, and a key enrolled in the wrong one is noticed so.
         self.folder = checked_path(folder).absolute()

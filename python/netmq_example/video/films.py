@@ -53,10 +53,8 @@ class Films(OneProcess):
         report: Callable[[str], object] = print,
     ) -> None:
         self.timeout = check.seconds("timeout", timeout)
-        if not callable(report):
-            raise ValueError(f"report takes a function that gets a line, such as print, not {report!r:.40}")
         check.instance("socket", socket, zmq.Socket, type(None))
-        self.print_line = report
+        self.print_line = check.function("report", report)
         self.owns_socket = socket is None
         self.game = Game(bound(endpoint) if socket is None else socket, self.lose)
         # Which of the games that came wait has returned.

@@ -169,9 +169,7 @@ class ViewSender:
     def __init__(self, endpoint: str, timeout: float, report: Callable[[str], object] = print) -> None:
         self.endpoint = check.endpoint(endpoint, "tcp://127.0.0.1:5562")
         self.timeout = check.seconds("timeout", timeout)
-        if not callable(report):
-            raise ValueError(f"report takes a function that gets a line, such as print, not {report!r:.40}")
-        self.report = report
+        self.report = check.function("report", report)
         # When Python was last there, and whether it is now.
         self.heard = 0.0
         self.connected = False
