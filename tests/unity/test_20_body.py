@@ -229,6 +229,7 @@ def test_a_skeleton_shows_a_hand(play: Callable[..., Program], stage: tuple[zmq.
     assert program.wait() == 0, program.output
     assert "an avatar needs a person: leave the field Hand of BodyTracker empty" in program.lines
     assert any(line.startswith("right hand: pose 1, finger 180 degrees") for line in program.lines), program.output
-    pairs = re.findall(r"\((\d+), (\d+)\)", (SCRIPTS / "HandLines.cs").read_text(encoding="utf-8"))
+    hand = (SCRIPTS / "BodyLines.cs").read_text(encoding="utf-8").partition(" Hand =")[2]
+    pairs = re.findall(r"\((\d+), (\d+)\)", hand)
     assert len(pairs) == 21 and {int(end) for pair in pairs for end in pair} == set(range(21))
     assert f"skeleton: 21 joints, {len(pairs)} lines" in program.lines

@@ -1,11 +1,11 @@
-// Application 20, which landmarks of MediaPipe's 33 belong together.
+// Application 20, which landmarks of a body's 33 and of a hand's 21 belong together, as MediaPipe numbers them.
 namespace NetMQExample
 {
-    /// <summary>The lines of a skeleton, as pairs of landmarks.</summary>
+    /// <summary>Lines, as pairs of landmarks.</summary>
     public static class BodyLines
     {
-        /// <summary>From and to.</summary>
-        public static readonly (int From, int To)[] All =
+        /// <summary>Of a skeleton.</summary>
+        public static readonly (int From, int To)[] Body =
         {
             // The face: mouth, and from ear to ear over the eyes and the nose.
             (9, 10), (8, 5), (5, 0), (0, 2), (2, 7),
@@ -17,6 +17,19 @@ namespace NetMQExample
             // Legs and feet.
             (23, 25), (25, 27), (27, 29), (27, 31), (29, 31),
             (24, 26), (26, 28), (28, 30), (28, 32), (30, 32),
+        };
+
+        /// <summary>Of a hand.</summary>
+        public static readonly (int From, int To)[] Hand =
+        {
+            // The palm, from the wrist, which is 0, around to it.
+            (0, 1), (0, 5), (5, 9), (9, 13), (13, 17), (0, 17),
+            // The fingers, from the thumb to the little one.
+            (1, 2), (2, 3), (3, 4),
+            (5, 6), (6, 7), (7, 8),
+            (9, 10), (10, 11), (11, 12),
+            (13, 14), (14, 15), (15, 16),
+            (17, 18), (18, 19), (19, 20),
         };
     }
 }

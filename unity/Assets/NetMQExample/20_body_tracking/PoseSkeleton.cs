@@ -23,7 +23,7 @@ namespace NetMQExample
             var hand = tracker.IsHand;
             var marks = new int[hand ? BodyPose.OfAHand : BodyPose.Landmarks];
             joints = Array.ConvertAll(marks, i => Part(PrimitiveType.Sphere));
-            pairs = hand ? HandLines.All : BodyLines.All;
+            pairs = hand ? BodyLines.Hand : BodyLines.Body;
             lines = Array.ConvertAll(pairs, line => Part(PrimitiveType.Cube));
         }
 
