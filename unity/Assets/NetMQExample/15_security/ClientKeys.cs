@@ -54,9 +54,6 @@ namespace NetMQExample
         /// <summary>What the server knows this client by. Its owner may have it, and everybody else.</summary>
         public string PublicKey => own.PublicKeyZ85;
 
-        /// <summary>The server's, which it must prove to have.</summary>
-        public string ServerKey => server.PublicKeyZ85;
-
         /// <summary>Somebody whom the server does not know: a new pair, which is kept nowhere.</summary>
         /// <returns>The keys of a stranger.</returns>
         public ClientKeys Stranger() => new ClientKeys(server, new NetMQCertificate());
