@@ -70,9 +70,6 @@ namespace NetMQExample
         /// <summary>How many actions came.</summary>
         public int Actions { get; private set; }
 
-        /// <summary>How many steps ago the picture was taken that the newest action answers.</summary>
-        public long Age { get; private set; }
-
         /// <summary>The <c>text</c> that Python sent last beside an action; empty at first.</summary>
         public string Text { get; private set; } = "";
 
@@ -122,7 +119,6 @@ namespace NetMQExample
                 return;
             }
             waited = 0;
-            Age = Frame - newest.Value.Frame;
             if (!Manual) action = newest.Value;
             if (Every > 0 && Actions % Every == 0) log(Describe(newest.Value));
             Actions++;
@@ -143,7 +139,7 @@ namespace NetMQExample
         }
 
         private string Describe(DriveAction newest) =>
-            FormattableString.Invariant($"frame {newest.Frame}: age {Age}, {newest.Milliseconds:F1} ms; ") +
+            FormattableString.Invariant($"frame {newest.Frame}: age {Frame - newest.Frame}, {newest.Milliseconds:F1} ms; ") +
             FormattableString.Invariant($"steer {newest.Steer:F2}, speed {car.Speed:F1} m/s, {car.Where}");
     }
 }
