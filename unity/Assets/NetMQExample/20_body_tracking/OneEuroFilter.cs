@@ -11,20 +11,17 @@ namespace NetMQExample
     /// <summary>Smooths numbers that change together. Step it once in each frame.</summary>
     public sealed class OneEuroFilter
     {
-        private readonly double cutoff, beta, fastest;
+        // For landmarks in metres; other units want other numbers. In Hz, at rest: a lower one trembles less.
+        private const double Cutoff = 1.5;
+        // How much the cutoff rises with the speed, in Hz for each metre a second: a higher one follows sooner.
+        private const double Beta = 5;
+        // No number changes faster, in metres a second.
+        private const double Fastest = 6;
         private readonly double[] speeds;
 
-        /// <summary>Made for landmarks in metres; other units want other numbers.</summary>
-        /// <param name="count">How many numbers.</param>
-        /// <param name="cutoff">In Hz, at rest: a lower one trembles less.</param>
-        /// <param name="beta">How much the cutoff rises with the speed, in Hz for each metre a second: a higher one
-        /// follows sooner.</param>
-        /// <param name="fastest">No number changes faster, in metres a second.</param>
-        public OneEuroFilter(int count, double cutoff = 1.5, double beta = 5, double fastest = 6)
+        /// <summary>Makes room for so many numbers.</summary>
+        public OneEuroFilter(int count)
         {
-            this.cutoff = cutoff;
-            this.beta = beta;
-            this.fastest = fastest;
             Values = new double[count];
             speeds = new double[count];
         }
@@ -49,8 +46,8 @@ namespace NetMQExample
                 if (way == 0 && speeds[i] == 0) continue;
                 // The speed is smoothed too, with 1 Hz.
                 speeds[i] += Share(1, dt) * (way / dt - speeds[i]);
-                var move = Share(cutoff + beta * Math.Abs(speeds[i]), dt) * way;
-                Values[i] += Math.Max(-fastest * dt, Math.Min(fastest * dt, move));
+                var move = Share(Cutoff + Beta * Math.Abs(speeds[i]), dt) * way;
+                Values[i] += Math.Max(-Fastest * dt, Math.Min(Fastest * dt, move));
             }
             Begun = true;
         }
