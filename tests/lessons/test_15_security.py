@@ -595,24 +595,6 @@ def test_a_program_that_closes_nothing_ends_all_the_same(folder, start):
     assert program.lines == ["an end without closing"]
 
 
-def test_a_subscriber_too_is_known_by_its_key(folder, context):
-    allowed = AllowList(folder)
-    with zmq.Context() as servers, servers.socket(zmq.PUB) as publisher, context.socket(zmq.SUB) as subscriber:
-        publisher.linger = subscriber.linger = 0
-        allowed.answer(servers)
-        allowed.guard(publisher)
-        port = publisher.bind_to_random_port("tcp://127.0.0.1")
-        subscriber.curve_publickey, subscriber.curve_secretkey = keys.load(folder / "client.key_secret")
-        subscriber.curve_serverkey = keys.load(folder / "server.key")[0]
-        subscriber.subscribe(b"pose")
-        subscriber.connect(f"tcp://127.0.0.1:{port}")
-        for _ in range(400):
-            publisher.send(b"pose 1")
-            if subscriber.poll(50):
-                break
-        assert subscriber.recv(zmq.NOBLOCK) == b"pose 1"
-
-
 def test_many_strangers_do_not_wait_for_a_long_list(folder):
     """Each handshake asks; reading five hundred files for each would hold up those who may come in."""
     pairs = [zmq.curve_keypair()[0] for _ in range(60)]
