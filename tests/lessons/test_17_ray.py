@@ -55,19 +55,15 @@ def numbers(lines):
 
 @pytest.fixture
 def expected(capsys):
-    """The lines of a training with this seed, and how many episodes there were."""
+    """The lines of a training, and how many episodes there were."""
+    env, played = gymnasium.wrappers.TimeLimit(Direct(), cross_entropy.STEPS), []
 
-    def train(seed):
-        env, played = gymnasium.wrappers.TimeLimit(Direct(), cross_entropy.STEPS), []
+    def play_all(episodes):
+        played.extend(cross_entropy.play(env, *each) for each in episodes)
+        return played[-len(episodes) :]
 
-        def play_all(episodes):
-            played.extend(cross_entropy.play(env, *each) for each in episodes)
-            return played[-len(episodes) :]
-
-        cross_entropy.train(play_all, seed, 50)
-        return numbers(capsys.readouterr().out.splitlines()), len(played)
-
-    return train
+    cross_entropy.train(play_all, 0, 50)
+    return numbers(capsys.readouterr().out.splitlines()), len(played)
 
 
 @pytest.fixture
@@ -81,20 +77,11 @@ def train(start):
 
 
 def test_a_killed_actor_changes_no_number(train, expected):
-    lines, episodes = expected(0)
+    lines, episodes = expected
     trainer = train("--crash-on", "10")
     assert trainer.wait(180) == 0, trainer.output
     assert numbers(trainer.lines) == lines
     assert f"done: {episodes} episodes by 3 processes of 2 actors" in trainer.lines
-
-
-@pytest.mark.long
-def test_it_makes_no_difference_how_many_there_are(train, expected):
-    lines, episodes = expected(2)
-    trainer = train("--actors", "3", "--seed", "2")
-    assert trainer.wait(180) == 0, trainer.output
-    assert numbers(trainer.lines) == lines
-    assert f"done: {episodes} episodes by 3 processes of 3 actors" in trainer.lines
 
 
 @pytest.mark.long
@@ -129,7 +116,7 @@ runpy.run_path(client, run_name="__main__")
 
 @pytest.mark.long
 def test_a_lost_simulator_is_launched_again_and_changes_no_number(train, expected):
-    lines, _ = expected(0)
+    lines, _ = expected
     # Each simulator leaves after 40 episodes.
     trainer = train("--launch", sys.executable, str(CLIENT), "--count", "40")
     assert trainer.wait(180) == 0, trainer.output
