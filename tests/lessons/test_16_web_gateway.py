@@ -524,12 +524,30 @@ def memory(program):
     return int(re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{program.process.pid}/status").read_text())[1])
 
 
-@each_way
-def test_nothing_is_left_of_a_browser_that_has_gone(socketio_too, gateway):
-    program, endpoint = gateway
+def leaves_nothing_open(program, times, come_and_go):
+    """A browser that comes and goes so often: the gateway has as many open files as after it was there once."""
     folder = Path(f"/proc/{program.process.pid}/fd")
     if not folder.exists():
         pytest.skip("counts what is open in /proc")
+
+    def come_and_have_gone():
+        begin = len(program.lines)
+        come_and_go()
+        program.wait_for(r"^browser \d+ left$", start=begin)
+
+    come_and_have_gone()
+    before = len(list(folder.iterdir()))
+    for _ in range(times):
+        come_and_have_gone()
+    deadline = time.monotonic() + LIMIT / 4
+    while len(list(folder.iterdir())) > before + 3:
+        assert time.monotonic() < deadline, "sockets that nobody closes"
+        time.sleep(0.05)
+
+
+@each_way
+def test_nothing_is_left_of_a_browser_that_has_gone(socketio_too, gateway):
+    program, endpoint = gateway
 
     async def come_and_go():
         if not socketio_too:
@@ -541,19 +559,7 @@ def test_nothing_is_left_of_a_browser_that_has_gone(socketio_too, gateway):
         assert await client.call("hello", "x", timeout=LIMIT) == "x"
         await client.disconnect()
 
-    def come_and_have_gone():
-        begin = len(program.lines)
-        asyncio.run(come_and_go())
-        program.wait_for(r"^browser \d+ left$", start=begin)
-
-    come_and_have_gone()
-    before = len(list(folder.iterdir()))
-    for _ in range(10):
-        come_and_have_gone()
-    deadline = time.monotonic() + LIMIT
-    while len(list(folder.iterdir())) > before + 3:
-        assert time.monotonic() < deadline, "sockets are left"
-        time.sleep(0.05)
+    leaves_nothing_open(program, 10, lambda: asyncio.run(come_and_go()))
 
 
 # A stranger to the gateway
@@ -780,9 +786,6 @@ def test_who_asks_nothing_is_let_go(echo):
 
 def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):
     program, endpoint = gateway
-    folder = Path(f"/proc/{program.process.pid}/fd")
-    if not folder.exists():
-        pytest.skip("counts what is open in /proc")
 
     async def talk(browser, _):
         for i in range(60):
@@ -790,18 +793,7 @@ def test_what_a_browser_has_asked_before_it_left_opens_nothing(gateway):
         await browser.send_str('4299["hello","Hello"]')
         assert await browser.receive_str(timeout=LIMIT) == '4399["World"]'
 
-    begin = len(program.lines)
-    in_browser(endpoint, lambda browser: asked(browser, "Hello"))
-    program.wait_for(r"^browser \d+ left$", start=begin)
-    before = len(list(folder.iterdir()))
-    for _ in range(3):
-        begin = len(program.lines)
-        by_socketio(endpoint, talk)
-        program.wait_for(r"^browser \d+ left$", start=begin)
-    deadline = time.monotonic() + LIMIT / 4
-    while len(list(folder.iterdir())) > before:
-        assert time.monotonic() < deadline, "sockets that nobody closes"
-        time.sleep(0.05)
+    leaves_nothing_open(program, 5, lambda: by_socketio(endpoint, talk))
 
 
 def test_who_has_too_many_requests_at_once_is_told_so_and_let_go(echo):
