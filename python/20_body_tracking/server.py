@@ -22,6 +22,7 @@ from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
+from walker import persons
 
 from netmq_example.body.camera import watch
 from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, as_text, play, read
@@ -48,14 +49,13 @@ def source(options: argparse.Namespace) -> Iterator[tuple[People, Hands]]:
     if options.camera is not None:
         return watch(options.camera, options.model or MODEL, options.persons, options.hands)
     if options.hands or options.model:
-        raise SourceError("--model and --hands need --camera: without it a recording is played")
-    return play(options.recording)
+        raise SourceError("--model and --hands need --camera: they are for its pictures")
+    return play(options.recording or persons())
 
 
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5570")
-    walk = str(Path(__file__).resolve().with_name("walk.csv"))
-    parser.add_argument("--recording", type=recording, default=walk, help="the persons; if left out, walk.csv")
+    parser.add_argument("--recording", type=recording, help="a file of yours; if left out, two persons are made up")
     parser.add_argument("--camera", type=whole, nargs="?", const=0, help="a webcam instead; 0 is the first one")
     parser.add_argument("--model", type=Path, help=f"for --camera; if left out, {MODEL}")
     parser.add_argument("--persons", type=int, choices=range(1, 10), default=2, help="for --camera: how many at most")

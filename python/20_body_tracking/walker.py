@@ -1,19 +1,13 @@
-"""Application 20, the recorded persons: made up here, so that there is something to see without a webcam.
+"""Application 20, two persons without a webcam: made up here, so that there is something to see.
 
-    python python/20_body_tracking/walker.py                 writes walk.csv beside this file: 3 seconds, 30 poses each
-    python python/20_body_tracking/walker.py --file new.csv  another file, which must not be there yet
+for people, hands in play(persons()): ...
 
 Person 0 walks on the spot, turned half to the side. Person 1 faces the camera, raises its arms and bends its knees.
 """
 
-import argparse
 import math
-import sys
-from pathlib import Path
 
-sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-from netmq_example.body.people import Landmark, write
-from netmq_example.program import run
+from netmq_example.body.people import Landmark, Pictures
 
 PICTURES_A_SECOND = 30
 SECONDS = 3
@@ -72,20 +66,7 @@ def bending(seconds: float) -> list[Landmark]:
     return body(side(1), side(-1), turn=0)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Writes the recorded persons, made up here, into a file.")
-    parser.add_argument("--file", type=Path, help="a new file; if left out, walk.csv beside this program, written anew")
-    options = parser.parse_args()
-    path: Path = options.file or Path(__file__).resolve().with_name("walk.csv")
-    if options.file and path.exists():
-        parser.error(f"{path} is there already: name a new file")
+def persons() -> Pictures:
+    """Three seconds, which end where they begin; as people.read returns a recording."""
     times = [step / PICTURES_A_SECOND for step in range(PICTURES_A_SECOND * SECONDS)]
-    try:
-        write(path, [(seconds, [walking(seconds), bending(seconds)]) for seconds in times])
-    except OSError as error:
-        parser.error(f"cannot write {path}: {error.strerror}")
-    print(f"wrote {path.name}: {len(times)} poses of 2 persons")
-
-
-if __name__ == "__main__":
-    run(main, stopped="stopped")
+    return [(seconds, [walking(seconds), bending(seconds)]) for seconds in times]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import re
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,11 +14,11 @@ import pytest
 import zmq
 
 from netmq_example.body import listener as body_listener
-from netmq_example.body import people
 from tests.programs import ROOT, Program, leaves_nothing_to_collect
 from tests.unity.conftest import NEAREST
 
-LESSON = ROOT / "python" / "20_body_tracking"
+sys.path.append(str(ROOT / "python" / "20_body_tracking"))
+walker = importlib.import_module("walker")
 SCRIPTS = ROOT / "unity" / "Assets" / "NetMQExample" / "20_body_tracking"
 GERMAN = {"LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"}
 # As in OneEuroFilter.cs.
@@ -29,7 +31,9 @@ def message(number: int, body: Any, person: int = 0) -> str:
 
 
 def walk(person: int = 0) -> list[Any]:
-    return [there[person] for _, there in people.read(LESSON / "walk.csv")]
+    """To the millimetre, as it is published."""
+    bodies = [there[person] for _, there in walker.persons()]
+    return [[tuple(round(value, 3) for value in landmark) for landmark in body] for body in bodies]
 
 
 class Filter:
