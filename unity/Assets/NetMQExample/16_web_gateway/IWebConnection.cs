@@ -21,17 +21,4 @@ namespace NetMQExample
         /// <returns>False if there is none.</returns>
         bool TryReceive(out string text);
     }
-
-    /// <summary>The one place that knows where it runs.</summary>
-    public static class WebConnection
-    {
-        /// <summary>Begins to connect.</summary>
-        /// <param name="address">A <c>ws://</c> or <c>wss://</c> address.</param>
-        /// <returns>The connection, which opens or closes later.</returns>
-#if UNITY_WEBGL && !UNITY_EDITOR
-        public static IWebConnection To(string address) => new BrowserConnection(address);
-#else
-        public static IWebConnection To(string address) => new DotNetConnection(address);
-#endif
-    }
 }

@@ -86,7 +86,7 @@ namespace NetMQExample
             // After any trouble it waits a moment.
             var calm = !sinceTrouble.IsRunning || sinceTrouble.Elapsed > Pause;
             if (connection == null && calm)
-                connection = WebConnection.To("ws" + endpoint.Substring(4) + Path);
+                connection = Connect("ws" + endpoint.Substring(4) + Path);
             while (connection != null && answer == null && connection.TryReceive(out var text)) Read(text);
             if (answer == null && !sent && calm && connection?.IsOpen == true && IsReady)
             {
@@ -146,6 +146,14 @@ namespace NetMQExample
             Close();
             return new IOException($"{endpoint} does not let this client in: its token is missing or wrong");
         }
+
+        // The one place that knows where it runs.
+        private static IWebConnection Connect(string address) =>
+#if UNITY_WEBGL && !UNITY_EDITOR
+            new BrowserConnection(address);
+#else
+            new DotNetConnection(address);
+#endif
 
         private TimeoutException Late()
         {
