@@ -14,7 +14,6 @@ again.
 """
 
 import argparse
-import itertools
 import sys
 import time
 from collections.abc import Iterator
@@ -25,7 +24,7 @@ import zmq
 from walker import persons
 
 from netmq_example.body.camera import watch
-from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, as_text, play, read
+from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, as_text, begun, play, read
 from netmq_example.program import encoded, listening, run, server_options, whole
 
 MODEL = Path("pose_landmarker_lite.task")
@@ -63,10 +62,9 @@ def main() -> None:
     options = parser.parse_args()
     try:
         # A webcam and its models take longer than a client waits: this server is ready when there is a picture.
-        pictures = source(options)
-        first = next(pictures)
+        pictures = begun(source(options))
         with listening(zmq.PUB, options, LARGEST_BYTES) as socket:
-            for number, (people, hands) in enumerate(itertools.chain([first], pictures), 1):
+            for number, (people, hands) in enumerate(pictures, 1):
                 bodies = {f"pose/{person}": body for person, body in enumerate(people)}
                 for topic, landmarks in (bodies | hands).items():
                     # This never waits: a listener that is not there yet, or is too slow, does not get it.

@@ -93,6 +93,11 @@ def read_body(number: int, row: list[str], person: int) -> list[Landmark]:
     raise SourceError(f"line {number} of the recording must be seconds, person {person} and {4 * LANDMARKS} numbers")
 
 
+def begun(pictures: Iterator[tuple[People, Hands]]) -> Iterator[tuple[People, Hands]]:
+    """The same, once the first of them is there."""
+    return itertools.chain([next(pictures)], pictures)
+
+
 def play(pictures: Pictures) -> Iterator[tuple[People, Hands]]:
     """Each picture when it is due, over and over. There are no hands in a recording."""
     if not pictures or not isinstance(pictures, list):
