@@ -3,7 +3,7 @@ place; `drive` gets all pictures and all telemetry; and a recording has columns 
 fixtures are those of test_08_see_and_steer.py.
 """
 
-# ruff: noqa: F401, F811
+# ruff: noqa: E402, F401, F811
 from __future__ import annotations
 
 import math
@@ -12,11 +12,14 @@ import shutil
 import pytest
 
 from kitlib.docs import guide
-from netmq_example.camera.recording import Recorder, recorded
 from netmq_example.messages import Message
 from tests.conftest import CLIENTS, PYTHON
-from tests.lessons.test_08_see_and_steer import KEY, LESSON, action, ask, driver, frame, np, rows
 from tests.programs import PATIENT, ROOT
+
+np = pytest.importorskip("numpy", reason="lesson 08 needs numpy: kit.py run 8 installs it")
+pytest.importorskip("PIL.Image", reason="recording needs Pillow: pip install pillow")
+from netmq_example.camera.recording import Recorder, recorded
+from tests.lessons.test_08_see_and_steer import KEY, LESSON, action, ask, driver, frame, rows
 
 # Else several pictures are on their way before the first action comes.
 LOCKSTEP = ["--lockstep", "true"]

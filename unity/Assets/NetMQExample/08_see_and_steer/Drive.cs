@@ -139,7 +139,8 @@ namespace NetMQExample
         }
 
         private string Describe(DriveAction newest) =>
-            FormattableString.Invariant($"frame {newest.Frame}: age {Frame - newest.Frame}, {newest.Milliseconds:F1} ms; ") +
+            FormattableString.Invariant($"frame {newest.Frame}: age {Frame - newest.Frame}, ") +
+            FormattableString.Invariant($"{newest.Milliseconds:F1} ms; ") +
             FormattableString.Invariant($"steer {newest.Steer:F2}, speed {car.Speed:F1} m/s, {car.Where}");
     }
 }
