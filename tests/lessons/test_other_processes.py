@@ -323,8 +323,8 @@ except SystemExit as end:
 def test_a_cell_of_a_notebook(tmp_path):
     (tmp_path / "cell.py").write_text(CELL, encoding="utf-8")
     client = ROOT / "python" / "01_request_reply" / "client.py"
-    words = [client, "--endpoint", steady_endpoint(), "--timeout", "0.2"]
-    done = finished([PYTHON, tmp_path / "cell.py", ROOT / "python", *words])
+    words = ["--endpoint", steady_endpoint(), "--timeout", "0.2"]
+    done = finished([PYTHON, tmp_path / "cell.py", ROOT / "python", client, *words])
     first, *_, last = done.stdout.splitlines()
     assert first == "tcp://127.0.0.1:5551", done
     assert re.fullmatch("gave up: .* True", last), done

@@ -85,7 +85,8 @@ def why_ended(process: subprocess.Popen[bytes] | None) -> str:
     if process is None or code is None:
         return ""
     # In a notebook its own words are in another window.
-    return f"the simulator ended with code {code}: in {os.getcwd()}, {shell(*process.args)} shows why"  # type: ignore[misc]
+    by_hand = shell(*process.args)  # type: ignore[misc]
+    return f"the simulator ended with code {code}: in {os.getcwd()}, {by_hand} shows why"
 
 
 def end_program(process: subprocess.Popen[bytes]) -> None:
