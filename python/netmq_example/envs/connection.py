@@ -229,8 +229,8 @@ class Simulators:
             self.end()
             self.process = start_program([*self.launch, "--endpoint", endpoint])
         else:
-            # A socket of lesson 17 has a hub there.
-            say_waiting(endpoint, ": press Play" if self.owns_socket else "")
+            # Lesson 17's socket has a hub there.
+            say_waiting(endpoint, "" if hasattr(self.connection.socket, "told") else ": press Play")
         self.connection.wait(self.wait, accept, lambda: why_ended(self.process))
         QUIET.pop(endpoint, None)
 
