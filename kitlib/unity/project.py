@@ -26,7 +26,8 @@ def find_project(path: Path) -> Path:
     for folder in [path.resolve(), *path.resolve().parents]:
         if (folder / "Assets").is_dir() and (folder / "ProjectSettings" / "ProjectVersion.txt").is_file():
             return folder
-    reason = "there is no such folder" if not path.exists() else "no Assets beside ProjectSettings/ProjectVersion.txt"
+    lacks = [name for name in ("Assets", "ProjectSettings/ProjectVersion.txt") if not (path / name).exists()]
+    reason = f"it has no {' and no '.join(lacks)}" if path.exists() else "there is no such folder"
     raise KitError(f"{path} is no Unity project: {reason}; give the folder that Unity Hub shows")
 
 

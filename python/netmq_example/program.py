@@ -168,7 +168,7 @@ def next_message(recv_multipart: Callable[[], list[T]], timeout: float) -> list[
 
 def encoded(text: str, errors: str = "replace") -> bytes:
     """In UTF-8, to be sent in one frame. ValueError if it is too long: the peer would hang up, without a word."""
-    data = text.encode(errors=errors)
+    data = check.instance("text", text, str).encode(errors=errors)
     if len(data) > LARGEST_BYTES:
         raise ValueError(f"a text of {len(data)} bytes, more than {LARGEST_BYTES}: lesson 05 carries more")
     return data

@@ -43,8 +43,10 @@ namespace NetMQExample
             {
                 // A publisher that is away ends nothing: the cube stands still until it is back.
                 if (!TryReceive(() => listener.Newest(Seconds(timeout), stop), out var message)) continue;
-                if (Parse(message) is float[] pose) newest = pose;
-                if (every > 0 && i % every == 0) Log($"received {LogText.Printable(message)}");
+                var pose = Parse(message);
+                if (pose != null) newest = pose;
+                var trouble = pose == null ? ": no pose, which has a number and 7 decimals" : "";
+                if (every > 0 && i % every == 0) Log($"received {LogText.Printable(message)}{trouble}");
                 i++;
             }
             Log($"done: received {count}");
