@@ -18,8 +18,17 @@ pytest.importorskip("gymnasium", reason="lesson 09 needs gymnasium: kit.py run 9
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete, Text
 
-from netmq_example.base_env import ActionTuple
+from netmq_example.base_env import ActionTuple, DecisionStep, ObservationSpec, TerminalStep
 from netmq_example.environment import UnityEnvironment
+from netmq_example.exception import (
+    UnityActionException,
+    UnityCommunicationException,
+    UnityCommunicatorStoppedException,
+    UnityEnvironmentException,
+    UnityException,
+    UnityTimeOutException,
+    UnityWorkerInUseException,
+)
 from netmq_example.side_channel.raw_bytes_channel import RawBytesChannel
 from netmq_example.simulation.simulation import Simulation
 from netmq_example.simulation.simulator import EnvironmentClient, Simulator
@@ -306,12 +315,12 @@ def corridor():
     """corridor(*words): ML-Agents' environment of a simulator in a thread of this process."""
     made, threads = [], []
 
-    def make(*words):
+    def make(*words, **more):
         port = steady_port()
         client = EnvironmentClient(f"tcp://127.0.0.1:{port}", LIMIT)
         threads.append(threading.Thread(target=client.run, args=(Simulator(Corridor(*words)),), daemon=True))
         threads[-1].start()
-        made.append(UnityEnvironment(base_port=port - 3, worker_id=3))
+        made.append(UnityEnvironment(base_port=port - 3, worker_id=3, **more))
         return made[-1]
 
     yield make
@@ -327,16 +336,23 @@ def test_what_is_seen_and_done_has_its_names(corridor):
     (name,) = env.get_behavior_names()
     assert (name, list(env.behavior_specs)) == ("Corridor?team=0", [name])
     spec = env.behavior_specs[name]
-    assert [each.shape for each in spec.observation_specs] == [(2,), ()]
+    assert spec.observation_specs == [ObservationSpec((2,), "done"), ObservationSpec((), "step")]
     assert spec.action_spec == (2, ())
+    assert spec.action_spec.is_continuous() and not spec.action_spec.is_discrete()
     now, over = env.get_steps(name)
     assert (len(now), len(over), list(now), now.reward.tolist()) == (1, 0, [0], [0.0])
     assert [seen.shape for seen in now.obs] == [(1, 2), (1,)]
     assert [seen.shape for seen in over.obs] == [(0, 2), (0,)]
-    env.set_actions(name, ActionTuple(continuous=np.array([[0.25, -1]])))
+    assert now.action_mask is None
+    assert [now.group_id.tolist(), now.group_reward.tolist(), over.group_id.tolist()] == [[0], [0.0], []]
+    action = ActionTuple()
+    action.add_continuous(np.array([[0.25, -1]]))
+    env.set_action_for_agent(name, 0, action)
     env.step()
     now, _ = env.get_steps(name)
-    assert now[0].obs[0].tolist() == [0.25, -1] and now[0].reward == 0.5
+    one = now[0]
+    assert isinstance(one, DecisionStep) and (one.agent_id, one.action_mask, one.group_id) == (0, None, 0)
+    assert one.obs[0].tolist() == [0.25, -1] and one.reward == 0.5
     env.step()
     assert env.get_steps(name)[0].obs[0].tolist() == [[0, 0]], "an action is for one step"
     env.set_actions(name, spec.action_spec.random_action(1))
@@ -355,6 +371,7 @@ def test_the_step_that_ends_an_episode_begins_the_next_one(terminates, corridor)
     env.step()
     now, over = env.get_steps(name)
     assert (list(now), list(over)) == ([1], [0])
+    assert isinstance(over[0], TerminalStep) and (over[0].agent_id, over[0].group_reward) == (0, 0)
     assert over[0].obs[1] == 2 and over[0].reward == 0.5 and bool(over[0].interrupted) == (not terminates)
     assert now[1].obs[1] == 0 and now[1].reward == 0
     both = env.get_step_result(name)
@@ -367,12 +384,38 @@ def test_the_step_that_ends_an_episode_begins_the_next_one(terminates, corridor)
     assert list(env.get_steps(name)[0]) == [2]
 
 
+def test_max_step_ends_an_episode(corridor):
+    env = corridor(None, (3, True), max_episode_steps=2)
+    env.reset()
+    (name,) = env.behavior_specs
+    for _ in range(2):
+        env.step()
+        assert len(env.get_steps(name)[1]) == 0
+        env.step()
+        now, over = env.get_steps(name)
+        assert over.interrupted.tolist() == [True] and over.obs[1].tolist() == [2]
+        assert now.obs[1].tolist() == [0]
+
+
+def test_an_end_in_the_last_step_is_no_interruption(corridor):
+    env = corridor(None, (2, True), max_episode_steps=2)
+    env.reset()
+    (name,) = env.behavior_specs
+    env.step()
+    env.step()
+    assert env.get_steps(name)[1].interrupted.tolist() == [False]
+
+
 def test_whole_numbers_that_are_several(corridor):
     env = corridor(MultiDiscrete([2, 5]))
     env.reset()
     (name,) = env.behavior_specs
-    assert env.behavior_specs[name].action_spec == (0, (2, 5))
-    env.set_actions(name, ActionTuple(discrete=[[1, 4]]))
+    spec = env.behavior_specs[name].action_spec
+    assert (spec, spec.discrete_size) == ((0, (2, 5)), 2)
+    assert spec.is_discrete() and not spec.is_continuous()
+    action = ActionTuple()
+    action.add_discrete([[1, 4]])
+    env.set_actions(name, action)
     env.step()
     assert env.get_steps(name)[0].obs[0].tolist() == [[1, 4]]
 
@@ -391,17 +434,49 @@ def test_what_is_wrong_is_said_in_one_line(corridor):
         ValueError, match=re.escape("an action is (1, 2) floats, (1, 0) integers, not (1, 3) and (1, 0)")
     ):
         env.set_actions(name, np.zeros((1, 3)))
+    with pytest.raises(UnityActionException, match=r"^no agent 7 wants an action; there is: 0$"):
+        env.set_action_for_agent(name, 7, np.zeros((1, 2)))
+    with pytest.raises(ValueError, match="max_episode_steps"):
+        UnityEnvironment(max_episode_steps=-1)
 
 
-def test_a_build_is_launched(tmp_path):
+def test_a_simulator_that_is_missing_has_ml_agents_names(corridor):
+    port = steady_port()
+    with pytest.raises(UnityTimeOutException, match="no simulator came"):
+        UnityEnvironment(base_port=port, timeout_wait=0.1)
+    with pytest.raises(UnityTimeOutException, match="the simulator ended with code 2"):
+        UnityEnvironment(str(PYTHON), additional_args=["nothing.py"])
+    taken = corridor().env.connection.endpoint.rpartition(":")[2]
+    with pytest.raises(UnityWorkerInUseException, match=f"cannot listen on tcp://127.0.0.1:{taken}"):
+        UnityEnvironment(base_port=int(taken))
+    with pytest.raises(TypeError, match=r"^file_name takes a str or PathLike, not \['game"):
+        UnityEnvironment(["game"])
+    # Whoever catches Python's own catches them as well.
+    assert issubclass(UnityTimeOutException, UnityException) and issubclass(UnityTimeOutException, TimeoutError)
+
+
+def test_a_build_is_launched_and_once_more_when_it_is_lost(tmp_path):
     """With the words that a build takes: here Python is the build."""
     channel = RawBytesChannel(uuid.uuid4())
     falling_ball = ROOT / "python" / "13_side_channels" / "falling_ball.py"
     env = UnityEnvironment(str(PYTHON), additional_args=[str(falling_ball)], seed=3, side_channels=[channel])
     try:
         env.reset()
-        assert env.get_behavior_names() == ["Ball?team=0"]
+        (name,) = env.get_behavior_names()
+        assert name == "Ball?team=0"
+        assert env.behavior_specs[name].observation_specs == [ObservationSpec((1,), "observation")]
+        env.env.simulators.process.kill()
+        env.env.simulators.process.wait()
+        with pytest.raises(UnityCommunicatorStoppedException, match=r"^the simulator is lost: the simulator is gone; "):
+            env.step()
+        # Also by the name of any trouble with the connection.
+        assert issubclass(UnityCommunicatorStoppedException, UnityCommunicationException)
+        with pytest.raises(ValueError, match="call reset before get_steps"):
+            env.get_steps(name)
+        env.reset()
+        env.step()
+        assert list(env.get_steps(name)[0]) == [1], "another one goes on"
     finally:
         env.close()
-    with pytest.raises(FileNotFoundError, match="no game at"):
+    with pytest.raises(UnityEnvironmentException, match="no game at"):
         UnityEnvironment(str(tmp_path / "game"), no_graphics=True)
