@@ -330,6 +330,8 @@ NO_HELLOS = {
     "bad-space: .* makes no space: ": {**FINE, "action": ["box", "int42", np.zeros(1), np.ones(1)]},
     "missing-field: .*'action'": {"observation": FINE["observation"]},
     "no-spaces: what describes the spaces is no dict": [],
+    "several-agents: this simulator is one of agents: take ZmqParallelEnv for lesson 10's": {"agents": []},
+    "several-agents: .*, NetMQExample/Unity-v0 for lesson 11's": {},
 }
 HELLOS = {
     **{text: hello_with(spaces) for text, spaces in NO_HELLOS.items()},

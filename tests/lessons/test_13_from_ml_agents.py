@@ -11,6 +11,8 @@ import uuid
 
 import pytest
 
+from kitlib.lessons import find
+from kitlib.unity.install import code, of_lesson, with_used
 from tests.conftest import PYTHON
 from tests.programs import LIMIT, ROOT, steady_port
 
@@ -280,6 +282,16 @@ def test_the_page_says_each_replacement():
         row = next(row for row in PAGE.split("\n") if row.startswith("|") and f"`{line}`" in row)
         assert f"`{new}`" in row, row
     assert f"`{RAW[1]}`" in PAGE
+
+
+def test_the_examples_that_the_page_lets_one_delete_are_used_by_nothing_else():
+    (listed,) = re.findall(r"delete the examples: (.*?)\.$", PAGE, re.DOTALL | re.MULTILINE)
+    gone = re.findall(r"`(\w+)`", listed)
+    copied = {script for lesson in ("13", "9") for script in of_lesson(find(lesson).unity) if script.suffix == ".cs"}
+    left = {script for script in copied if not {script.stem, script.parent.name} & {*gone}}
+    assert all(any(name in (script.stem, script.parent.name) for script in copied) for name in gone)
+    # With what these use in turn.
+    assert set(with_used(sorted(left), "99", code)) == left
 
 
 # The environment

@@ -67,6 +67,10 @@ def same(spaces: Any, before: Any) -> Any:
 
 
 def observation_and_action(described: Any) -> list[Space[Any]]:
+    if type(described) is dict and described.keys() <= {"agents"}:
+        # Lesson 10's simulator lists them; to lesson 11's Python says what spaces they have.
+        cure = "take ZmqParallelEnv for lesson 10's, NetMQExample/Unity-v0 for lesson 11's"
+        raise MessageError("several-agents", f"this simulator is one of agents: {cure}")
     return [space_of(take(described, which, list)) for which in ("observation", "action")]
 
 
