@@ -261,6 +261,8 @@ def test_the_example_of_the_documentation_runs(channel, register, script, tmp_pa
     # The scene's port is this test's own.
     script = script.replace("UnityEnvironment.DEFAULT_EDITOR_PORT", f"{port}")
     script = script.replace("UnityEnvironment(side", f"UnityEnvironment(base_port={port}, side")
+    # The player may compile for longer than Python waits by itself.
+    script = script.replace("side_channels=[", f"timeout_wait={LIMIT}, side_channels=[")
     script = (script.replace(*RAW) if old else script).replace("mlagents_envs", "netmq_example")
     (tmp_path / "log.py").write_text(script, encoding="utf-8")
     python = start(PYTHON, tmp_path / "log.py", PYTHONPATH=str(ROOT / "python"))
