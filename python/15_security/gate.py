@@ -15,13 +15,26 @@ from pathlib import Path
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 
-from netmq_example.program import Context, Socket, client_endpoint, limit, listening, run, server_options
+from netmq_example.program import (
+    Context,
+    Socket,
+    client_endpoint,
+    limit,
+    listening,
+    more_files,
+    run,
+    server_options,
+    show,
+)
 from netmq_example.security.allow_list import AllowList, keys_for
+from netmq_example.trouble import Trouble
 
 # Pictures pass as well.
 LARGEST_BYTES = 64 << 20
-# With more clients than that, the one that was silent longest is disconnected from the server.
+# With more clients than that, the one that was silent longest is disconnected from the server. There are fewer where a
+# program may not have so many files open: a client takes three, and two of them stay when it has gone.
 MOST_CLIENTS = 500
+FILES_OF_A_CLIENT = 4
 
 
 class Gate:
@@ -31,6 +44,8 @@ class Gate:
         self.context, self.door, self.server, self.allowed = context, door, server, allowed
         # By each client's address its connection, and the key that it has shown: an address may change hands.
         self.inside: dict[bytes, tuple[Socket, str]] = {}
+        self.most = min(MOST_CLIENTS, more_files() // FILES_OF_A_CLIENT)
+        self.trouble = Trouble(show)
         self.poller = zmq.Poller()
         self.poller.register(door, zmq.POLLIN)
 
@@ -62,10 +77,17 @@ class Gate:
             # libzmq before 4.3.5 knows it of the client's own frames alone, and the address is ROUTER's.
             self.allowed.refuse(key, str((frames or [address])[-1].get("Peer-Address")))
             return
-        if len(self.inside) == MOST_CLIENTS and client not in self.inside:
+        if len(self.inside) == self.most and client not in self.inside:
             self.disconnect(next(iter(self.inside)))
-        # Put in again at the end: the first is the one that was silent longest.
-        socket = self.inside.pop(client)[0] if client in self.inside else self.connect()
+        try:
+            # Put in again at the end: the first is the one that was silent longest.
+            socket = self.inside.pop(client)[0] if client in self.inside else self.connect()
+        except zmq.ZMQError as error:
+            # Connections of strangers are open files as well. The client asks again, and by then there is room.
+            self.trouble(f"no connection to the server for one more client: {error}")
+            if self.inside:
+                self.disconnect(next(iter(self.inside)))
+            return
         self.inside[client] = socket, key
         try:
             socket.send_multipart(frames, zmq.NOBLOCK, copy=False)

@@ -29,6 +29,8 @@ KEPT_ENTRIES = 100_000
 LONGEST_ID_BYTES = 100
 # While another program has the file locked, everybody here waits, and so does Ctrl-C: not for long.
 LOCKED_SECONDS = 0.5
+# A statement that is wrong, or that a rule of a table refuses: nothing is the matter with the file.
+MISTAKES = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_MISMATCH, sqlite3.SQLITE_TOOBIG)
 # What does the work of a request: your own.
 Answer = Callable[[sqlite3.Connection, str], str]
 
@@ -87,12 +89,16 @@ class Journal:
                 encoded(reply)
                 # A mistake may be asked again. Were it written down, a flood of mistakes would drive out what was done.
                 if reply.startswith("error:"):
+                    # What it changed before would be changed once more by each retry.
+                    self.db.rollback()
                     return reply
                 self.db.execute("INSERT INTO journal (id, reply) VALUES (?, ?)", (request_id, reply))
                 self.db.execute("DELETE FROM journal WHERE number <= last_insert_rowid() - ?", (KEPT_ENTRIES,))
-        except sqlite3.Error:
-            raise
         except Exception as error:
+            # Python's own errors about a statement have no code.
+            code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR)
+            if isinstance(error, sqlite3.Error) and code & 0xFF not in MISTAKES:
+                raise
             # A mistake in the work is reported to both sides, and ends neither; what it changed is taken back.
             traceback.print_exc()
             return f"error: {error!r}"

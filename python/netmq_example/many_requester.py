@@ -9,6 +9,7 @@ carries the same. In C# it is ManyRequester.cs.
 """
 
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -21,6 +22,8 @@ from netmq_example.program import LARGEST_BYTES, Context, limit
 
 # The deadlines are checked this often. Shorter would cost more. Longer, and Ctrl-C would have to wait on Windows.
 SLICE_SECONDS = 0.05
+# So many waiting messages are read at a time.
+MOST_MESSAGES = 1000
 
 
 @dataclass
@@ -88,10 +91,12 @@ class ManyRequester(OneProcess):
         if isinstance(texts, str) or not isinstance(texts, Iterable):
             raise TypeError(f"texts takes a list of texts, not {texts!r:.40}")
         self.pending.clear()
+        # Outcomes that the caller does not have yet: how long it takes for one is not the server's time.
+        outcomes: deque[tuple[int, str, str]] = deque()
         upcoming = enumerate(texts, 1)
         next_look = time.monotonic() + SLICE_SECONDS
         while True:
-            while len(self.pending) < self.window:
+            while len(self.pending) + len(outcomes) < self.window:
                 number, text = next(upcoming, (0, ""))
                 if not number:
                     break
@@ -102,29 +107,35 @@ class ManyRequester(OneProcess):
                     continue
                 self.last_id += 1
                 self.send(b"%d" % self.last_id, Pending(number, encoded, self.timeout))
-            if not self.pending:
+            if not self.pending and not outcomes:
                 return
-            yield from self.arrived()
+            outcomes += self.arrived(not outcomes)
             if time.monotonic() >= next_look:
-                yield from self.overdue()
+                outcomes += self.overdue()
                 next_look = time.monotonic() + SLICE_SECONDS
+            if outcomes:
+                yield outcomes.popleft()
 
-    def arrived(self) -> Iterator[tuple[int, str, str]]:
-        """The next reply, if one comes in time."""
-        try:
-            frames = self.socket.recv_multipart()
-        except zmq.Again:
-            return
-        self.heard = time.monotonic()
-        entry = self.pending.get(frames[0])
-        # One for a request that is not pending is late or a second one: dropped.
-        if len(frames) != 2 or not entry:
-            return
-        # So is a refusal, until the last try: such a request is asked again when its timeout is over.
-        if frames[1].startswith(b"error: busy") and entry.attempt < self.tries:
-            return
-        del self.pending[frames[0]]
-        yield entry.number, frames[1].decode(errors="replace"), ""
+    def arrived(self, wait: bool) -> Iterator[tuple[int, str, str]]:
+        """The replies that are there; the first one may be waited for."""
+        flags = 0 if wait else zmq.NOBLOCK
+        # A server may send faster than this loop takes.
+        for _ in range(MOST_MESSAGES):
+            try:
+                frames = self.socket.recv_multipart(flags)
+            except zmq.Again:
+                return
+            flags = zmq.NOBLOCK
+            self.heard = time.monotonic()
+            entry = self.pending.get(frames[0])
+            # One for a request that is not pending is late or a second one: dropped.
+            if len(frames) != 2 or not entry:
+                continue
+            # So is a refusal, until the last try: such a request is asked again when its timeout is over.
+            if frames[1].startswith(b"error: busy") and entry.attempt < self.tries:
+                continue
+            del self.pending[frames[0]]
+            yield entry.number, frames[1].decode(errors="replace"), ""
 
     def overdue(self) -> Iterator[tuple[int, str, str]]:
         """A request that waits for too long is sent again with its old id, or given up."""

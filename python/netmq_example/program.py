@@ -37,12 +37,17 @@ Context = zmq.Context[zmq.Socket[bytes]]
 Socket = zmq.Socket[bytes]
 T = TypeVar("T")
 
+if sys.platform != "win32":
+    import resource
+
 # The longest wait in one piece, in milliseconds: on Windows Ctrl-C is heard only between two waits.
 SLICE_MS = 200
 # The largest frame of a text message, in bytes. A peer that announces a larger one is disconnected before it arrives.
 LARGEST_BYTES = 65_536
 # What waits on a connection to be read, or two messages: ZeroMQ itself counts only messages, up to 1000.
 WAITING_BYTES = 64 * 1024 * 1024
+# More open files than that no program of this kit needs.
+MOST_FILES = 8192
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
 
 
@@ -144,6 +149,23 @@ def limit(socket: Socket, largest: int = LARGEST_BYTES) -> None:
 def few_answers_wait(context: Context, socket: Socket) -> None:
     """To `prepare` a server with large answers. More are dropped: a client that reads none fills no memory."""
     socket.sndhwm = 10
+
+
+def more_files() -> int:
+    """How many files this program may have open from now on. A client of a gateway or a gate takes three: its
+    connection, its ZeroMQ socket, and that one's connection. Often 1024 are allowed."""
+    if sys.platform == "win32":
+        # There is no such limit.
+        return MOST_FILES
+    now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = most if 0 < most < MOST_FILES else MOST_FILES
+    if 0 < now < wanted:
+        try:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
+        except (ValueError, OSError):
+            # Where it cannot be raised, it stays as it is.
+            return now
+    return wanted
 
 
 def receive(socket: Socket, timeout: float = math.inf) -> list[bytes]:

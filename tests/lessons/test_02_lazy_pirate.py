@@ -402,10 +402,17 @@ def test_a_journal_refuses_what_it_could_not_keep(journal, capsys):
         raise KeyError("no such\nkey")
 
     assert book.do(b"1", "", raises) == "error: KeyError('no such\\nkey')"
-    assert capsys.readouterr().err.count("Traceback") == 4
+    assert book.do(b"1", "", lambda db, text: db.execute("SELEKT 1")).startswith("error: OperationalError(")
+    assert capsys.readouterr().err.count("Traceback") == 5
     assert book.db.execute("SELECT balance FROM account").fetchone() == (0,), "what it changed is taken back"
+
+    def refuses(db, text):
+        db.execute("UPDATE account SET balance = 7")
+        return "error: no"
+
     # Nor is a refusal kept, of which a flood would drive out what was done.
-    assert book.do(b"1", "", lambda db, text: "error: no") == "error: no"
+    assert book.do(b"1", "", refuses) == "error: no"
+    assert book.db.execute("SELECT balance FROM account").fetchone() == (0,)
     assert book.find(b"1") == ""
     assert book.do(b"1", "", lambda db, text: "1") == book.find(b"1") == "1"
     with pytest.raises(sqlite3.IntegrityError):

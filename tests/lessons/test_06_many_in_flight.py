@@ -8,10 +8,12 @@ import socket
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import pytest
 import zmq
 
+from netmq_example import many_requester
 from netmq_example.many_requester import ManyRequester
 from netmq_example.worker_threads import WorkerThreads
 from tests.conftest import PYTHON
@@ -306,6 +308,25 @@ def test_requests_that_are_no_texts_are_named(context):
         outcomes = list(requester.request_many(["ü" * 32_769] * 100))
     assert [number for number, _, _ in outcomes] == list(range(1, 101))
     assert {failure for _, _, failure in outcomes} == {"not sent: 65538 bytes, and the limit is 65536"}
+
+
+def test_a_caller_that_takes_its_time_gets_every_reply(context, monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(many_requester, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    with context.socket(zmq.ROUTER) as router, ThreadPoolExecutor(1) as pool:
+        router.linger = 0
+        endpoint = f"tcp://127.0.0.1:{router.bind_to_random_port('tcp://127.0.0.1')}"
+        with contextlib.closing(ManyRequester(context, endpoint, window=2, tries=1)) as requester:
+            outcomes = requester.request_many(["a", "b"])
+            first = pool.submit(next, outcomes)
+            (*one, _), (*other, _) = receive(router), receive(router)
+            router.send_multipart([*one, b"A"])
+            assert first.result(LIMIT) == (1, "A", "")
+            router.send_multipart([*other, b"B"])
+            assert requester.socket.poll(LIMIT * 1000)
+            # The caller was busy so long.
+            now[0] += 60
+            assert [*outcomes] == [(2, "B", "")]
 
 
 def test_an_endpoint_that_libzmq_cannot_use_hangs_nothing():

@@ -292,6 +292,29 @@ def test_the_keys_of_either_side_are_rotated_and_never_overwritten(folder, alice
     assert nobody == Run(0, ["nobody may come in"])
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of a file's size")
+def test_a_disk_that_is_full_costs_no_pair_and_leaves_nothing_in_the_way(folder):
+    before = {path: path.read_bytes() for path in folder.glob("*.key*")}
+    full = ("sh", "-c", 'ulimit -f 0; exec "$@"', "sh", PYTHON, FOLDER / "keys.py")
+    for words in (("rotate", "client"), ("enrol", f"bob={NOBODY}")):
+        run = finished([*full, *words, "--keys", folder])
+        assert run.returncode == 1 and run.stderr.startswith("cannot write "), run
+    assert {path: path.read_bytes() for path in folder.glob("*.key*")} == before
+    assert [path.name for path in (folder / "allowed").iterdir()] == ["alice.key"]
+
+
+def test_a_key_replaced_by_one_of_the_same_time_is_revoked(folder, alice):
+    """As by an archive that gives one time to all its files."""
+    path = folder / "allowed" / "alice.key"
+    os.utime(path, (1, 1))
+    allowed = AllowList(folder)
+    assert allowed.name(alice) == "alice"
+    keys.revoke(folder, "alice")
+    keys.enrol(folder, "alice", NOBODY)
+    os.utime(path, (1, 1))
+    assert not allowed.name(alice)
+
+
 def test_keys_py_says_in_one_line_what_is_wrong(folder):
     wrong = {
         ("enrol", "bob"): "enrol does not take 'bob'",
@@ -476,6 +499,43 @@ def test_with_too_many_clients_the_one_that_was_silent_longest_is_disconnected(f
         second.send(b"hello again")
         place, text = heard(behind)
         assert text == b"hello again" and place not in places
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of open files for a program")
+@pytest.mark.parametrize(("limit", "crowd"), [("-Sn", 60), ("-n", 100)], ids=["that can be raised", "that cannot"])
+def test_clients_that_come_and_go_take_a_gate_no_file_that_it_needs(limit, crowd, folder, serve, start, connect):
+    """Often 1024 may be open, and what a client takes stays for a while when it has gone."""
+    words = [PYTHON, FOLDER / "gate.py", "--to", serve("01_request_reply")[1], "--keys", folder]
+    words += ["--endpoint", "tcp://127.0.0.1:0"]
+    program = start("sh", "-c", f'ulimit {limit} 64; exec "$@"', "sh", *words)
+    endpoint = program.wait_for(r"^listening on (\S+)")[1]
+    for _ in range(crowd):
+        asker = connect(endpoint)
+        asker.send(b"Hello")
+        if limit == "-Sn":
+            assert asker.poll(LIMIT * 1000)
+        else:
+            # As many as there is room for come in.
+            asker.poll(20)
+            asker.close()
+    assert ask(connect(endpoint)) == "World"
+    assert program.stop() == 0
+    assert "Traceback" not in program.output
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="nowhere else a program's limit can be set from outside")
+def test_connections_of_strangers_that_take_all_files_keep_nobody_out_for_ever(folder, serve, connect):
+    import resource
+
+    server, endpoint = serve(KEY, "--keys", str(folder))
+    number, limits = server.process.pid, resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE)
+    # It is still one connection.
+    resource.prlimit(number, resource.RLIMIT_NOFILE, (len(os.listdir(f"/proc/{number}/fd")) + 1, limits[1]))
+    connect(endpoint, zmq.curve_keypair()).send(b"Hello")
+    server.wait_for("^trouble: cannot read the list: Too many open files; nobody new comes in until that is over$")
+    resource.prlimit(number, resource.RLIMIT_NOFILE, limits)
+    let_in(lambda: connect(endpoint))
+    assert "Traceback" not in server.output
 
 
 def test_an_answer_goes_to_the_key_that_has_asked(gate, folder, connect):

@@ -23,8 +23,10 @@ from zmq.utils import z85
 from netmq_example import check
 from netmq_example.program import Context, Socket, show
 from netmq_example.security.keys import checked_path, example, key_in, load
+from netmq_example.trouble import Trouble
 
 DOMAIN = b"lesson"
+Stamp = tuple[int, int, int]
 # How often it is reported that refused keys came again, and how many new ones are named meanwhile.
 REPORT_SECONDS = 5.0
 MOST_NAMED = 10
@@ -41,10 +43,11 @@ class AllowList:
         self.folder = checked_path(folder).absolute()
         self.public, self.secret = load(self.folder / "server.key_secret")
         self.report = check.function("report", report)
+        self.trouble = Trouble(report)
         self.listed: dict[str, Path] = {}
         self.look_again = 0.0
-        # Each key that was let in, with its file and the time stamp that the file had then.
-        self.known: dict[str, tuple[Path, int]] = {}
+        # Each key that was let in, with its file and the stamp that the file had then.
+        self.known: dict[str, tuple[Path, Stamp]] = {}
         # How often each refused key came again, and what was refused without being named.
         self.refused: dict[str, int] = {}
         self.others = 0
@@ -98,7 +101,11 @@ class AllowList:
         # Strangers may come by the thousand, and a list be long: a tenth of the time is enough to read it.
         began = time.monotonic()
         if began >= self.look_again:
-            self.listed = {key_in(path): path for path in sorted(self.folder.glob("allowed/*.key"), reverse=True)}
+            try:
+                self.listed = {key_in(path): path for path in sorted(self.folder.glob("allowed/*.key"), reverse=True)}
+            except OSError as error:
+                # As many connections of strangers as files may be open. Whoever answers libzmq must outlive that.
+                self.trouble(f"cannot read the list: {error.strerror}; nobody new comes in until that is over")
             self.look_again = time.monotonic() + min(1, 9 * (time.monotonic() - began))
         if key not in self.listed:
             return ""
@@ -157,11 +164,13 @@ class AllowList:
         self.reported = time.monotonic()
 
 
-def stamp_of(path: Path) -> int | None:
+def stamp_of(path: Path) -> Stamp | None:
+    """Another file may have the same time: a copy keeps it, and an archive may give one time to all."""
     try:
-        return path.stat().st_mtime_ns
+        found = path.stat()
     except OSError:
         return None
+    return found.st_mtime_ns, found.st_ctime_ns, found.st_ino
 
 
 def keys_for(folder: Path | str, make: bool = False) -> AllowList:

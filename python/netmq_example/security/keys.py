@@ -22,6 +22,7 @@ import os
 import re
 import struct
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -64,12 +65,18 @@ def make(folder: Path, role: str) -> bytes:
 def rotate(folder: Path, role: str) -> tuple[bytes, Path]:
     """A new pair: its public key, and where the old secret key is, under the next free number."""
     path = checked_path(folder) / f"{checked_role(role)}.key_secret"
+    # Named, if there is none.
+    path.stat()
     number = 1
     while path.with_name(f"{role}.{number}.key_secret").exists():
         number += 1
-    old = path.rename(path.with_name(f"{role}.{number}.key_secret"))
-    path.with_suffix(".key").unlink(missing_ok=True)
-    return make(folder, role), old
+    # On the same disk, which may be full: the old pair stays where it is until the new one is whole.
+    with tempfile.TemporaryDirectory(dir=path.parent) as new:
+        public = make(Path(new), role)
+        old = path.rename(path.with_name(f"{role}.{number}.key_secret"))
+        for name in (f"{role}.key", f"{role}.key_secret"):
+            Path(new, name).replace(path.with_name(name))
+    return public, old
 
 
 def enrol(folder: Path, name: str, key: str) -> Path:
@@ -126,8 +133,13 @@ def write(path: Path, public: bytes, secret: bytes = b"") -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         file = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600 if secret else 0o644)
-        with open(file, "w", encoding="ascii") as new:
-            new.write(text)
+        try:
+            with open(file, "w", encoding="ascii") as new:
+                new.write(text)
+        except OSError:
+            # On a full disk: an empty file would be in the way ever after.
+            path.unlink()
+            raise
     except FileExistsError as error:
         cure = "rotate makes a new pair, revoke frees a name"
         raise ValueError(f"{error.filename} is there, and is never overwritten; {cure}") from None

@@ -117,15 +117,3 @@ def opened(context: zmq.asyncio.Context, kind: int, endpoint: str) -> zmq.asynci
     socket.rcvhwm = 100
     socket.connect(endpoint)
     return socket
-
-
-def more_files() -> None:
-    """A browser takes three: its connection, its ZeroMQ socket, and that one's connection. Often 1024 are allowed."""
-    try:
-        import resource
-
-        _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-        resource.setrlimit(resource.RLIMIT_NOFILE, (most if 0 < most < 8192 else 8192, most))
-    except (ImportError, ValueError, OSError):
-        # Windows has no such limit; where it cannot be raised, it stays as it is.
-        pass

@@ -32,7 +32,7 @@ from aiohttp import web
 from aiohttp.http import HttpProcessingError
 
 from netmq_example import check
-from netmq_example.web.browser_socket import more_files
+from netmq_example.program import more_files
 
 LOOPBACK = ("127.0.0.1", "localhost")
 EVERYWHERE = ("0.0.0.0", "*")

@@ -45,6 +45,8 @@ namespace NetMQExample
 
         // The bytes of the largest request. The server disconnects whoever sends more, with all that is under way.
         private const int LargestBytes = 65536;
+        // So many waiting messages are read at a time.
+        private const int MostMessages = 1000;
         private readonly Dictionary<string, (int number, string text, TimeSpan sent, int tries)> pending;
         private readonly Stopwatch clock = Stopwatch.StartNew();
         private readonly NetMQConnection connection;
@@ -87,10 +89,11 @@ namespace NetMQExample
             using var upcoming = Require.Given("texts", texts).GetEnumerator();
             var number = 0;
             var look = clock.Elapsed + NetMQConnection.Slice;
-            List<string> frames = null;
+            // What the caller does not have yet: how long it takes for one is not the server's time.
+            var outcomes = new Queue<Answer>();
             while (true)
             {
-                while (pending.Count < window && upcoming.MoveNext())
+                while (pending.Count + outcomes.Count < window && upcoming.MoveNext())
                 {
                     number++;
                     var text = Require.Given("each of the texts", upcoming.Current);
@@ -101,30 +104,42 @@ namespace NetMQExample
                         yield return new Answer(
                             number, null, $"not sent: {size} bytes, and the limit is {LargestBytes}");
                 }
-                if (pending.Count == 0) yield break;
+                if (pending.Count + outcomes.Count == 0) yield break;
                 stop.ThrowIfCancellationRequested();
-                if (connection.Socket.TryReceiveMultipartStrings(NetMQConnection.Slice, Encoding.UTF8, ref frames))
+                Receive(outcomes);
+                if (clock.Elapsed >= look)
                 {
-                    heard = clock.Elapsed;
-                    connection.Show(false, frames);
-                    // One for a request that is not pending is late or a second one: dropped. So is a refusal, until
-                    // the last try: such a request is asked again when its timeout is over.
-                    if (frames.Count == 2 && pending.TryGetValue(frames[0], out var entry)
-                        && (entry.tries == tries || !frames[1].StartsWith("error: busy", StringComparison.Ordinal)))
-                    {
-                        pending.Remove(frames[0]);
-                        yield return new Answer(entry.number, frames[1], null);
-                    }
+                    foreach (var id in Overdue())
+                        if (GivenUp(id, out var failed)) outcomes.Enqueue(failed);
+                    look = clock.Elapsed + NetMQConnection.Slice;
                 }
-                if (clock.Elapsed < look) continue;
-                foreach (var id in Overdue())
-                    if (GivenUp(id, out var failed)) yield return failed;
-                look = clock.Elapsed + NetMQConnection.Slice;
+                if (outcomes.Count > 0) yield return outcomes.Dequeue();
             }
         }
 
         /// <summary>Closes the socket, then leaves NetMQ.</summary>
         public void Dispose() => connection.Dispose();
+
+        /// <summary>The replies that are there. If the caller has all before, the first one is waited for.</summary>
+        private void Receive(Queue<Answer> outcomes)
+        {
+            List<string> frames = null;
+            var wait = outcomes.Count > 0 ? TimeSpan.Zero : NetMQConnection.Slice;
+            // A server may send faster than this loop takes.
+            for (var i = 0; i < MostMessages; i++)
+            {
+                if (!connection.Socket.TryReceiveMultipartStrings(wait, Encoding.UTF8, ref frames)) return;
+                wait = TimeSpan.Zero;
+                heard = clock.Elapsed;
+                connection.Show(false, frames);
+                // One for a request that is not pending is late or a second one: dropped. So is a refusal, until the
+                // last try: such a request is asked again when its timeout is over.
+                if (frames.Count != 2 || !pending.TryGetValue(frames[0], out var entry)
+                    || (entry.tries < tries && frames[1].StartsWith("error: busy", StringComparison.Ordinal))) continue;
+                pending.Remove(frames[0]);
+                outcomes.Enqueue(new Answer(entry.number, frames[1], null));
+            }
+        }
 
         private void Send(string id, int number, string text, int attempt)
         {

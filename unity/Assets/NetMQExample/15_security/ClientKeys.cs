@@ -76,9 +76,19 @@ namespace NetMQExample
             Directory.CreateDirectory(folder);
             // Nobody else may read it, not even for a moment: first its mode, then what it holds.
             using (new FileStream(secret, FileMode.CreateNew)) { }
-            OnlyMine(secret);
-            File.WriteAllText(secret, $"{Public(pair)}    secret-key = \"{pair.SecretKeyZ85}\"\n");
-            File.WriteAllText(open, Public(pair));
+            try
+            {
+                OnlyMine(secret);
+                File.WriteAllText(secret, $"{Public(pair)}    secret-key = \"{pair.SecretKeyZ85}\"\n");
+                File.WriteAllText(open, Public(pair));
+            }
+            catch (IOException)
+            {
+                // On a full disk: half a pair would be in the way ever after.
+                File.Delete(secret);
+                File.Delete(open);
+                throw;
+            }
         }
 
         private static string Public(NetMQCertificate pair) => $"curve\n    public-key = \"{pair.PublicKeyZ85}\"\n";
