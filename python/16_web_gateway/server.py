@@ -18,9 +18,18 @@ import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
+import zmq
 import zmq.asyncio
 
-from netmq_example.program import Options, client_endpoint, importing, positive_seconds, run, server_endpoint
+from netmq_example.program import (
+    MOST_FILES,
+    Options,
+    client_endpoint,
+    importing,
+    positive_seconds,
+    run,
+    server_endpoint,
+)
 from netmq_example.security.requester import client_keys
 
 with importing("aiohttp and python-socketio; kit.py run 16 installs them"):
@@ -38,6 +47,8 @@ PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555
 async def serve(options: argparse.Namespace) -> None:
     """The page, WebSocket and Socket.IO on one port, and behind it one ZeroMQ socket for each browser."""
     context = zmq.asyncio.Context()
+    # A browser has one for each name, by Socket.IO.
+    context.set(zmq.MAX_SOCKETS, MOST_FILES)
     if options.keys:
         # To the servers the gateway is one client. Each new socket of a context has the context's options.
         options.keys.apply(context)

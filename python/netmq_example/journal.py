@@ -81,6 +81,7 @@ class Journal:
         It is one transaction: wherever the server is killed, the work and its entry are both there, or neither is.
         """
         self.ready(request_id)
+        reply = ""
         try:
             with self.db:
                 # An empty reply would look like none.
@@ -95,9 +96,9 @@ class Journal:
                 self.db.execute("INSERT INTO journal (id, reply) VALUES (?, ?)", (request_id, reply))
                 self.db.execute("DELETE FROM journal WHERE number <= last_insert_rowid() - ?", (KEPT_ENTRIES,))
         except Exception as error:
-            # Python's own errors about a statement have no code.
+            # Python's own errors about a statement have no code. With a reply the work is done: it is the journal's.
             code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR)
-            if isinstance(error, sqlite3.Error) and code & 0xFF not in MISTAKES:
+            if isinstance(error, sqlite3.Error) and (reply or code & 0xFF not in MISTAKES):
                 raise
             # A mistake in the work is reported to both sides, and ends neither; what it changed is taken back.
             traceback.print_exc()

@@ -844,6 +844,19 @@ def test_more_browsers_than_a_system_lets_a_program_open_files(echo, start):
     assert "Traceback" not in program.output
 
 
+@pytest.mark.parametrize("kind", [Requester, Listener])
+def test_a_browser_for_whom_there_is_no_socket_is_told(kind):
+    async def one_too_many():
+        with zmq.asyncio.Context() as context:
+            context.set(zmq.MAX_SOCKETS, 1)
+            with context.socket(zmq.REQ), contextlib.closing(kind(context, "tcp://127.0.0.1:5551", 1)) as asker:
+                for _ in range(2):
+                    with pytest.raises(ValueError, match=r"^no room for a connection to tcp\S+: .+; try again later$"):
+                        await asker.ask([b"Hello"])
+
+    asyncio.run(one_too_many())
+
+
 # A stranger in the place of the gateway
 
 

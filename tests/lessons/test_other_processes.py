@@ -304,6 +304,15 @@ def test_a_server_in_a_thread_of_another_program():
     assert done.returncode == 1
 
 
+@pytest.mark.parametrize(("how", "piped"), [("-c", ""), ("-", "piped")])
+def test_a_program_that_is_in_no_file_has_its_own_words(how, piped):
+    rule = "program.server_options('', 'tcp://127.0.0.1:5551')"
+    code = f"from netmq_example import program; print({rule}.parse_args().endpoint)"
+    words = [PYTHON, how, *([] if piped else [code]), "--endpoint", "tcp://127.0.0.1:7"]
+    done = finished(words, cwd=ROOT / "python", input=code if piped else "")
+    assert done.stdout == "tcp://127.0.0.1:7\n", done
+
+
 # A cell has no file. IPython shows each error that an end was raised from, and before 8.27 some 150 lines for two.
 CELL = """
 import runpy, sys

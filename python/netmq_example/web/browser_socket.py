@@ -34,7 +34,7 @@ class Requester:
         self.socket: zmq.asyncio.Socket | None = None
 
     async def ask(self, frames: list[bytes]) -> list[bytes]:
-        """The frames of the reply, or TimeoutError; ValueError if the request has too many."""
+        """The frames of the reply, or TimeoutError; ValueError if the request has too many, or if there is no room."""
         if len(frames) > MOST_FRAMES:
             raise ValueError(f"more than {MOST_FRAMES} frames; several requests take more")
         if not self.socket:
@@ -74,8 +74,8 @@ class Listener:
         topic = frames[0] if frames else b""
         if topic != self.topic:
             self.close()
-            self.topic = topic
             self.socket = opened(self.context, zmq.SUB, self.endpoint)
+            self.topic = topic
             self.socket.subscribe(topic)
             self.task = asyncio.create_task(self.listen())
         try:
@@ -109,8 +109,11 @@ BrowserSocket = Requester | Listener
 
 
 def opened(context: zmq.asyncio.Context, kind: int, endpoint: str) -> zmq.asyncio.Socket:
-    """A socket with its limits."""
-    socket = context.socket(kind)
+    """A socket with its limits; ValueError if there is no room for one more."""
+    try:
+        socket = context.socket(kind)
+    except zmq.ZMQError as error:
+        raise ValueError(f"no room for a connection to {endpoint}: {error}; try again later") from None
     # A closed socket drops its messages: to wait for their delivery could take for ever.
     socket.linger = 0
     socket.maxmsgsize = LARGEST_BYTES
