@@ -57,9 +57,8 @@ class Options(argparse.ArgumentParser):
     def parse_args(self, words: Any = None, namespace: Any = None) -> Any:
         foreign = (
             threading.current_thread() is not threading.main_thread()
-            # A notebook has no file, and the words are those of its kernel. A program given to python -c, or through a
-            # pipe, has none either, and the words are its own.
-            or not (hasattr(sys.modules["__main__"], "__file__") or sys.argv[:1] in (["-c"], ["-"]))
+            # A notebook has no file, and the words are those of its kernel. What python -c runs has its own.
+            or not (hasattr(sys.modules["__main__"], "__file__") or sys.argv[:1] == ["-c"])
         )
         return super().parse_args([] if words is None and foreign else words, namespace)
 

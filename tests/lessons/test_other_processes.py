@@ -304,17 +304,15 @@ def test_a_server_in_a_thread_of_another_program():
     assert done.returncode == 1
 
 
-@pytest.mark.parametrize(("how", "piped"), [("-c", ""), ("-", "piped")])
-def test_a_program_that_is_in_no_file_has_its_own_words(how, piped):
+def test_what_python_c_runs_has_its_own_words():
     rule = "program.server_options('', 'tcp://127.0.0.1:5551')"
     code = f"from netmq_example import program; print({rule}.parse_args().endpoint)"
-    words = [PYTHON, how, *([] if piped else [code]), "--endpoint", "tcp://127.0.0.1:7"]
-    done = finished(words, cwd=ROOT / "python", input=code if piped else "")
+    done = finished([PYTHON, "-c", code, "--endpoint", "tcp://127.0.0.1:7"], cwd=ROOT / "python")
     assert done.stdout == "tcp://127.0.0.1:7\n", done
 
 
 # A cell has no file. IPython shows each error that an end was raised from, and before 8.27 some 150 lines for two.
-CELL = """
+RUN_IN_A_CELL = """
 import runpy, sys
 sys.path[:0] = [sys.argv[1]]
 del __file__
@@ -330,7 +328,7 @@ except SystemExit as end:
 
 
 def test_a_cell_of_a_notebook(tmp_path):
-    (tmp_path / "cell.py").write_text(CELL, encoding="utf-8")
+    (tmp_path / "cell.py").write_text(RUN_IN_A_CELL, encoding="utf-8")
     client = ROOT / "python" / "01_request_reply" / "client.py"
     words = ["--endpoint", steady_endpoint(), "--timeout", "0.2"]
     done = finished([PYTHON, tmp_path / "cell.py", ROOT / "python", client, *words])
