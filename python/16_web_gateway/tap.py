@@ -23,25 +23,35 @@ import re
 import socket
 import sys
 import threading
+import time
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example import check
-from netmq_example.program import at_least_one, client_endpoint, importing, option, run
+from netmq_example.program import at_least_one, client_endpoint, importing, more_files, option, run, show
 from netmq_example.tap.arrows import Arrows, recording
 from netmq_example.tap.passing import FATES, Link, Trouble
+from netmq_example.trouble import Trouble as Lines
 
 with importing("aiohttp: pip install aiohttp, or let kit.py run 1 --watch do it"):
     from netmq_example.tap.page import Page
 
 ENDPOINT = "tcp://127.0.0.1:5666"
 NUMBERS = itertools.count(1)
+PAUSE_SECONDS = 0.1
 
 
 def tap(listener: socket.socket, server: tuple[str, int], arrows: Arrows, trouble: Trouble) -> None:
     """Each client that comes gets a connection of its own to the server."""
+    report = Lines(show)
     while True:
-        client, _ = listener.accept()
+        try:
+            client, _ = listener.accept()
+        except OSError as error:
+            # As many connections as files may be open: those that knock come in when others have gone.
+            report(f"no room for one more client: {error.strerror}")
+            time.sleep(PAUSE_SECONDS)
+            continue
         link = Link(next(NUMBERS), arrows, trouble)
         threading.Thread(target=link.run, args=(client, *server), daemon=True).start()
 
@@ -105,6 +115,7 @@ def main() -> None:
     if [name for name, _ in options.servers].count("endpoint") != 1:
         parser.error("one server has no name, as in: tap.py tcp://127.0.0.1:5557 snapshots=tcp://127.0.0.1:5657")
     planned = {getattr(options, fate): fate for fate in FATES if getattr(options, fate)}
+    more_files()
     arrows = Arrows()
     trouble = Trouble(planned, slow=options.slow)
     title = options.title or " ".join(f"{host}:{port}" for _, (host, port) in options.servers)

@@ -10,6 +10,7 @@ import re
 import shutil
 import socket
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -301,6 +302,21 @@ def test_a_disk_that_is_full_costs_no_pair_and_leaves_nothing_in_the_way(folder)
         assert run.returncode == 1 and run.stderr.startswith("cannot write "), run
     assert {path: path.read_bytes() for path in folder.glob("*.key*")} == before
     assert [path.name for path in (folder / "allowed").iterdir()] == ["alice.key"]
+
+
+@pytest.mark.skipif(sys.platform != "linux" or os.getuid(), reason="only root can be another user")
+def test_a_secret_key_of_another_user_is_no_missing_one():
+    """As after a first start with sudo."""
+    script = (
+        "import os, sys; from netmq_example.security import keys; os.setuid(65534); keys.load(keys.Path(sys.argv[1]))"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        keys.make(Path(folder), "server")
+        os.chmod(folder, 0o755)
+        path = Path(folder, "server.key_secret")
+        done = finished([PYTHON, "-c", script, path], cwd=ROOT / "python")
+        cure = "start as the user who made it, or give it to this one"
+        assert done.stderr.splitlines()[-1] == f"ValueError: this user may not read {path}; {cure}"
 
 
 def test_a_key_replaced_by_one_of_the_same_time_is_revoked(folder, alice):

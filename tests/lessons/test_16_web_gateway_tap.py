@@ -8,6 +8,7 @@ import itertools
 import json
 import re
 import socket
+import sys
 import threading
 import time
 import urllib.error
@@ -82,6 +83,24 @@ def test_trouble_is_what_lesson_02_is_made_for(serve, tap, client_command, start
         arrow(page, 10**9)
     assert tapping.stop() == 0
     assert BEGIN + END not in (tmp_path / "seen.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of open files for a program")
+def test_more_clients_than_files_may_be_open_keep_nobody_out_for_ever(serve, start, context):
+    words = [PYTHON, ROOT / "python" / "16_web_gateway" / "tap.py", serve("01_request_reply")[1]]
+    program = start("sh", "-c", 'ulimit -n 64; exec "$@"', "sh", *words, "--endpoint", "tcp://127.0.0.1:0")
+    endpoint = program.wait_for(r"^listening on (\S+)")[1]
+    port = int(endpoint.rpartition(":")[2])
+    with contextlib.ExitStack() as crowd:
+        for _ in range(60):
+            crowd.enter_context(socket.create_connection(("127.0.0.1", port)))
+        program.wait_for("^trouble: no room for one more client: Too many open files")
+    with context.socket(zmq.REQ) as asker:
+        asker.linger = 0
+        asker.connect(endpoint)
+        asker.send(b"Hello")
+        assert asker.poll(LIMIT * 1000) and asker.recv() == b"World"
+    assert "Traceback" not in program.output
 
 
 @contextlib.contextmanager

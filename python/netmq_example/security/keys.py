@@ -111,6 +111,9 @@ def load(path: Path, cure: str = NO_KEY) -> tuple[bytes, bytes]:
     try:
         public, secret = zmq.auth.load_certificate(check.regular_file(path, LARGEST_FILE_BYTES))
         return checked(public), checked(secret or b"") if path.suffix == ".key_secret" else b""
+    except PermissionError:
+        cure = "start as the user who made it, or give it to this one"
+        raise ValueError(f"this user may not read {path.absolute()}; {cure}") from None
     # pyzmq raises the last one for a file that ends in the middle of its line.
     except (OSError, ValueError, IndexError):
         raise ValueError(f"no key in {path.absolute()}; {cure}") from None
