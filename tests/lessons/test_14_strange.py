@@ -13,13 +13,14 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import zmq
 
 from kitlib.docs import guide
-from netmq_example.jobs import workers
+from netmq_example.jobs import journal, workers
 from netmq_example.jobs.client import JobClient
 from netmq_example.jobs.jobs import Jobs
 from netmq_example.jobs.journal import Journal
@@ -165,6 +166,29 @@ def test_a_worker_that_cannot_be_started_is_waited_for(serve, peer):
 
 
 # Options, and journals
+
+
+def test_a_clock_that_is_set_forgets_no_job_and_a_day_that_passes_does(tmp_path, monkeypatch):
+    """As a board without a battery sets it, when it has found the network."""
+    now = {"time": 1e6, "monotonic": 5.0}
+    clocks = SimpleNamespace(time=lambda: now["time"], monotonic=lambda: now["monotonic"])
+    monkeypatch.setattr(journal, "time", clocks)
+    book = Journal(tmp_path / "jobs.sqlite3")
+
+    def end(job):
+        goal = Message("goal", values={"job": job, "kind": "count", "count": 1, "text": ""})
+        state = {"job": job, "seq": 1, "done": 1, "total": 1, "text": ""}
+        assert book.add(goal, Message("accepted", values={"job": job, "seq": 0, "position": 0}))
+        assert book.save([Message("result", values={**state, "status": "succeeded"})])
+
+    end("early")
+    now["time"] += 1e9
+    end("late")
+    assert book.find("early") and book.find("late")
+    for clock in now:
+        now[clock] += 90_000
+    end("next")
+    assert not book.find("early") and not book.find("late") and book.find("next")
 
 
 def test_a_server_says_in_one_line_what_it_cannot_use(runs, tmp_path):

@@ -33,6 +33,8 @@ SCHEMA = f"""
 """
 ENTRY = "SELECT id, goal, news, data FROM jobs"
 KEEP_SECONDS = 24 * 3600
+# From so much on somebody has set the clock, as a board without a battery does when it has found the network.
+SET_SECONDS = 60
 # How long to wait for another server that has the file.
 LOCK_SECONDS = 1.0
 CURE = "try --journal another.sqlite3"
@@ -53,6 +55,11 @@ def open_exclusively(path: str) -> sqlite3.Connection:
             if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or time.monotonic() > end:
                 raise
             time.sleep(random.uniform(0, 0.1))
+
+
+def clock() -> float:
+    """It grows when the system's clock is set forward, or the machine has slept."""
+    return time.time() - time.monotonic()
 
 
 def entry(job: Any, goal: Any, news: Any, data: Any) -> tuple[Message, Message]:
@@ -90,6 +97,7 @@ class Journal:
         except (sqlite3.Error, ValueError) as error:
             raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         self.opened = self.files()
+        self.clock = clock()
         print(f"journal {self.path}, {jobs} jobs", flush=True)
 
     def add(self, goal: Message, news: Message) -> bool:
@@ -129,10 +137,15 @@ class Journal:
         try:
             if self.files() != self.opened:
                 raise sqlite3.Error("it was deleted or replaced; put it back, or start the server again")
+            set_right = clock() - self.clock
             # One transaction: wherever the server is killed, all of it is there, or nothing.
             with self.db:
+                if set_right > SET_SECONDS:
+                    # What has just ended must not be older than it is kept.
+                    self.db.execute("UPDATE jobs SET ended = ended + ?", (set_right,))
                 self.db.executemany(statement, rows)
                 self.db.execute("DELETE FROM jobs WHERE ended < ?", (time.time() - KEEP_SECONDS,))
+            self.clock = clock()
         except sqlite3.Error as error:
             if self.usable:
                 print(f"cannot use the journal {self.path}: {error}; nothing new until it is over", flush=True)
