@@ -11,6 +11,7 @@ import shutil
 import sqlite3
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from types import SimpleNamespace
@@ -20,6 +21,7 @@ import pytest
 import zmq
 
 from kitlib.docs import guide
+from netmq_example.jobs import client as client_module
 from netmq_example.jobs import journal, workers
 from netmq_example.jobs.client import JobClient
 from netmq_example.jobs.jobs import Jobs
@@ -130,6 +132,20 @@ def test_a_step_that_cannot_be_told_aborts_its_job_and_no_other(own_server, peer
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits another process, as Linux does")
+def test_a_caller_that_takes_its_time_is_no_silence_of_the_servers(jobs_server, context, monkeypatch):
+    later = [0.0]
+    clocks = SimpleNamespace(monotonic=lambda: time.monotonic() + later[0])
+    monkeypatch.setattr(client_module, "time", clocks)
+    _, endpoint = jobs_server()
+    with JobClient(context, endpoint, timeout=LIMIT, tries=1) as client:
+        seen = []
+        for news in client.watch(client.goal("count", 20)):
+            seen.append(news)
+            # The caller was busy so long.
+            later[0] += 2 * LIMIT
+    assert seen[-1].values["status"] == "succeeded"
+
+
 def test_an_id_that_grows_when_it_is_written_anew_is_refused(jobs_server, peer):
     """Sent back, each of its letters becomes six bytes."""
     _, endpoint = jobs_server()

@@ -122,7 +122,6 @@ class JobClient(OneProcess):
                 news = self.receive()
                 if not news:
                     continue
-                heard_at = time.monotonic()
                 silent_tries = 0
                 # The same number was told already: the answer to the same question. A lower one is new, too: the
                 # server has begun the job once more, with another journal.
@@ -131,6 +130,8 @@ class JobClient(OneProcess):
                     yield news
                 if news.kind in ENDS:
                     return
+                # How long the caller takes for it is no silence of the server's.
+                heard_at = time.monotonic()
             if time.monotonic() < heard_at + self.timeout:
                 continue
             silent_tries += 1

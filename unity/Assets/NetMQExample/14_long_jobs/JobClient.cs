@@ -105,13 +105,14 @@ namespace NetMQExample
                     }
                     if (!TryReceive(stop, out var news)) continue;
                     silent = 0;
-                    since.Restart();
                     var end = news.Kind == "result" || news.Kind == "forgotten";
                     if (news.Kind == "forgotten" && request.Kind != "forget")
                         throw new MessageException("forgotten", "its result was deleted; begin a job with a new id");
                     // The same number was told already: the answer to the same question. A lower one is new, too: the
                     // server has begun the job once more, with another journal.
                     if (end || news.Seq != seq) yield return news;
+                    // How long the caller takes for it is no silence of the server's.
+                    since.Restart();
                     seq = news.Seq;
                     if (end) yield break;
                 }
