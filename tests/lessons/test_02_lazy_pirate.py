@@ -402,7 +402,7 @@ def test_a_journal_refuses_what_it_could_not_keep(journal, capsys):
         raise KeyError("no such\nkey")
 
     assert book.do(b"1", "", raises) == "error: KeyError('no such\\nkey')"
-    assert book.do(b"1", "", lambda db, text: db.execute("SELEKT 1")).startswith("error: OperationalError(")
+    assert book.do(b"1", "", lambda db, text: str(db.execute("SELEKT 1"))).startswith("error: OperationalError(")
     assert capsys.readouterr().err.count("Traceback") == 5
     assert book.db.execute("SELECT balance FROM account").fetchone() == (0,), "what it changed is taken back"
 
