@@ -26,6 +26,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 from gymnasium.spaces import Space
+from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import iterate
 from stable_baselines3.common.vec_env import VecEnv
@@ -52,10 +53,15 @@ class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
         super().__init__(envs.num_envs, self.plain.observation_space, self.plain.action_space)
 
     def reset(self) -> Any:
-        # One dict for all of them: they are one simulator.
-        options = getattr(self, "_options", [{}])[0]
-        self.seen = self.look(self.envs.reset(seed=self._seeds, options=options)[0])
+        options, *others = getattr(self, "_options", [{}])
+        if not all(data_equivalence(options, other) for other in others):
+            raise ValueError("the areas are one simulator: set_options takes one dict for all of them")
+        seen, infos = self.envs.reset(seed=self._seeds, options=options)
+        self.seen = self.look(seen)
+        self.reset_infos = [said_of(infos, area) for area in range(self.num_envs)]
+        # Both are for one reset.
         self._reset_seeds()
+        self._options = [{}]
         return self.seen
 
     def step_async(self, actions: Any) -> None:
@@ -73,6 +79,7 @@ class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
         for area in np.flatnonzero(over):
             ended = said[area].pop("final_info", {})
             last = said[area].pop("final_obs", None)
+            self.reset_infos[area] = dict(said[area])
             # Of an area that was lost while others began anew it is the observation before.
             last = of_one(before, int(area)) if last is None else self.plain.look(last)
             # The time was up, and not the world at its end: PPO then adds what it expects from the last observation.

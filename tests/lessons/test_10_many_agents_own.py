@@ -94,6 +94,9 @@ class VecEnv:
     def seed(self, seed):
         self._seeds = [seed + number for number in range(self.num_envs)]
 
+    def set_options(self, options):
+        self._options = options if isinstance(options, list) else [options] * self.num_envs
+
     def step(self, actions):
         self.step_async(actions)
         return self.step_wait()
@@ -173,17 +176,33 @@ def test_the_bridge_to_stable_baselines3(inside, bridge):
     wrapped.reset = lambda seed, options: (np.ones((4, 4)), {})
     wrapped.step = lambda actions: (np.zeros((4, 4)), np.zeros(4), np.zeros(4, bool), np.arange(4) == 2, {})
     areas.reset()
+    assert areas.reset_infos == [{}] * 4
     *_, said = areas.step(actions)
     assert np.array_equal(said[2].pop("terminal_observation"), np.ones(4))
     assert said == [{}, {}, {"TimeLimit.truncated": True}, {}]
     # What the world has said of each, also with its last step.
     infos = {"metres": np.array([1.5, 0, 0, 0]), "_metres": np.arange(4) == 0, "_final_info": np.arange(4) == 2}
+    infos |= {"seed": np.arange(4), "_seed": np.arange(4) == 2}
     infos["final_info"] = {"lost": np.array(["", "", "why", ""], object), "_lost": np.arange(4) == 2}
     wrapped.step = lambda actions: (np.zeros((4, 4)), np.zeros(4), np.zeros(4, bool), np.arange(4) == 2, infos)
     *_, said = areas.step(actions)
     assert said[0] == {"metres": 1.5} and said[2]["lost"] == "why" and said[1] == said[3] == {}
+    assert areas.reset_infos == [{}, {}, {"seed": 2}, {}], "of the episode that has begun"
     areas.close()
     plain.close()
+
+
+def test_options_for_stable_baselines3_are_for_one_reset(inside, bridge):
+    socket = areas_of(inside, CartPole, 2)
+    areas = bridge.Areas(gymnasium.make_vec("NetMQExample/CartPole-v0", 2, socket=socket, autoreset_mode="SameStep"))
+    begun = [{"state": np.full(4, 0.01 * number)} for number in (1, 2)]
+    areas.set_options([begun[0], {"state": np.full(4, 0.01)}])
+    assert np.array_equal(areas.reset(), np.full((2, 4), 0.01, np.float32))
+    assert not np.array_equal(areas.reset(), np.full((2, 4), 0.01, np.float32))
+    areas.set_options(begun)
+    with pytest.raises(ValueError, match="the areas are one simulator: set_options takes one dict for all of them"):
+        areas.reset()
+    areas.close()
 
 
 def test_the_pages_world_is_the_same_in_both_languages(netmq, console, start, inside, tmp_path):

@@ -6,6 +6,8 @@ video was deleted; waiting for several views gave {}, or some of them.
 
 from __future__ import annotations
 
+import errno
+import os
 import shutil
 import sys
 import threading
@@ -276,6 +278,24 @@ def test_a_video_stays_until_the_next_one_begins(kind, make, tmp_path, monkeypat
     with pytest.raises(FileNotFoundError):
         env.render_all({"": "nowhere/map.gif", "front": "front.gif"})
     assert sorted(path.name for path in tmp_path.iterdir()) == ["front.png", "map.gif", "tmp"]
+
+
+def test_a_film_takes_the_place_of_another_whole(make, tmp_path, monkeypatch):
+    """Also where temporary files are on another disk: one that is copied would be written over it, bit by bit."""
+    (tmp_path / "map.gif").write_bytes(b"another")
+    os.link(tmp_path / "map.gif", tmp_path / "other.gif")
+
+    def rename(*paths):
+        raise OSError(errno.EXDEV, os.strerror(errno.EXDEV))
+
+    monkeypatch.setattr(os, "rename", rename)
+    env = make(render_mode="video")
+    env.reset()
+    env.begin_render()
+    env.render_all({"": tmp_path / "map.gif"})
+    assert steps_of(shown(tmp_path / "map.gif")[0]) == [0]
+    assert (tmp_path / "other.gif").read_bytes() == b"another"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.gif", "other.gif"]
 
 
 def test_without_ffmpeg_a_video_says_so_when_it_begins(make, tmp_path, monkeypatch):

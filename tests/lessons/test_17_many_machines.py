@@ -23,12 +23,14 @@ KEY = "17_many_machines"
 TRAIN = ROOT / "python" / KEY / "train.py"
 import netmq_example.envs  # noqa: E402, F401
 from netmq_example import messages, records  # noqa: E402
+from netmq_example.envs.side_channels import carry  # noqa: E402
 from netmq_example.fleet.hub import Hub  # noqa: E402
 from netmq_example.fleet.members import Episode, Member  # noqa: E402
 from netmq_example.fleet.simulator import FleetSimulator  # noqa: E402
 from netmq_example.fleet.trainer import FleetSocket  # noqa: E402
 from netmq_example.records import ANSWERS, ASKS, Record, seeds  # noqa: E402
 from netmq_example.security import keys  # noqa: E402
+from netmq_example.side_channel.side_channel_manager import SideChannelManager  # noqa: E402
 from netmq_example.simulation.simulator import Simulator  # noqa: E402
 from netmq_example.split_mix import draws  # noqa: E402
 from netmq_example.worlds.cart_pole import CartPole  # noqa: E402
@@ -233,6 +235,17 @@ def test_deaths_by_chance_are_not_taken_for_what_ends_each_simulator():
 
 
 # Lesson 10's environment, unchanged
+
+
+def test_side_channels_are_refused_by_the_hub_and_not_lost(serve, simulators):
+    _, endpoint = serve(KEY, *STAY)
+    simulators(endpoint, "python")
+    with FleetSocket(endpoint, "CartPole", 1) as socket:
+        envs = gymnasium.make_vec(ID, 1, socket=socket)
+        carry(envs, SideChannelManager([]))
+        with pytest.raises(messages.MessageError, match="no-side-channels: the hub hands none on: give them a connec"):
+            envs.reset()
+        envs.close()
 
 
 def test_the_vector_environment_sees_the_same_over_the_hub(serve, simulators, client_command):

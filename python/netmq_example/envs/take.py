@@ -10,7 +10,6 @@ It needs numpy, and Pillow where a film is made.
 import importlib
 import math
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -44,17 +43,28 @@ class Take:
 
     def film(self, path: Path | None, fps: float) -> Any:
         """A file, of which the whole path is returned; without a path an MP4 in bytes. OSError: there is no ffmpeg."""
-        writer = importlib.import_module("netmq_example.video.film_writer")
-        with tempfile.TemporaryDirectory() as folder:
-            # A film that fails leaves what was there under its name.
-            made = Path(folder) / f"film{path.suffix if path else '.mp4'}"
-            film = writer.open_film(made, fps)
-            try:
-                for number, pixels in enumerate(self.pictures()):
-                    film.add(pixels, number / fps)
-            finally:
-                film.close(len(self.shapes) / fps)
-            return os.path.abspath(shutil.move(made, path)) if path else made.read_bytes()
+        if not path:
+            with tempfile.TemporaryDirectory() as folder:
+                made = Path(folder) / "film.mp4"
+                self.write(made, fps)
+                return made.read_bytes()
+        # Beside what it replaces, and so on the same disk: a film that fails leaves what was there under its name.
+        made = path.with_name(f".{os.getpid()}-{path.name}")
+        made.unlink(missing_ok=True)
+        try:
+            self.write(made, fps)
+            os.replace(made, path)
+        finally:
+            made.unlink(missing_ok=True)
+        return os.path.abspath(path)
+
+    def write(self, path: Path, fps: float) -> None:
+        film = importlib.import_module("netmq_example.video.film_writer").open_film(path, fps)
+        try:
+            for number, pixels in enumerate(self.pictures()):
+                film.add(pixels, number / fps)
+        finally:
+            film.close(len(self.shapes) / fps)
 
     def clear(self) -> None:
         self.file.truncate(0)

@@ -172,6 +172,9 @@ def split(request: Any, count: int) -> list[Any]:
     if len(request.marks) != count:
         cure = f"make_vec(…, num_envs={count}), and register a vector_entry_point"
         raise MessageError("wrong-areas", f"{count} simulators were asked for, and not {len(request.marks)}: {cure}")
+    if request.exchange is not None:
+        cure = "give them a connection of their own, as lesson 13's Carrier"
+        raise MessageError("no-side-channels", f"the hub hands none on: {cure}")
     options = bytes(request.options)
     parts: list[Any] = []
     for area, (order, row) in enumerate(zip(request.marks, request.rows, strict=True)):
