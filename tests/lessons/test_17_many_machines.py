@@ -502,6 +502,28 @@ def test_a_hub_that_was_away_says_first_what_is_missing():
     assert [(one.kind, one.values) for one in sent] == [("alive", {"simulators": 0, "taken": 0})]
 
 
+def test_a_hub_that_was_stopped_sends_nobody_home():
+    """As by `docker compose pause`, or on a virtual machine that was saved: all of them were asleep."""
+    sent = []
+
+    class Socket:
+        def send_multipart(self, frames, flags=0):
+            sent.append(messages.read(frames[1:]).kind)
+
+    hub = Hub(Socket())
+    hub.take(b"simulator", FleetSimulator(Simulator(CartPole())).hello().frames())
+    hub.tick()
+    (member,) = hub.members.values()
+    for clock in (vars(hub), vars(member)):
+        clock |= {name: at - 100 for name, at in clock.items() if isinstance(at, float) and at > 60}
+    hub.tick()
+    assert hub.members and "close" not in sent
+    member.heard -= 100
+    hub.ticked -= 1
+    hub.tick()
+    assert not hub.members and sent[-1] == "close", "this one was silent"
+
+
 @pytest.mark.parametrize(
     ("name", "attempt"),
     [

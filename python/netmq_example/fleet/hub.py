@@ -31,6 +31,8 @@ TICK_SECONDS = 0.1
 RESEND_SECONDS = 0.5
 # The hub then gives up a simulator that is connected and does not answer.
 UNANSWERED_SECONDS = 60.0
+# Between two ticks so much time passes only where the hub itself is stopped.
+ASLEEP_SECONDS = 5.0
 # So many simulators may be lost at one request: a deadly one must not end the whole fleet.
 MOST_LOST = 10
 # The bytes that the hub keeps: a hello of each name, and the episodes of one trainer and of all.
@@ -168,6 +170,10 @@ class Hub:
         now = time.monotonic()
         if now < self.ticked + TICK_SECONDS:
             return
+        if now > self.ticked + ASLEEP_SECONDS:
+            # This program was stopped, or its machine asleep: nobody else was silent.
+            for member in self.members.values():
+                member.heard = member.wanted = now
         self.ticked = now
         wanted = {trainer.name for trainer in self.trainers.values()}
         here = wanted | {member.name for member in self.members.values()}
