@@ -56,8 +56,8 @@ def files(folders: Sequence[Path]) -> Files:
     for path in (path for folder in folders for path in [*folder.glob("*.py"), *folder.glob("*/*.py")]):
         try:
             status = path.stat()
-        except FileNotFoundError:
-            # It was renamed a moment ago.
+        except OSError:
+            # It was renamed a moment ago, is a link to nowhere, or somebody else's.
             continue
         found[path] = (status.st_mtime_ns, status.st_size)
     return found

@@ -198,7 +198,7 @@ def with_used(scripts: list[Path], key: str, read: Callable[[Path], str]) -> lis
 
 def code(script: Path) -> str:
     """What the compiler sees of a script in Unity."""
-    return re.sub(r"//.*", "", script.read_text(encoding="utf-8"))
+    return re.sub(r"//.*", "", script.read_text(encoding="utf-8", errors="replace"))
 
 
 def plain_code(script: Path) -> str:
@@ -208,7 +208,7 @@ def plain_code(script: Path) -> str:
 
 def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
     """What the scripts among these files need of Unity's own packages, with their versions."""
-    texts = [data.decode("utf-8-sig") for name, data in files.items() if name.endswith(".cs")]
+    texts = [data.decode("utf-8-sig", "replace") for name, data in files.items() if name.endswith(".cs")]
     json_package = dict([JSON]) if any("using Newtonsoft.Json" in text for text in texts) else {}
     return {**json_package, **dict.fromkeys(sorted(needed(texts)), VERSION)}
 
@@ -251,7 +251,7 @@ def notices() -> dict[str, bytes]:
 def types(script: Path) -> list[str]:
     """What a script has for others: PoseSubscriber.cs has PoseMessage as well."""
     declared = r"^    (?:public|internal) [\w ]*\b(?:class|struct|interface|enum) (\w+)"
-    return re.findall(declared, script.read_text(encoding="utf-8-sig"), re.MULTILINE)
+    return re.findall(declared, script.read_text(encoding="utf-8-sig", errors="replace"), re.MULTILINE)
 
 
 def uses(code: str, name: str) -> bool:

@@ -33,7 +33,7 @@ def find_project(path: Path) -> Path:
 
 def version(root: Path) -> tuple[int, int]:
     """That of the project's Unity, such as (2022, 3); a far later one where it cannot be read."""
-    text = (root / "ProjectSettings" / "ProjectVersion.txt").read_text(encoding="utf-8")
+    text = (root / "ProjectSettings" / "ProjectVersion.txt").read_text(encoding="utf-8", errors="replace")
     found = re.search(r"^m_EditorVersion: (\d+)\.(\d+)", text, re.MULTILINE)
     return (int(found[1]), int(found[2])) if found else (9999, 0)
 

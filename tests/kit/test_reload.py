@@ -1,7 +1,10 @@
 """kit.py server N --reload: when a file counts as saved. A whole run is in test_kit.py."""
 
 import signal
+import sys
 from types import SimpleNamespace
+
+import pytest
 
 from kitlib import reload
 from tests.conftest import PYTHON
@@ -28,6 +31,13 @@ def test_an_editor_that_writes_in_steps_starts_it_once(tmp_path, monkeypatch):
     running = SimpleNamespace(poll=lambda: None)
     assert reload.wait_for_save([tmp_path], reload.files([tmp_path]), running) == ["server.py"]
     assert len(steps) == 1, "as soon as it is whole"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="not everybody may make a link there")
+def test_a_file_that_cannot_be_looked_at_ends_nothing(tmp_path):
+    (tmp_path / "server.py").write_text("1")
+    (tmp_path / "loop.py").symlink_to("loop.py")
+    assert [path.name for path in reload.files([tmp_path])] == ["server.py"]
 
 
 def test_a_server_of_ones_own(start, tmp_path):

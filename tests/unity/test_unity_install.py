@@ -14,6 +14,7 @@ from kitlib.lessons import PACKAGE, ROOT, KitError, lessons
 from kitlib.programs import Result
 from kitlib.setup import dotnet, python_setup
 from kitlib.unity import install as unity_install
+from kitlib.unity.player import why
 
 TARGET = "Assets/NetMQExample"
 
@@ -63,6 +64,20 @@ def plugins(project):
 
 def listing(root):
     return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def test_a_script_that_is_not_in_utf_8_is_no_trouble(project, nuget):
+    """Visual Studio saves one in the system's own code page."""
+    version = project / "ProjectSettings" / "ProjectVersion.txt"
+    version.write_bytes(version.read_bytes() + b"\xf6")
+    unity_install.install(project, "3", scripts_only=True)
+    for changed in (project / TARGET).glob("03_*/*.cs"):
+        changed.write_bytes(changed.read_bytes() + b"// gr\xf6\xdfer")
+    unity_install.install(project, "4", scripts_only=True)
+    script = project / "Assets" / "Mine.cs"
+    script.write_text("// größer\npublic class Mine { HelloClient client; }", encoding="cp1252")
+    said = why(f"{script}(2,21): error CS0246: The type or namespace name 'HelloClient' could not be", [script], [])
+    assert "this project has no HelloClient: " in said
 
 
 def test_copies_everything_with_its_meta(project, nuget, capsys):
