@@ -61,7 +61,7 @@ class Areas(VecEnv):  # type: ignore[misc, unused-ignore]
         self.reset_infos = [said_of(infos, area) for area in range(self.num_envs)]
         # Both are for one reset.
         self._reset_seeds()
-        self._options = [{}]
+        self._options: list[dict[str, Any]] = [{}]
         return self.seen
 
     def step_async(self, actions: Any) -> None:
