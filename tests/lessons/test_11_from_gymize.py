@@ -66,17 +66,34 @@ def test_what_is_wrong_in_a_scene_is_said_once_and_the_rest_plays(run):
     assert printed == PARTS[""]
     player.wait_for("^heard all$")
     for said in (
-        "gave up: two agents are named 'agent': each needs a name of its own",
         "gave up: CameraSensor on eye has no agent above it, and its locator names none",
         'gave up: Speeder.speed, locator ".speed[": column 8: expected a key',
     ):
         assert player.output.count(said) == 1
-    assert player.output.count("gave up: ") == 3
+    assert player.output.count("gave up: ") == 2
+
+
+def test_python_is_told_why_an_agent_that_it_asks_for_has_given_up(run):
+    said = {
+        "two": "two agents are named 'agent': each needs a name of its own",
+        "mistake": 'Speeder.speed, locator ".speed[": column 8: expected a key, a number, a slice, ... or \']\', '
+        "found the end",
+    }
+    for how, why in said.items():
+        _, error, player = run(how)
+        assert error == f"wrong-agent: {why}"
+        assert player.output.count(f"gave up: {why}") == player.output.count("gave up: ") == 1
+
+
+def test_an_info_that_nobody_hears_is_said_once(run):
+    _, _, player = run("mute", before_close='env.unwrapped.send_info("all")\n' * 2)
+    player.wait_for("^trouble: Python has sent an info to the environment, and nobody hears it: name an agent in ")
+    assert player.output.count("trouble: ") == 1
 
 
 def test_an_agent_that_is_disabled_is_not_there(run):
     _, error, _ = run("gone")
-    assert error.endswith("unknown-agent: no agent is named 'agent'; there are: ")
+    assert error.endswith("unknown-agent: no agent is named 'agent'; there are: none")
 
 
 def test_a_sensor_of_ones_own_brings_whatever_an_attribute_takes(run):

@@ -17,7 +17,8 @@ largest widths and heights as int32 [n, 2]; the reply is `welcome`. A `begin` ha
 it is answered by `begun`. From then on each `frame` has the id of that begin, `view`, `number`, `time`, in seconds
 since it began, and one array, uint8 [height, width, 3 or 4], with `bottom_up` the lowest row first; the reply is
 `took`. A `look` at a `view` asks for one more frame, of now; with an `fps` of 0 there are no others. An `end` of a
-`view` is answered by `ended`, with `frames`, `skipped` and `time`.
+`view` is answered by `ended`, with `frames`, `skipped` and `time`. Python leaves with a
+`close`, answered by `closed`.
 
 The game's side is view_sender.py; in C# it is ViewSender.cs. It needs numpy and Pillow, and ffmpeg for an MP4.
 """
@@ -151,6 +152,9 @@ class Films(OneProcess):
         for view in [view for view, film in list(self.films.items()) if not film.over]:
             with contextlib.suppress(OSError, MessageError):
                 self.end_render(view)
+        if self.thread.is_alive() and self.game.peer:
+            with contextlib.suppress(OSError, MessageError):
+                self.ask("close", {})
         self.over.set()
         if self.thread.is_alive():
             self.thread.join()
@@ -183,7 +187,7 @@ class Films(OneProcess):
             done.result(self.timeout)
         except TimeoutError:
             # Without it a game that is only slow would be filmed for ever.
-            self.requests.put(Message("end", next(self.ids), {"view": values["view"]}))
+            self.requests.put(Message("end", next(self.ids), {"view": values.get("view", "")}))
             raise TimeoutError(f"no answer to {kind} within {self.timeout:g} s; does the game hang?") from None
         finally:
             self.waiting.pop(request.id, None)
@@ -235,6 +239,8 @@ class Films(OneProcess):
             film.attempt(self.report, film.end, message)
             if film.path:
                 self.report(str(film))
+            self.answer(message.id)
+        elif message.kind == "closed":
             self.answer(message.id)
 
     def answer(self, id: int, error: Exception | None = None) -> None:

@@ -217,8 +217,8 @@ class ViewSender:
         self.report(f"{self.endpoint} can film {shown}")
         self.connected = True
         try:
-            while not stop.is_set():
-                self.serve(socket, views)
+            while not stop.is_set() and self.serve(socket, views):
+                pass
             # So many milliseconds for what was sent last; without them it would be dropped.
             socket.linger = 200
         except (MessageError, ConnectionError, zmq.Again) as error:
@@ -227,9 +227,12 @@ class ViewSender:
         finally:
             self.heard = time.monotonic()
 
-    def serve(self, socket: zmq.Socket[bytes], views: list[FilmView]) -> None:
-        """A moment of it: what Python asks for, and what there is to send."""
+    def serve(self, socket: zmq.Socket[bytes], views: list[FilmView]) -> bool:
+        """A moment of it: what Python asks for, and what there is to send. False if Python leaves."""
         request = self.receive(socket)
+        if request and request.kind == "close":
+            socket.send_multipart(Message("closed", request.id).frames())
+            return False
         answer = self.do(views, request) if request else None
         if answer:
             socket.send_multipart(answer.frames())
@@ -239,6 +242,7 @@ class ViewSender:
                 if message.kind == "ended":
                     values = message.values
                     self.report(f"{view.name}: {values['frames']} pictures, {values['skipped']} skipped")
+        return True
 
     def do(self, views: list[FilmView], request: Message) -> Message | None:
         """The answer to a request that has one."""

@@ -1,7 +1,7 @@
 // Scenes with scripts of a user's own, played until somebody ends them or a minute is over. Runner.cs and Weather.cs are the
 // classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
-//     dotnet checks.dll scene gymize ENDPOINT [wrong | gone | radar | broken | named | alone | env]
+//     dotnet checks.dll scene gymize ENDPOINT [wrong | mistake | two | mute | gone | radar | broken | named | alone | env]
 //     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
@@ -79,9 +79,11 @@ namespace NetMQExample.Tests
         private static void Gymize(GameObject thing, string endpoint, string how)
         {
             // Before any other agent.
-            if (how == "wrong") Add<Speeder>("wrong locator");
+            if (how == "wrong") Add<Speeder>("wrong locator").Name = "speeder";
+            if (how == "mistake") Add<Speeder>("wrong locator, and the name that Python asks for");
             var scripts = new MonoBehaviour[] { thing.AddComponent<Runner>(), thing.AddComponent<GymManager>() };
             var says = thing.AddComponent<Says>();
+            says.hears = how != "mute";
             Inspector.Set(scripts, "endpoint", endpoint);
             Inspector.Set(scripts, "envName", "Runner");
             if (how == "alone")
@@ -93,11 +95,8 @@ namespace NetMQExample.Tests
             }
             thing.SetActive(true);
             if (how == "gone") scripts[0].enabled = false;
-            if (how == "wrong")
-            {
-                Add<Runner>("twin");
-                Add<CameraSensor>("eye");
-            }
+            if (how == "wrong") Add<CameraSensor>("eye");
+            if (how == "two") Add<Runner>("twin");
             if (how == "named")
             {
                 ((Agent)scripts[0]).Name = "one";
@@ -126,10 +125,11 @@ namespace NetMQExample.Tests
     internal sealed class Says : MonoBehaviour
     {
         public Camera eye;
+        public bool hears;
 
         private void Start()
         {
-            if (GymManager.Current != null) GymManager.Current.Simulator.OnInfo += info => Debug.Log($"heard {info}");
+            if (hears && GymManager.Current != null) GymManager.Current.Simulator.OnInfo += info => Debug.Log($"heard {info}");
         }
 
         private void LateUpdate()

@@ -43,6 +43,17 @@ namespace NetMQExample
             }
         }
 
+        /// <summary>How many ticks one of its steps takes.</summary>
+        public int StepPeriod
+        {
+            get => stepPeriod;
+            set
+            {
+                stepPeriod = value;
+                if (state != null) state.Period = value;
+            }
+        }
+
         /// <inheritdoc/>
         public AgentState State => state ??= MakeState();
 
@@ -116,11 +127,8 @@ namespace NetMQExample
             OnTick(Time.fixedDeltaTime);
         }
 
-        internal static void Refuse(IAgent agent)
-        {
-            Debug.LogError($"gave up: two agents are named '{agent.State.Name}': each needs a name of its own");
-            ((Agent)agent).enabled = false;
-        }
+        internal static void Refuse(IAgent agent) =>
+            ((Agent)agent).GiveUp($"two agents are named '{agent.State.Name}': each needs a name of its own");
 
         private void Join()
         {
@@ -131,9 +139,16 @@ namespace NetMQExample
             }
             catch (ArgumentException e)
             {
-                Debug.LogError($"gave up: {e.Message}");
-                enabled = false;
+                GiveUp(e.Message);
             }
+        }
+
+        // Python is told when it asks for this name.
+        private void GiveUp(string why)
+        {
+            Debug.LogError($"gave up: {why}");
+            enabled = false;
+            AgentRoster.Refuse(this, agentName, why);
         }
     }
 }

@@ -11,6 +11,8 @@ namespace NetMQExample
     internal static class AgentRoster
     {
         private static readonly List<(IAgent Agent, bool Again)> Waiting = new List<(IAgent, bool)>();
+        private static readonly List<(IAgent Agent, string Name, string Why)> Refused =
+            new List<(IAgent, string, string)>();
 
         /// <summary>All that take part now.</summary>
         public static List<IAgent> All { get; } = new List<IAgent>();
@@ -21,6 +23,7 @@ namespace NetMQExample
         /// <summary>An agent comes.</summary>
         public static void Join(IAgent agent)
         {
+            Refused.RemoveAll(one => one.Agent == agent);
             if (!TryJoin(agent)) Waiting.Add((agent, false));
         }
 
@@ -28,9 +31,17 @@ namespace NetMQExample
         /// <returns>False if it had no part.</returns>
         public static bool Leave(IAgent agent)
         {
+            Refused.RemoveAll(one => one.Agent == agent);
             var waited = Waiting.RemoveAll(one => one.Agent == agent) > 0;
             return All.Remove(agent) || waited;
         }
+
+        /// <summary>It has no part until it comes again.</summary>
+        public static void Refuse(IAgent agent, string name, string why) => Refused.Add((agent, name, why));
+
+        /// <summary>Why an agent of this name was refused; null if none was that exists.</summary>
+        public static string WhyNot(string name, Func<IAgent, bool> exists) =>
+            Refused.Find(one => one.Name == name && exists(one.Agent)).Why;
 
         /// <summary>Once in each frame: who waits for a name has it now, or is refused.</summary>
         public static void Settle(Action<IAgent> refuse)

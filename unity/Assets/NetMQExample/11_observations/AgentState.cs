@@ -68,6 +68,7 @@ namespace NetMQExample
 
         private readonly List<object> infos = new List<object>();
         private double reward;
+        private int period;
         private bool terminated, truncated;
 
         /// <summary>Reads the attributes of an object's class.</summary>
@@ -78,7 +79,7 @@ namespace NetMQExample
         public AgentState(string name, object observed, int period = 1)
         {
             Name = Require.Given("name", name);
-            Period = Math.Max(1, period);
+            Period = period;
             Scope = Locator.Parse(LocatorMapping.Quoted(name) + "@");
             foreach (var member in Observed.Members(Require.Given("observed", observed).GetType()))
                 Sources.Add(Make(member.FullName, member.Locator, member.Name, Scope, () => member.Read(observed)));
@@ -92,8 +93,12 @@ namespace NetMQExample
         /// <summary>What Python calls it.</summary>
         public string Name { get; }
 
-        /// <summary>How many ticks a step of this agent takes.</summary>
-        public int Period { get; }
+        /// <summary>How many ticks a step of this agent takes, at least 1.</summary>
+        public int Period
+        {
+            get => period;
+            set => period = Math.Max(1, value);
+        }
 
         /// <summary>Where its relative locators begin.</summary>
         public Locator Scope { get; }

@@ -78,7 +78,7 @@ namespace NetMQExample
         {
             var found = agents.Where(agent => agent.State.Name == name).ToList();
             if (found.Count == 1) return found[0];
-            var known = string.Join(", ", agents.Select(agent => agent.State.Name));
+            var known = string.Join(", ", agents.Select(agent => agent.State.Name).DefaultIfEmpty("none"));
             throw new MessageException(found.Count == 0 ? "unknown-agent" : "two-agents", found.Count == 0
                 ? $"no agent is named '{name}'; there are: {known}"
                 : $"{found.Count} agents are named '{name}': each needs a name of its own");

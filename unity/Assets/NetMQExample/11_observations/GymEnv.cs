@@ -24,7 +24,7 @@ namespace NetMQExample
             set
             {
                 simulator = Require.Given("Simulator", value);
-                simulator.OnInfo += info => OnInfo?.Invoke(info);
+                simulator.Others = () => OnInfo;
             }
         }
 

@@ -30,6 +30,8 @@ namespace NetMQExample
         private Dictionary<string, object> options = new Dictionary<string, object>();
         // An agent judges in its Update: then each step needs a frame.
         private bool framed, frameLeft;
+        // Whether it was said that nobody hears what Python sends to the environment.
+        private bool unheard;
         // A scene was being loaded before this request, and since then.
         private bool loadedBefore;
         private StepRequest current;
@@ -69,6 +71,9 @@ namespace NetMQExample
         /// <summary>Hears what Python sends to the environment itself.</summary>
         public event Action<object> OnInfo;
 
+        /// <summary>Those who hear it in every scene, or null.</summary>
+        internal Func<Action<object>> Others { get; set; } = () => null;
+
         /// <summary>The scene of those who heard is left.</summary>
         internal void ForgetListeners() => OnInfo = null;
 
@@ -99,7 +104,7 @@ namespace NetMQExample
             AgentState.Inside = true;
             try
             {
-                if (to == "") OnInfo?.Invoke(said);
+                if (to == "") Hear(said);
                 else Find(to).OnInfo(said);
             }
             finally { AgentState.Inside = false; }
@@ -148,13 +153,26 @@ namespace NetMQExample
             Loading = false;
             for (var i = 0; i < asked.Count; i++)
             {
-                if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
+                var order = request.OrderOf(i);
+                if (order == Order.Reset && AgentRoster.WhyNot(asked.Names[i], Exists) is string why)
+                    throw new MessageException("wrong-agent", why);
+                if (order == Order.Nothing) answer.SkipRow();
                 else if (asked.Present[i] != null) See(asked.Present[i].State, answer);
                 // No OnReset, and no scene that was loaded, has brought it.
-                else if (request.OrderOf(i) == Order.Reset) Find(asked.Names[i]);
+                else if (order == Order.Reset) Find(asked.Names[i]);
                 else EndAbsent(i, answer);
             }
             infos.Clear();
+        }
+
+        private void Hear(object said)
+        {
+            var hearers = OnInfo + Others();
+            hearers?.Invoke(said);
+            if (hearers == null && !unheard)
+                Warn("trouble: Python has sent an info to the environment, and nobody hears it: "
+                    + "name an agent in send_info, or add a handler to GymEnv.OnInfo");
+            unheard |= hearers == null;
         }
 
         private void Ask(Dictionary<string, object> said)

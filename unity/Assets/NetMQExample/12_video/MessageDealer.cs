@@ -59,7 +59,8 @@ namespace NetMQExample
             {
                 if (!connection.Socket.TryReceiveMultipartMessage(slice, ref frames))
                 {
-                    if (connection.Socket.HasOut) continue;
+                    // Its last message may have come meanwhile.
+                    if (connection.Socket.HasOut || connection.Socket.HasIn) continue;
                     throw new TimeoutException("Python is gone");
                 }
                 connection.Show(false, frames);

@@ -29,6 +29,9 @@ namespace NetMQExample
         /// <summary>Whether a film is made of any of them, or has ended and that is not logged yet.</summary>
         public bool Filming => Array.Exists(filmed, one => one.View.Filming) || Waiting;
 
+        /// <summary>Also once Python has closed its films: it may come back, but nobody waits for that.</summary>
+        public override bool Done => base.Done || sender?.Closed == true;
+
         /// <summary>The cameras to film. Change them before this component is enabled, or in Awake.</summary>
         public List<Camera> Cameras => cameras;
 

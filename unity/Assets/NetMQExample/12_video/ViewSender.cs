@@ -27,7 +27,7 @@ namespace NetMQExample
         private readonly string endpoint;
         private readonly TimeSpan timeout, limit;
         private readonly Action<string> report;
-        private volatile bool connected;
+        private volatile bool connected, closed;
 
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Where Python films, such as <c>tcp://127.0.0.1:5562</c>.</param>
@@ -45,6 +45,9 @@ namespace NetMQExample
 
         /// <summary>Whether Python is there. For any thread.</summary>
         public bool Connected => connected;
+
+        /// <summary>Whether Python has said that it films no more, and is not back. For any thread.</summary>
+        public bool Closed => closed;
 
         /// <summary>Serves until it is stopped.</summary>
         /// <exception cref="ArgumentException">Two of them have one name, or there are none.</exception>
@@ -94,7 +97,8 @@ namespace NetMQExample
                 throw new MessageException("no-welcome", "no answer to hello");
             report($"{endpoint} can film " + string.Join(", ", views.Select(v => $"{v.Name} {v.Width} x {v.Height}")));
             connected = true;
-            try { while (true) Serve(views, stop); }
+            closed = false;
+            try { while (!closed) Serve(views, stop); }
             catch (Exception e) when (e is TimeoutException || e is MessageException)
             {
                 report($"trouble: {e.Message}: no more pictures are taken");
@@ -106,6 +110,13 @@ namespace NetMQExample
         private void Serve(IReadOnlyList<FilmView> views, CancellationToken stop)
         {
             var request = dealer.Receive(NetMQConnection.Slice, stop);
+            closed = request?.Kind == "close";
+            if (closed)
+            {
+                dealer.Send(new Message("closed", request.Id), stop);
+                dealer.Flush();
+                return;
+            }
             if (request != null && Array.IndexOf(Requests, request.Kind) >= 0)
                 if (Do(views, request) is Message answer) dealer.Send(answer, stop);
             foreach (var message in views.SelectMany(view => view.Outgoing()))
