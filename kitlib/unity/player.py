@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import difflib
+import functools
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from kitlib.lessons import KIT, PACKAGE, lessons
+from kitlib.lessons import KIT, PACKAGE, ROOT, lessons
 from kitlib.setup.dotnet import SUPPORT
+from kitlib.terminal import command
 from kitlib.unity.install import code, of_lesson, types, uses
 from kitlib.unity.project import find_project
 
 NAMESPACE = "NetMQExample"
-CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes:"
+STAND_INS = SUPPORT / "unity-player" / "UnityEngine"
+# Names of others, of which a page has ours.
+MOVED = {
+    "from_gymize.md": "Gymize NumSharp NDArray ToArray GetSingle MessageArray Image CompressionType GetName "
+    "ActuatorComponent GymRenderRecorder",
+    "from_ml_agents.md": "MLAgents VectorSensor CollectObservations ActionBuffers ActionSegment OnActionReceived "
+    "OnEpisodeBegin EndEpisode EpisodeInterrupted MaxStep DecisionRequester BehaviorParameters",
+}
+CHANGED = "the player uses your copy of a kit's file only if you name it here, with each that uses its classes"
 # The compiler's words for a type, a name or a namespace that is nowhere, and for a member that a type does not have.
 NOWHERE = r"error CS(?:0246|0103|0234): \D*?'(?=\w+' does not exist in the namespace '([\w.]+)'|)(\w+)'"
 NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '(\w+)'"
@@ -20,10 +31,11 @@ NO_MEMBER = r"error CS(?:0117|1061): '(\w+)' does not contain a definition for '
 MEMBER = r"(?:^ {8}|[{;] )public (?!delegate|.* operator )[^=({;]*?(\w+(?:, \w+)*)(?:<\w+>)?(?=\W*[=({;\n])"
 
 
+@functools.cache
 def stand_ins() -> dict[str, list[str]]:
     """Unity's types that the player has, each with its public members, as the source has them."""
     found: dict[str, list[str]] = {}
-    for path in sorted((SUPPORT / "unity-player" / "UnityEngine").glob("*.cs")):
+    for path in sorted(STAND_INS.glob("*.cs")):
         text = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
         for kind, name, body in re.findall(
             r"^    public (?:\w+ )*(class|struct|enum) (\w+)(.*?)(?=^ {0,4}\w|\Z)", text, re.MULTILINE | re.DOTALL
@@ -50,16 +62,14 @@ def bringing(names: Iterable[str]) -> list[int]:
 
 
 def why(output: str, own: Sequence[Path], theirs: Sequence[Path] | None) -> str:
-    """What is missing, with the cure, and then each of the compiler's errors once."""
+    """Each of the compiler's errors once, and then what is missing, with the cure."""
     # After an error stands the project, which is ours.
     errors = list(dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", output, re.MULTILINE)))
-    said = [*lacking_of_the_kit(errors, own, theirs), *lacking_of_unity(errors, own)]
+    said = [*lacking_of_the_kit(errors, own, theirs), *moved(errors), *lacking_of_unity(errors, own)]
     # Two classes of one name; or a member to override that only the reader's own file has.
     if "NetMQExample.dll]" in output or (not said and "error CS0115" in output):
         said = [CHANGED]
-    return "\n".join(
-        [f"your script does not compile{'; ' if said else ':'}{said[0] if said else ''}", *said[1:], *errors]
-    )
+    return "\n".join(["your script does not compile:", *errors, *said])
 
 
 def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[Path] | None) -> Iterator[str]:
@@ -74,8 +84,9 @@ def lacking_of_the_kit(errors: list[str], own: Sequence[Path], theirs: Sequence[
         *(name for path in theirs for name in types(path)),
     }
     lacks = sorted(name for name in kit - there if uses(text, name))
-    command = f'{KIT} unity "{find_project(own[0])}"'
-    cure = " and ".join(f"`{command} --lesson {number}`" for number in bringing(lacks)) or f"`{command}`"
+    words = [*KIT.split(), "unity", str(find_project(own[0]))]
+    each = [command(*words, "--lesson", str(number)) for number in bringing(lacks)] or [command(*words)]
+    cure = " and ".join(f"`{line}`" for line in each)
     yield f"this project has no {', '.join(lacks) or NAMESPACE}: {cure} copies what is missing"
 
 
@@ -84,18 +95,41 @@ def kits_names() -> set[str]:
     return {NAMESPACE, *(name for path in PACKAGE.glob("[0-9S]*/*.cs") for name in types(path))}
 
 
+def moved(errors: list[str]) -> Iterator[str]:
+    """Names of gymize and of ML-Agents, and the page that has ours."""
+    words = {
+        word for line in errors for quoted in re.findall(r"'([^']*)'", line) for word in re.findall(r"\w+", quoted)
+    }
+    for page, names in MOVED.items():
+        if found := ", ".join(name for name in names.split() if name in words):
+            yield f"docs/guide/{page} says what to write for {found}"
+
+
 def lacking_of_unity(errors: list[str], own: Sequence[Path]) -> Iterator[str]:
     kit = kits_names()
-    unity = stand_ins()
-    nowhere = dict.fromkeys(words for line in errors for words in re.findall(NOWHERE, line) if words[1] not in kit)
+    text = "\n".join(map(code, own))
+    # A name that is nowhere is a type if something of it is used, as in Mathf.Abs.
+    nowhere = dict.fromkeys(
+        words
+        for line in errors
+        for words in re.findall(NOWHERE, line)
+        if words[1] not in kit and ("CS0103" not in line or re.search(rf"\b{words[1]}\.", text))
+    )
     if beside := [f"{name}.cs" for _, name in nowhere if any(path.with_name(f"{name}.cs").exists() for path in own)]:
         yield f"name {', '.join(beside)}, too"
-    elif nowhere:
-        names = ", ".join(".".join(filter(None, words)) for words in nowhere)
-        there = " ".join(name for name in unity if not name.endswith("Attribute"))
-        yield f"the player has no {names}; of Unity it has {there}; if it is yours, name its file, too"
+    elif lacks := [words for words in nowhere if words[1] not in " ".join(MOVED.values()).split()]:
+        names = ", ".join(".".join(filter(None, words)) for words in lacks)
+        like = likely((name for _, name in lacks), [name for name in stand_ins() if not name.endswith("Attribute")])
+        yield f"the player has no {names}{like}; if it is yours, name its file, too"
     members: dict[str, dict[str, None]] = {}
     for kind, member in (pair for line in errors for pair in re.findall(NO_MEMBER, line)):
         members.setdefault(kind, {})[member] = None
-    for kind in (kind for kind in members if kind in unity):
-        yield f"the player's {kind} has no {', '.join(members[kind])}; it has {' '.join(unity[kind])}"
+    for kind in (kind for kind in members if kind in stand_ins()):
+        yield f"the player's {kind} has no {', '.join(members[kind])}{likely(members[kind], stand_ins()[kind])}"
+
+
+def likely(names: Iterable[str], there: Sequence[str]) -> str:
+    """What is there under such a name, and where everything is."""
+    near = dict.fromkeys(one for name in names for one in difflib.get_close_matches(name, there, cutoff=0.75))
+    like = f", but {', '.join(near)}" if near else ""
+    return f"{like}; all of Unity that it has is in {STAND_INS.relative_to(ROOT).as_posix()}"

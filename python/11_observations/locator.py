@@ -8,12 +8,12 @@ docs/guide/11_locators.md has the whole language, netmq_example/locator.py reads
 """
 
 import argparse
+import io
 import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 from netmq_example.locator import LocatorError, parse
-from netmq_example.program import run
 
 
 def main() -> None:
@@ -38,4 +38,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    run(main, stopped="stopped")
+    # As program.py has it, which needs pyzmq: in a pipe Windows would use another encoding.
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")
+    main()

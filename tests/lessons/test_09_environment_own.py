@@ -344,6 +344,8 @@ def test_a_word_that_an_environment_does_not_know_is_named():
         TypeError, match=r"^an environment takes no lunch; where its simulator is, say endpoint, launch,"
     ):
         ZmqEnv("Ball", lunch=["ball"])
+    with pytest.raises(TypeError, match=r"^an environment takes no update_seconds, agent_names; leave it out; several"):
+        ZmqEnv("Ball", update_seconds=0.1, agent_names=["ball"])
 
 
 @pytest.fixture

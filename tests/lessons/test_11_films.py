@@ -114,6 +114,24 @@ def test_a_recorder_that_was_given_no_camera_has_the_main_one(where):
         env.close()
 
 
+def test_the_play_of_a_film_ends_with_its_environment(where, start):
+    """Without a word of trouble; and also where no environment comes."""
+    words, endpoint, views = where["launch"], steady_endpoint(), steady_endpoint()
+    words += ["--GymManager.endpoint", endpoint, "--ViewRecorder.endpoint", views]
+    player = start(*words)
+    env, reset, _ = gym_script(
+        {"env_name": "Look", "wait": 300, "endpoint": endpoint, "view_endpoint": views, "render_mode": "rgb_array"}
+    )
+    reset()
+    assert env.render().shape == (240, 320, 3)
+    env.close()
+    assert player.wait() == 0
+    assert "trouble" not in player.output
+    alone = start(*words, "--GymManager.timeout", "1")
+    assert alone.wait() == 1
+    assert alone.lines[-1].startswith("gave up: no environment at ")
+
+
 # A game in this process
 
 

@@ -76,13 +76,20 @@ def test_what_is_wrong_in_a_scene_is_said_once_and_the_rest_plays(run):
 def test_python_is_told_why_an_agent_that_it_asks_for_has_given_up(run):
     said = {
         "two": "two agents are named 'agent': each needs a name of its own",
-        "mistake": 'Speeder.speed, locator ".speed[": column 8: expected a key, a number, a slice, ... or \']\', '
+        "mistake": "Speeder.speed, locator \".speed[\": column 8: expected a key, a number, a slice, ... or ']', "
         "found the end",
     }
     for how, why in said.items():
         _, error, player = run(how)
         assert error == f"wrong-agent: {why}"
         assert player.output.count(f"gave up: {why}") == player.output.count("gave up: ") == 1
+
+
+def test_a_script_can_set_the_step_period(run):
+    _, _, player = run("period")
+    player.wait_for("^done: 1 episodes, 4 steps")
+    # The fourth step ends in OnAction.
+    assert player.lines.count("tick") == 3 * 3
 
 
 def test_an_info_that_nobody_hears_is_said_once(run):

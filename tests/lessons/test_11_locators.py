@@ -82,6 +82,11 @@ def check(entry, answer):
         assert len(said) < 200, entry["name"]
 
 
+def test_the_program_needs_no_other_package(start):
+    program = start(sys.executable, "-S", ROOT / "python" / "11_observations" / "locator.py", "car@['naïve']")
+    assert (program.wait(), program.lines) == (0, ["'car'@['naïve'] = $"])
+
+
 def test_python_agrees_with_the_golden_table(python_said):
     for entry, answer in zip(GOLDEN, python_said, strict=True):
         check(entry, answer)

@@ -1,7 +1,7 @@
 // Scenes with scripts of a user's own, played until somebody ends them or a minute is over. Runner.cs and Weather.cs are the
 // classes of docs/guide/from_gymize.md and docs/guide/13_side_channels.md.
 //
-//     dotnet checks.dll scene gymize ENDPOINT [wrong | mistake | two | mute | gone | radar | broken | named | alone | env]
+//     dotnet checks.dll scene gymize ENDPOINT [wrong | mistake | two | mute | period | gone | radar | broken | named | alone | env]
 //     dotnet checks.dll scene Racer ENDPOINT [first | channels | lost | VIEW_ENDPOINT]
 //     dotnet checks.dll scene Faller ENDPOINT
 //     dotnet checks.dll scene Arena ENDPOINT
@@ -97,6 +97,11 @@ namespace NetMQExample.Tests
             if (how == "gone") scripts[0].enabled = false;
             if (how == "wrong") Add<CameraSensor>("eye");
             if (how == "two") Add<Runner>("twin");
+            if (how == "period")
+            {
+                ((Agent)scripts[0]).StepPeriod = 3;
+                Add<Pacer>("pacer").Name = "pacer";
+            }
             if (how == "named")
             {
                 ((Agent)scripts[0]).Name = "one";
@@ -252,6 +257,19 @@ namespace NetMQExample.Tests
         public override void OnAction(object action)
         {
         }
+    }
+
+    internal sealed class Pacer : Agent
+    {
+        public override void OnReset()
+        {
+        }
+
+        public override void OnAction(object action)
+        {
+        }
+
+        public override void OnTick(double dt) => Debug.Log("tick");
     }
 
     internal abstract class Animal : Agent

@@ -16,9 +16,6 @@ namespace NetMQExample
         private readonly SelfDriving drive = new SelfDriving();
         private ViewRecorder recorder;
 
-        /// <summary>Whether it has driven for so long; else the game goes on when Python has closed its films.</summary>
-        public bool Done => !recorder.enabled;
-
         private void Awake()
         {
             recorder = GetComponent<ViewRecorder>();

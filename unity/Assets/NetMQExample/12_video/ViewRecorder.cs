@@ -29,8 +29,15 @@ namespace NetMQExample
         /// <summary>Whether a film is made of any of them, or has ended and that is not logged yet.</summary>
         public bool Filming => Array.Exists(filmed, one => one.View.Filming) || Waiting;
 
-        /// <summary>Also once Python has closed its films: it may come back, but nobody waits for that.</summary>
-        public override bool Done => base.Done || sender?.Closed == true;
+        /// <summary>Also once whatever else of its object talks to Python has ended, such as a GymManager.</summary>
+        public override bool Done
+        {
+            get
+            {
+                var others = Array.FindAll(GetComponents<NetworkBehaviour>(), one => !(one is ViewRecorder));
+                return base.Done || (others.Length > 0 && Array.TrueForAll(others, one => one.Done));
+            }
+        }
 
         /// <summary>The cameras to film. Change them before this component is enabled, or in Awake.</summary>
         public List<Camera> Cameras => cameras;

@@ -27,7 +27,8 @@ namespace NetMQExample
         private readonly string endpoint;
         private readonly TimeSpan timeout, limit;
         private readonly Action<string> report;
-        private volatile bool connected, closed;
+        private volatile bool connected;
+        private bool closed;
 
         /// <summary>Connects, which succeeds even while nobody is there.</summary>
         /// <param name="endpoint">Where Python films, such as <c>tcp://127.0.0.1:5562</c>.</param>
@@ -45,9 +46,6 @@ namespace NetMQExample
 
         /// <summary>Whether Python is there. For any thread.</summary>
         public bool Connected => connected;
-
-        /// <summary>Whether Python has said that it films no more, and is not back. For any thread.</summary>
-        public bool Closed => closed;
 
         /// <summary>Serves until it is stopped.</summary>
         /// <exception cref="ArgumentException">Two of them have one name, or there are none.</exception>
