@@ -424,7 +424,7 @@ def next_steps(root: Path, lesson: str | None) -> list[str]:
     # The one that kit.py runs the lessons with; the terminal may be in any folder.
     python = python_setup.interpreter(key)
     scripts = behaviours(PACKAGE / key)
-    components = ", ".join(f"your agent or {path.stem}" if uses(code(path), "Agent") else path.stem for path in scripts)
+    components = ", ".join("your agent or " * (": Agent\n" in code(path)) + path.stem for path in scripts)
     scene = f"{TARGET}/{key}/{key}.unity"
     there = f"open {scene}" if (root / scene).exists() else f"add to one GameObject: {components}"
     return [

@@ -8,6 +8,7 @@ from kitlib import lessons
 from kitlib.docs import guide
 from kitlib.terminal import command
 from kitlib.unity import install as unity_install
+from kitlib.unity import player
 from tests.conftest import PYTHON
 from tests.programs import ROOT
 
@@ -296,40 +297,29 @@ LACKS = """class Lacks : UnityEngine.MonoBehaviour
 """
 
 
-# As it was for ML-Agents, for gymize, and with mistakes.
-MOVED = """using Unity.MLAgents;
-using NetMQExample;
-
-class Moved : Agent
-{
-    [Box] NDArray place;
-    public override void CollectObservations(VectorSensor sensor) { }
-    public override void OnReset() { }
-    public override void OnAction(object action)
-    {
-        float way = ((MessageArray)action).GetSingle(0);
-        SetTerminated();
-        Transfrm.Stop();
-    }
-}
+# What the compiler says of scripts as they were for ML-Agents and for gymize, and of a slip.
+MOVED = """Mine.cs(2,13): error CS0234: The name 'MLAgents' does not exist in the namespace 'Unity' [/a.csproj]
+Mine.cs(8,11): error CS0246: The type or namespace name 'NDArray' could not be found [/a.csproj]
+Mine.cs(9,26): error CS0115: 'Mine.CollectObservations(VectorSensor)': no suitable method found to override [/a.csproj]
+Mine.cs(9,47): error CS1061: 'MessageArray' does not contain a definition for 'GetSingle' [/a.csproj]
+Mine.cs(12,9): error CS0103: The name 'SetTerminated' does not exist in the current context [/a.csproj]
+Mine.cs(13,9): error CS0103: The name 'Transfrm' does not exist in the current context [/a.csproj]
 """
 
 
-def test_a_name_of_gymize_or_of_ml_agents_is_answered_by_its_page(play, tmp_path):
-    """What could be a type of Unity's is compared with those; a name that is none is the compiler's alone."""
-    (tmp_path / "Moved.cs").write_text(MOVED, encoding="utf-8")
-    code, lines = play(tmp_path / "Moved.cs")
-    said = [line for line in lines[1:] if ": error CS" not in line]
-    assert (code, said) == (
-        1,
-        [
-            "docs/guide/from_gymize.md says what to write for NDArray, GetSingle, MessageArray",
-            "docs/guide/from_ml_agents.md says what to write for MLAgents, VectorSensor, CollectObservations",
-            "the player has no Transfrm, but Transform; all of Unity that it has is in "
-            "csharp-support/unity-player/UnityEngine; if it is yours, name its file, too",
-        ],
-    )
-    assert any("CS0103" in line and "SetTerminated" in line for line in lines)
+def test_a_name_of_gymize_or_of_ml_agents_is_answered_by_its_page(tmp_path):
+    """What could be a type of Unity's is compared with those; of a name that is none the compiler has said enough."""
+    script = tmp_path / "Mine.cs"
+    script.write_text("SetTerminated(); Transfrm.Find(name);", encoding="utf-8")
+    first, *lines = player.why(MOVED, [script], None).splitlines()
+    assert first == "your script does not compile:"
+    assert lines[:6] == [line.partition(" [")[0] for line in MOVED.splitlines()]
+    assert lines[6:] == [
+        "docs/guide/from_gymize.md says what to write for NDArray, GetSingle, MessageArray",
+        "docs/guide/from_ml_agents.md says what to write for MLAgents, VectorSensor, CollectObservations",
+        "the player has no Transfrm, but Transform; all of Unity that it has is in "
+        "csharp-support/unity-player/UnityEngine; if it is yours, name its file, too",
+    ]
 
 
 def test_what_cannot_be_played_is_named(play, tmp_path):

@@ -14,7 +14,7 @@ from tests.programs import ROOT, free_port, steady_endpoint
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 11 needs gymnasium: kit.py run 11 installs it")
 np = pytest.importorskip("numpy", reason="lesson 11 needs numpy: kit.py run 11 installs it")
-pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 11 installs it")
+pytest.importorskip("pettingzoo", reason="lesson 11 needs pettingzoo: kit.py run 10 installs it")
 from gymnasium import spaces  # noqa: E402
 
 from netmq_example.envs import UnityParallelEnv  # noqa: E402

@@ -475,6 +475,14 @@ def test_the_last_line_fits_the_shell(system, python, line, monkeypatch):
     assert said == line
 
 
+def test_an_agent_of_ones_own_takes_the_place_of_the_lessons(monkeypatch, tmp_path):
+    monkeypatch.setattr(python_setup, "interpreter", lambda *_: "python")
+    assert (
+        ": CameraSensor, your agent or CoinCarAgent, GymManager; and press Play"
+        in unity_install.next_steps(tmp_path, "11")[-1]
+    )
+
+
 def test_a_backslash_before_the_quotation_mark_is_named():
     """`"C:\\My Game\\" --lesson 4` arrives on Windows as one word."""
     with pytest.raises(KitError, match="leave out the backslash before the quotation mark"):
