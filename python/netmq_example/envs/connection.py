@@ -35,13 +35,6 @@ RESEND_SECONDS = 1.0
 # The answers to requests in words; other kinds of messages are ignored.
 ANSWERS = {"render": "picture", "info": "told", "close": "closed"}
 
-# What became of gymize's arguments.
-GYMIZES = {
-    "agent_names": "several agents are the keys of observation_spaces, and a single one is agent_name",
-    "update_seconds": "leave it out",
-    "reward_range": "leave it out",
-}
-
 Accept = Callable[[Message], None]
 
 
@@ -202,10 +195,7 @@ class Simulators:
         default: str = ENDPOINT,
         **unknown: object,
     ) -> None:
-        if unknown:
-            known = "where its simulator is, say endpoint, launch, wait, timeout and socket"
-            cures = dict.fromkeys(GYMIZES.get(name, known) for name in unknown)
-            raise TypeError(f"an environment takes no {', '.join(unknown)}; {'; '.join(cures)}")
+        check.no_others(unknown)
         self.wait = check.seconds("wait", wait)
         timeout = check.seconds("timeout", timeout)
         self.launch = program(launch)

@@ -230,9 +230,6 @@ class ViewSender:
     def serve(self, socket: zmq.Socket[bytes], views: list[FilmView]) -> bool:
         """A moment of it: what Python asks for, and what there is to send. False if Python leaves."""
         request = self.receive(socket)
-        if request and request.kind == "close":
-            socket.send_multipart(Message("closed", request.id).frames())
-            return False
         answer = self.do(views, request) if request else None
         if answer:
             socket.send_multipart(answer.frames())
@@ -242,12 +239,12 @@ class ViewSender:
                 if message.kind == "ended":
                     values = message.values
                     self.report(f"{view.name}: {values['frames']} pictures, {values['skipped']} skipped")
-        return True
+        return answer is None or answer.kind != "closed"
 
     def do(self, views: list[FilmView], request: Message) -> Message | None:
         """The answer to a request that has one."""
         if request.kind not in ("begin", "look", "took", "end"):
-            return None
+            return Message("closed", request.id) if request.kind == "close" else None
         try:
             name = take(request.values, "view", str)
             there = {view.name: view for view in views}

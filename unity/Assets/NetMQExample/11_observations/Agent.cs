@@ -47,11 +47,7 @@ namespace NetMQExample
         public int StepPeriod
         {
             get => stepPeriod;
-            set
-            {
-                stepPeriod = value;
-                if (state != null) state.Period = value;
-            }
+            set => State.Period = stepPeriod = value;
         }
 
         /// <inheritdoc/>

@@ -39,9 +39,13 @@ namespace NetMQExample
         /// <summary>It has no part until it comes again.</summary>
         public static void Refuse(IAgent agent, string name, string why) => Refused.Add((agent, name, why));
 
-        /// <summary>Why an agent of this name was refused; null if none was that exists.</summary>
-        public static string WhyNot(string name, Func<IAgent, bool> exists) =>
-            Refused.Find(one => one.Name == name && exists(one.Agent)).Why;
+        /// <summary>Throws if an agent of this name was refused, and exists.</summary>
+        /// <exception cref="MessageException">It says why.</exception>
+        public static void Check(string name, Func<IAgent, bool> exists)
+        {
+            var why = Refused.Find(one => one.Name == name && exists(one.Agent)).Why;
+            if (why != null) throw new MessageException("wrong-agent", why);
+        }
 
         /// <summary>Once in each frame: who waits for a name has it now, or is refused.</summary>
         public static void Settle(Action<IAgent> refuse)

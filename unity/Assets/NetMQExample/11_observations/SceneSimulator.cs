@@ -104,7 +104,7 @@ namespace NetMQExample
             AgentState.Inside = true;
             try
             {
-                if (to == "") Hear(said);
+                if (to == "") (OnInfo + Others() ?? Unheard)(said);
                 else Find(to).OnInfo(said);
             }
             finally { AgentState.Inside = false; }
@@ -153,26 +153,22 @@ namespace NetMQExample
             Loading = false;
             for (var i = 0; i < asked.Count; i++)
             {
-                var order = request.OrderOf(i);
-                if (order == Order.Reset && AgentRoster.WhyNot(asked.Names[i], Exists) is string why)
-                    throw new MessageException("wrong-agent", why);
-                if (order == Order.Nothing) answer.SkipRow();
+                if (request.OrderOf(i) == Order.Reset) AgentRoster.Check(asked.Names[i], Exists);
+                if (request.OrderOf(i) == Order.Nothing) answer.SkipRow();
                 else if (asked.Present[i] != null) See(asked.Present[i].State, answer);
                 // No OnReset, and no scene that was loaded, has brought it.
-                else if (order == Order.Reset) Find(asked.Names[i]);
+                else if (request.OrderOf(i) == Order.Reset) Find(asked.Names[i]);
                 else EndAbsent(i, answer);
             }
             infos.Clear();
         }
 
-        private void Hear(object said)
+        private void Unheard(object said)
         {
-            var hearers = OnInfo + Others();
-            hearers?.Invoke(said);
-            if (hearers == null && !unheard)
+            if (!unheard)
                 Warn("trouble: Python has sent an info to the environment, and nobody hears it: "
                     + "name an agent in send_info, or add a handler to GymEnv.OnInfo");
-            unheard |= hearers == null;
+            unheard = true;
         }
 
         private void Ask(Dictionary<string, object> said)
