@@ -71,7 +71,7 @@ namespace NetMQExample.Terminal
         public void RefuseTheRest()
         {
             if (rest.Count == 0) return;
-            var known = "options and what they are when left out: " + string.Join("  ", declared);
+            var known = "options and their defaults: " + string.Join("  ", declared);
             throw new UsageException(rest.Contains("--help") ? known : $"unknown: {NameOf(rest.First())}; {known}");
         }
 

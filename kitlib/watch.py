@@ -33,4 +33,4 @@ def open_page(tap: Program) -> None:
     try:
         tap.wait_for("^a page looks on$", TIMEOUT)
     except KitError:
-        say("no page is open; the client starts, and a page that is opened later shows what passed last")
+        say("no page is open; the client starts, and a page that is opened later shows the latest messages")

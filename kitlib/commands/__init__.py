@@ -44,7 +44,7 @@ def guarded(work: Callable[[], int]) -> int:
         return error.code
     except SyntaxError as error:
         # Of a lesson's program, which is read for what it needs.
-        where = f"{error.filename}, line {error.lineno}: {error.msg}; mend it"
+        where = f"{error.filename}, line {error.lineno}: {error.msg}; fix it"
         print(coloured("kit    |", "error", sys.stderr), where, file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -248,4 +248,10 @@ def failure(result: Result) -> str:
         return "the C# build needs NuGet, which cannot be reached: try again with internet"
     if "error CS" not in result.output:
         return f"the C# build failed ({result.first(' error ')}); delete the folder {BUILD} and try again"
-    return f"the C# build failed; delete the folder {BUILD} if nobody has changed a file:\n{result.output.strip()}"
+    cure = f"fix it; if nobody has changed a file, delete the folder {BUILD}"
+    return "\n".join(["the C# build failed:", *compiler_errors(result.output), cure])
+
+
+def compiler_errors(output: str) -> list[str]:
+    """Each of them once, without the project that stands after it."""
+    return list(dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", output, re.MULTILINE)))

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from kitlib.lessons import KIT, PACKAGE, ROOT, lessons
-from kitlib.setup.dotnet import SUPPORT
+from kitlib.setup.dotnet import SUPPORT, compiler_errors
 from kitlib.terminal import command
 from kitlib.unity.install import code, of_lesson, types, uses
 from kitlib.unity.project import find_project
@@ -63,8 +63,7 @@ def bringing(names: Iterable[str]) -> list[int]:
 
 def why(output: str, own: Sequence[Path], theirs: Sequence[Path] | None) -> str:
     """Each of the compiler's errors once, and then what is missing, with the cure."""
-    # After an error stands the project, which is ours.
-    errors = list(dict.fromkeys(re.findall(r"^(.+: error CS.+?)(?: \[[^\]]+proj\])?$", output, re.MULTILINE)))
+    errors = compiler_errors(output)
     said = [*lacking_of_the_kit(errors, own, theirs), *moved(errors), *lacking_of_unity(errors, own)]
     # Two classes of one name; or a member to override that only the reader's own file has.
     if "NetMQExample.dll]" in output or (not said and "error CS0115" in output):

@@ -18,25 +18,14 @@ import sys
 from pathlib import Path
 
 sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
-import zmq
-import zmq.asyncio
-
-from netmq_example.program import (
-    MOST_FILES,
-    Options,
-    client_endpoint,
-    importing,
-    positive_seconds,
-    run,
-    server_endpoint,
-)
+from netmq_example.program import Options, client_endpoint, importing, positive_seconds, run, server_endpoint
 from netmq_example.security.requester import client_keys
 
 with importing("aiohttp and python-socketio; kit.py run 16 installs them"):
     from aiohttp import web
 
     from netmq_example.web import socketio, websocket
-    from netmq_example.web.browser_socket import BrowserSocket, Listener, Requester
+    from netmq_example.web.browser_socket import BrowserSocket, Listener, Requester, for_browsers
     from netmq_example.web.door import Door, run_until_killed
 
 # Your own servers go here. A browser asks for a name: it must never choose an address of the network behind.
@@ -46,9 +35,7 @@ PUBLISHERS = {"poses": "tcp://127.0.0.1:5553", "pictures": "tcp://127.0.0.1:5555
 
 async def serve(options: argparse.Namespace) -> None:
     """The page, WebSocket and Socket.IO on one port, and behind it one ZeroMQ socket for each browser."""
-    context = zmq.asyncio.Context()
-    # A browser has one for each name, by Socket.IO.
-    context.set(zmq.MAX_SOCKETS, MOST_FILES)
+    context = for_browsers()
     if options.keys:
         # To the servers the gateway is one client. Each new socket of a context has the context's options.
         options.keys.apply(context)

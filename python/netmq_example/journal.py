@@ -64,7 +64,7 @@ class Journal:
             yield
         except sqlite3.Error as error:
             if self.usable:
-                print(f"cannot use the journal {self.path}: {error}; no replies until it is over", flush=True)
+                print(f"cannot use the journal {self.path}: {error}; no replies until this is fixed", flush=True)
             self.usable = False
 
     def find(self, request_id: bytes) -> str:

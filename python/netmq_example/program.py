@@ -110,6 +110,8 @@ def listening(
             socket.bind(endpoint)
         except zmq.ZMQError as error:
             cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
+            if error.errno == zmq.EADDRINUSE:
+                cure = f"end the program that has it, such as this server in another terminal, or {cure}"
             # Printed here: in a thread nobody would hear of it.
             print(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}", file=sys.stderr)
             sys.exit(1)

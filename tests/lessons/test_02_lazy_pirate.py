@@ -297,7 +297,7 @@ def test_a_locked_journal_is_waited_for(kind, pirate_server, journal, start, cli
     other = sqlite3.connect(journal, isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
     client = start(*client_command(kind, KEY, endpoint, "--count", "3", "--tries", "20"))
-    server.wait_for(rf"^cannot use the journal {journal}: database is locked; no replies until it is over$")
+    server.wait_for(rf"^cannot use the journal {journal}: database is locked; no replies until this is fixed$")
     # Said once, however often it is asked meanwhile.
     client.wait_for("try 3 of 20")
     other.execute("ROLLBACK")
@@ -317,7 +317,7 @@ def test_a_full_disk_is_waited_for(pirate_server, journal, start, client_command
     # No file may grow: to SQLite a disk on which nothing can be written any more.
     _, hard = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (1, resource.RLIM_INFINITY))
     client = start(*client_command("python", KEY, endpoint, "--count", "3", "--tries", "20"))
-    server.wait_for(rf"^cannot use the journal {journal}: disk I/O error; no replies until it is over$")
+    server.wait_for(rf"^cannot use the journal {journal}: disk I/O error; no replies until this is fixed$")
     resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (hard, hard))
     assert client.wait() == 0, client.output
     assert replies(client) == [f"{i}: sent add 1, received {i + 1}" for i in (1, 2, 3)]
@@ -333,7 +333,7 @@ def test_a_deleted_journal_is_noticed(end, pirate_server, journal, tmp_path, sta
     gone = journal.with_name(journal.name + end)
     gone.rename(tmp_path / "elsewhere")
     client = start(*client_command("python", KEY, endpoint, "--count", "1", "--tries", "20"))
-    said = server.wait_for(r"^cannot use the journal (.*); no replies until it is over$")[1]
+    said = server.wait_for(r"^cannot use the journal (.*); no replies until this is fixed$")[1]
     assert said == f"{journal}: it was deleted or replaced; put it back, or start the server again"
     # Another file in its place is not it.
     gone.write_bytes((tmp_path / "elsewhere").read_bytes())

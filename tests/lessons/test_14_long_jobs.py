@@ -414,7 +414,7 @@ def test_a_full_disk_rejects_what_cannot_be_written_down(start, peer, tmp_path):
         if last.heard[-1].kind == "rejected":
             break
     assert last.heard[-1].values["code"] == "journal"
-    server.wait_for("^cannot use the journal .*; nothing new until it is over$")
+    server.wait_for("^cannot use the journal .*; nothing new until this is fixed$")
     assert first.ask("status").hear("result").frames() == result.frames()
     assert server.process.poll() is None
     assert "Traceback" not in server.output

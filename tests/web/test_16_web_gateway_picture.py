@@ -335,7 +335,7 @@ def test_the_kept_page_is_as_it_is_now_and_plays_both_recordings(open_page):
 def test_run_watch_opens_the_page_and_then_starts_the_client(start, tmp_path, open_page):
     """What opens a browser is whatever BROWSER names: here a program that leaves the address in a file."""
     address = tmp_path / "address"
-    browser = f"{PYTHON} -c \"import sys; open(r'{address}', 'w').write(sys.argv[1])\" %s"
+    browser = f"'{PYTHON}' -c \"import sys; open(r'{address}', 'w').write(sys.argv[1])\" %s"
     words = ["run", "1", "--client", "python", "--watch", "--folder", tmp_path, "--options=--count 2"]
     kit = start(PYTHON, ROOT / "kit.py", *words, BROWSER=browser)
     page = kit.wait_for(r"^tap +\| page at (\S+)")[1]

@@ -148,7 +148,7 @@ class Journal:
             self.clock = clock()
         except sqlite3.Error as error:
             if self.usable:
-                print(f"cannot use the journal {self.path}: {error}; nothing new until it is over", flush=True)
+                print(f"cannot use the journal {self.path}: {error}; nothing new until this is fixed", flush=True)
             self.usable = False
             return False
         if not self.usable:

@@ -24,6 +24,13 @@ MOST_FRAMES = 1000
 EXAMPLE = "tcp://127.0.0.1:5551"
 
 
+def for_browsers() -> zmq.asyncio.Context:
+    """A context with a socket for each name of each browser, as Socket.IO has them: libzmq's own limit is 1023."""
+    context = zmq.asyncio.Context()
+    context.set(zmq.MAX_SOCKETS, program.MOST_FILES)
+    return context
+
+
 class Requester:
     """Asks a server, one request at a time."""
 
