@@ -48,6 +48,8 @@ LARGEST_BYTES = 65_536
 WAITING_BYTES = 64 * 1024 * 1024
 # More open files than that no program of this kit needs.
 MOST_FILES = 8192
+# The port is taken, most often by an older start of the same server.
+IN_USE = "end the server that has it in another terminal"
 LOOPBACK = re.compile(r"tcp://(localhost|127\.[\d.]+):")
 
 
@@ -111,7 +113,7 @@ def listening(
         except zmq.ZMQError as error:
             cure = "try --endpoint tcp://127.0.0.1:0, which takes a free port"
             if error.errno == zmq.EADDRINUSE:
-                cure = f"end the program that has it, such as this server in another terminal, or {cure}"
+                cure = f"{IN_USE}, or {cure}"
             # Printed here: in a thread nobody would hear of it.
             print(f"cannot listen on {endpoint}: {zmq.strerror(error.errno or 0)}; {cure}", file=sys.stderr)
             sys.exit(1)

@@ -20,6 +20,7 @@ from tests.bad_peers import cuts_off_what_is_endless
 from tests.programs import PATIENT, ROOT, free_port
 
 sys.path.append(str(ROOT / "python" / "15_security"))
+from netmq_example.program import IN_USE
 from netmq_example.security import keys
 
 KEYS = [lesson.key for lesson in lessons()]
@@ -268,9 +269,9 @@ def test_python_programs_say_why_they_end(key, run, serve, tmp_path, monkeypatch
     server.names_bad_endpoints(BAD, 2, f"write it like tcp://127.0.0.1:{port(key)}")
     with socket.create_server(("127.0.0.1", 0)) as listener:
         taken = at(key, f"tcp://127.0.0.1:{listener.getsockname()[1]}")
-        cure = at(key, "; try --endpoint tcp://127.0.0.1:0")
+        cure = at(key, "try --endpoint tcp://127.0.0.1:0, which takes a free port")
         for name in server.takes.keys() & {"--endpoint", "--snapshots"}:
-            why = f"cannot listen on {taken}: {zmq.strerror(zmq.EADDRINUSE)}{cure}, which takes a free port"
+            why = f"cannot listen on {taken}: {zmq.strerror(zmq.EADDRINUSE)}; {IN_USE}, or {cure}"
             server.ends([*server.somewhere, name, taken], 1, f"^{re.escape(why)}$")
             # Well written, but not of this machine.
             for place in at(key, "tcp://no-such-host.invalid:0"), at(key, "tcp://192.0.2.1:0"):

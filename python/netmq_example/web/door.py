@@ -17,6 +17,7 @@ them keep all others out. So a request must be there, and be whole, in time.
 
 import asyncio
 import contextlib
+import errno
 import hmac
 import logging
 import os
@@ -32,7 +33,7 @@ from aiohttp import web
 from aiohttp.http import HttpProcessingError
 
 from netmq_example import check
-from netmq_example.program import more_files
+from netmq_example.program import IN_USE, more_files
 
 LOOPBACK = ("127.0.0.1", "localhost")
 EVERYWHERE = ("0.0.0.0", "*")
@@ -198,7 +199,10 @@ async def listen(app: web.Application, endpoint: str, token: str) -> tuple[str, 
         sys.exit(2)
     except OSError as error:
         why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror
-        sys.exit(f"cannot listen on {endpoint}: {why}; try --endpoint http://127.0.0.1:0, which takes a free port")
+        cure = "try --endpoint http://127.0.0.1:0, which takes a free port"
+        if error.errno == errno.EADDRINUSE:
+            cure = f"{IN_USE}, or {cure}"
+        sys.exit(f"cannot listen on {endpoint}: {why}; {cure}")
     silence.watching = asyncio.create_task(silence.watch(runner.server))
     bound = runner.addresses[0][1]
     print(f"listening on http://{host}:{bound}", flush=True)
