@@ -171,7 +171,8 @@ def test_in_unity_what_is_no_pose_moves_nothing(fake, listen):
     for number, odd in enumerate(("nan", "1e99", "1,5", "x", "", "1 1", "1"), start=1):
         message = " ".join(["pose/", str(number), odd, *numbers[1:]])
         fake.send_string(message)
-        client.wait_for(f"^received {re.escape(message)}$")
+        said = "" if odd == "1" else ": no pose, which has a number and 7 decimals"
+        client.wait_for(f"^received {re.escape(message)}{said}$")
     assert client.wait() == 0, client.output
     assert client.lines[-1] == "done: received 7"
 
