@@ -18,7 +18,7 @@ NAMESPACE = "NetMQExample"
 STAND_INS = SUPPORT / "unity-player" / "UnityEngine"
 # Names of others, of which a page has ours.
 MOVED = {
-    "from_gymize.md": "Gymize NumSharp NDArray ToArray GetSingle MessageArray Image CompressionType GetName "
+    "from_gymize.md": "Gymize NumSharp NDArray ToArray GetSingle Image CompressionType GetName "
     "ActuatorComponent GymRenderRecorder",
     "from_ml_agents.md": "MLAgents VectorSensor CollectObservations ActionBuffers ActionSegment OnActionReceived "
     "OnEpisodeBegin EndEpisode EpisodeInterrupted MaxStep DecisionRequester BehaviorParameters",
