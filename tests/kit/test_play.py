@@ -315,7 +315,7 @@ def test_a_name_of_gymize_or_of_ml_agents_is_answered_by_its_page(tmp_path):
     assert first == "your script does not compile:"
     assert lines[:6] == [line.partition(" [")[0] for line in MOVED.splitlines()]
     assert lines[6:] == [
-        "docs/guide/from_gymize.md says what to write for NDArray, GetSingle, MessageArray",
+        "docs/guide/from_gymize.md says what to write for NDArray, GetSingle",
         "docs/guide/from_ml_agents.md says what to write for MLAgents, VectorSensor, CollectObservations",
         "the player has no Transfrm, but Transform; all of Unity that it has is in "
         "csharp-support/unity-player/UnityEngine; if it is yours, name its file, too",
