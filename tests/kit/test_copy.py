@@ -8,6 +8,7 @@ from kitlib import commands, imports
 from kitlib.commands import copy
 from kitlib.lessons import WINDOWS, KitError, UsageError, lessons
 from kitlib.setup import python_setup
+from kitlib.terminal import command
 from tests.conftest import PYTHON
 from tests.kit.test_collisions import outcomes
 from tests.programs import ROOT, two_ports
@@ -124,9 +125,9 @@ def test_what_is_copied_is_read_from_the_imports(text, expected, small):
 def test_what_differs_stays_unless_it_is_forced(tmp_path, capsys):
     folder = tmp_path / "game"
     copied("1", folder)
-    python = python_setup.found() or PY
-    assert capsys.readouterr().out.endswith(f"kit    | next: {python} {folder / '01_request_reply' / 'server.py'}\n")
     server, license = folder / "01_request_reply" / "server.py", folder / copy.LICENCE
+    run = command(python_setup.found() or PY, server)
+    assert capsys.readouterr().out.endswith(f"kit    | next: {run}\n")
     server.write_text("mine", encoding="utf-8")
     # Git may have changed the ends of the lines, which is no change.
     license.write_bytes(license.read_bytes().replace(b"\n", b"\r\n"))
