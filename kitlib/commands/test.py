@@ -12,7 +12,7 @@ from kitlib.terminal import say
 
 ABOUT = "Runs every test that this machine can run, and says what it skipped and why. Other words are pytest's options."
 EXAMPLES = [
-    "test                    all of them: some five minutes",
+    "test                    all of them: five to ten minutes",
     "test 4                  what belongs to lesson 04: less than one",
     "test -k request_reply   those with this word in their name; also of one lesson: test 4 -k slow",
     "test --long             also those that take minutes each",
