@@ -155,6 +155,12 @@ def test_a_client_that_finds_none_says_what_to_look_at(kind, key, run):
     assert "is a server with --beacon lab in this network, and that no guest network" in ended.lines[-1]
 
 
+def test_a_client_with_two_ports_gives_up_in_one_line(run):
+    """Lesson 07's, whose Python client takes no beacon."""
+    ended = run("csharp", "07_catch_up", "--endpoint", "beacon://nobody:5557", "--timeout", "0.5")
+    assert ended.code == 1 and ended.lines[-1].startswith("gave up: no snapshot from beacon://nobody:5657 "), ended
+
+
 @pytest.mark.parametrize("kind", ["python", "csharp"])
 def test_an_endpoint_that_names_nobody_is_refused(kind, runs):
     wrong = ["beacon://lab", "beacon://lab:0", "beacon://lab:70000", "beacon://:5554", f"beacon://{'x' * 33}:5554"]

@@ -161,8 +161,10 @@ namespace NetMQExample
             {
                 // Each try has a new socket, as in lesson 02, and more time: a new connection takes four round trips.
                 using var asker = new NetMQConnection(snapshots, () => new RequestSocket());
-                if (!asker.TrySend(TimeSpan.Zero, stop, "pose/")) continue;
-                if (!(Take(asker, limit < left ? limit : left, stop) is string text)) continue;
+                var wait = limit < left ? limit : left;
+                // To a beacon that nobody answers yet nothing can be sent.
+                if (!asker.TrySend(wait, stop, "pose/")) continue;
+                if (!(Take(asker, wait, stop) is string text)) continue;
                 var words = text.Split(' ', 2);
                 var pose = PoseMessage.Parse(words[words.Length - 1]);
                 if (pose != null && uint.TryParse(words[0], NumberStyles.None, CultureInfo.InvariantCulture, out var n))
