@@ -19,42 +19,14 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, find
+from kitlib.lessons import PACKAGE, ROOT, KitError, Lesson, find, lessons
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import command, say
+from kitlib.unity.inventory import JSON_DLL, LIBRARIES, PARTS, TARGET, Inventory, unity_version
 from kitlib.unity.meta import assets, behaviours, guid, meta, meta_of
 from kitlib.unity.modules import VERSION, needed
-from kitlib.unity.project import (
-    PARTS,
-    TARGET,
-    advice,
-    all_packages,
-    check_age,
-    check_foreign,
-    check_moved,
-    elsewhere,
-    find_project,
-    has_netmq,
-    has_scripts,
-    missing,
-    other_dlls,
-    packages_of,
-)
+from kitlib.unity.project import OLDEST, advice, check_foreign, check_moved, find_project, has_scripts
 
-# Said once, for the C# projects and for this.
-NETMQ = re.findall(r'"NetMQ" Version="\[(.+?)\]"', (ROOT / "Directory.Build.targets").read_text(encoding="utf-8"))[0]
-DOTNET = "lib/netstandard2.0/System."
-# NetMQ inside Unity, with what it needs and Unity does not have: package, version, and the file in it. Of the last two
-# only BufferPool.SetBufferManagerBufferPool has a use, but IL2CPP's linker wants to find every name that it meets.
-LIBRARIES = (
-    ("NetMQ", NETMQ, "lib/netstandard2.1/NetMQ.dll"),
-    ("AsyncIO", "0.1.69", "lib/netstandard2.0/AsyncIO.dll"),
-    ("NaCl.Net", "0.1.13", "lib/netstandard2.1/NaCl.dll"),
-    ("System.Collections.Immutable", "10.0.7", f"{DOTNET}Collections.Immutable.dll"),
-    ("System.Runtime.CompilerServices.Unsafe", "6.1.2", f"{DOTNET}Runtime.CompilerServices.Unsafe.dll"),
-    ("System.ServiceModel.Primitives", "10.0.652802", f"{DOTNET}ServiceModel.Primitives.dll"),
-    ("System.Security.Principal.Windows", "5.0.0", f"{DOTNET}Security.Principal.Windows.dll"),
-)
 ALONE = "the scripts alone: they need NetMQ.dll and the DLLs that it needs"
 # Unity's own package of Newtonsoft.Json, with which lessons 04 and 05 read JSON.
 JSON = ("com.unity.nuget.newtonsoft-json", "3.2.1")
@@ -62,6 +34,9 @@ NUGET = "https://api.nuget.org/v3-flatcontainer"
 PLUGINS = f"{TARGET}/Plugins"
 # What this command wrote, and so may write again. Unity ignores names that begin with a dot.
 RECORD = f"{TARGET}/.kit.json"
+# The texts that the licences of the DLLs ask for, and by what name a NuGet package has its own.
+LICENCES = ROOT / "licences"
+NOTICE = re.compile(r"(LICENSE|COPYING|THIRD-PARTY-NOTICES)[^/]*", re.IGNORECASE)
 
 # isExplicitlyReferenced: no script names a class of .NET's own libraries, so a game's other scripts need not see them.
 # validateReferences: another package's copy may have another version number, which is as good.
@@ -115,37 +90,55 @@ def install(
     The DLLs come from the folder `dlls`, or else from NuGet.
     """
     root = find_project(project)
-    manifest = packages_of(root)
-    if has_scripts(root, manifest):
+    there = Inventory(root)
+    if by := has_scripts(root):
+        say(f"the scripts come from {by}: they are not copied")
         # Unity reads no link.xml in a package. Without our .meta, whose GUID the package's own file has.
         files = {f"{TARGET}/link.xml": (PACKAGE / "link.xml").read_bytes()}
     else:
         files = {**scripts(lesson), **notices()}
     check_age(root, lesson, files)
+    wrong = list(there.check_netmq())
     check_moved(root, files)
     check_foreign(root, files)
-    packages = all_packages(root, manifest)
-    there = has_netmq(root, packages)
     if scripts_only:
         say(ALONE)
-    elif there:
+    elif not there.missing("NetMQ.dll"):
         say("NetMQ is in this project already: its DLLs are left as they are")
-        for path in elsewhere(root, "NetMQ.dll"):
-            old = path.relative_to(root).as_posix()
-            say(f"if {old} is older than {NETMQ}, delete it with its AsyncIO.dll, and run this again")
     else:
-        others = other_dlls(root)
-        files |= libraries(dlls, lambda package, name: missing(others, packages, package, name))
+        files |= libraries(dlls, there.missing)
     write(root, files, force, dlls=not scripts_only)
     # Also of other lessons, which are there already: all are one assembly.
     here = {path.as_posix(): path.read_bytes() for path in (root / TARGET).rglob("*.cs")}
-    add_packages(root, {name: version for name, version in unitys_packages(here).items() if name not in packages})
-    for line in advice(root):
+    add_packages(root, unitys_packages(here), there)
+    for line in [*wrong, *advice(root)]:
         say(line)
-    if scripts_only and not there:
+    if there.missing("NetMQ.dll") and not (root / PLUGINS / "NetMQ.dll").exists():
         say("first bring the DLLs: route (b) or (d) of docs/guide/unity_project.md")
     for line in next_steps(root, lesson):
         say(line)
+
+
+def check_age(root: Path, lesson: str | None, files: dict[str, bytes]) -> None:
+    """A KitError if this Unity is too old for these files."""
+
+    def steps_physics(some: dict[str, bytes]) -> bool:
+        return any(b"Physics.simulationMode" in data for data in some.values())
+
+    age = unity_version(root)
+    if age >= OLDEST or (age >= (2021, 2) and not steps_physics(files)):
+        return
+    if age < (2021, 2):
+        reason = "NetMQ needs 2021.2 or later (.NET Standard 2.1), all lessons 2022.3"
+        cure = ""
+    else:
+        reason = f"{f'lesson {lesson} steps physics, which' if lesson else 'the whole package'} needs 2022.3 or later"
+        able = [str(one.number) for one in lessons() if not steps_physics(scripts(str(one.number)))]
+        cure = f"--lesson takes {', '.join(able[:-1])} or {able[-1]} here; for the others "
+    raise KitError(
+        f"this project is for Unity {age[0]}.{age[1]}; {reason}: nothing was copied; "
+        f"{cure}open a copy of the project with a newer editor in Unity Hub"
+    )
 
 
 def scripts(lesson: str | None) -> dict[str, bytes]:
@@ -213,21 +206,28 @@ def unitys_packages(files: dict[str, bytes]) -> dict[str, str]:
     return {**json_package, **dict.fromkeys(sorted(needed(texts)), VERSION)}
 
 
-def add_packages(root: Path, wanted: dict[str, str]) -> None:
-    """Name them in the project's manifest."""
-    if elsewhere(root, "Newtonsoft.Json.dll"):
+def add_packages(root: Path, needed: dict[str, str], there: Inventory) -> None:
+    """Name in the project's manifest what nothing brings, and keep the manifest's look."""
+    wanted = {name: version for name, version in needed.items() if name not in there.packages}
+    if not there.missing(JSON_DLL):
         wanted.pop(JSON[0], None)
     if not wanted:
         return
-    path = root / "Packages" / "manifest.json"
+    # Of a link the file behind it.
+    path = (root / "Packages" / "manifest.json").resolve()
     # Beside it, and so on the same disk: a full disk leaves the old one whole.
     new = path.with_name(f"manifest.json.{os.getpid()}")
     try:
         if path.exists() and not os.access(path, os.W_OK):
             raise PermissionError("it is read-only")
-        manifest = json.loads(path.read_text(encoding="utf-8-sig"))
+        old = path.read_bytes().decode()
+        indent = re.search(r"^([ \t]+)\S", old, re.MULTILINE)
+        manifest = json.loads(old.removeprefix("\ufeff"))
         manifest.setdefault("dependencies", {}).update(wanted)
-        new.write_text(json.dumps(manifest, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        text = json.dumps(manifest, indent=indent[1] if indent else 2, ensure_ascii=False)
+        text = text + "\n" if old.endswith("\n") else text
+        text = "\ufeff" * old.startswith("\ufeff") + text.replace("\n", "\r\n" if "\r\n" in old else "\n")
+        new.write_bytes(text.encode())
         replace(new, path)
     except OSError as error:
         new.unlink(missing_ok=True)
@@ -236,6 +236,9 @@ def add_packages(root: Path, wanted: dict[str, str]) -> None:
         return
     for name, version in wanted.items():
         say(f"added {name} {version} to Packages/manifest.json")
+    for copy in there.copies:
+        if JSON[0] in wanted and copy.name == JSON_DLL and copy.parts and copy.where.startswith("Assets/"):
+            say(f"delete {copy.where}: a game needs JSON in the editor and in builds, and of {JSON[0]} it has both")
 
 
 def notices() -> dict[str, bytes]:
@@ -259,16 +262,19 @@ def uses(code: str, name: str) -> bool:
     return re.search(rf"(?<![\w.]){name}\b", code) is not None
 
 
-def libraries(
-    folder: Path | None, ask: Callable[[str, str], set[str]] = lambda package, name: PARTS
-) -> dict[str, bytes]:
-    """The DLLs with their import settings; `ask` says where a package's DLL is missing, of PARTS."""
+def libraries(folder: Path | None, ask: Callable[[str], set[str]] = lambda name: PARTS) -> dict[str, bytes]:
+    """The DLLs with their import settings and licences; `ask` says where a DLL is missing, of PARTS."""
     found: dict[str, bytes] = {}
+    texts = {path.name: path.read_bytes() for path in LICENCES.glob("*.txt")}
     for package, version, inside in LIBRARIES:
         name = inside.rsplit("/", 1)[1]
-        if not (parts := ask(package, name)):
+        if not (parts := ask(name)):
             continue
-        found[f"{PLUGINS}/{name}"] = in_folder(folder, name) if folder else library(package, version, inside)
+        if folder:
+            found[f"{PLUGINS}/{name}"] = in_folder(folder, name)
+        else:
+            found[f"{PLUGINS}/{name}"], carried = library(package, version, inside)
+            texts |= {f"{package}-{text}": data for text, data in carried.items()}
         found[f"{PLUGINS}/{name}.meta"] = LIBRARY_META.format(
             guid=guid(f"Plugins/{name}"),
             hidden=int(name.startswith("System.")),
@@ -276,8 +282,10 @@ def libraries(
             no_editor=int("editor" not in parts),
             builds=int("builds" in parts),
         ).encode()
-    if found:
-        found[f"{PLUGINS}.meta"] = meta(PACKAGE / "Shared", guid("Plugins")).encode()
+    found[f"{PLUGINS}.meta"] = meta(PACKAGE / "Shared", guid("Plugins")).encode()
+    for name, data in texts.items():
+        found[f"{PLUGINS}/{name}"] = data
+        found[f"{PLUGINS}/{name}.meta"] = meta(PACKAGE / "CHANGELOG.md", guid(f"Plugins/{name}")).encode()
     return found
 
 
@@ -288,9 +296,12 @@ def in_folder(folder: Path, name: str) -> bytes:
     return (folder / name).read_bytes()
 
 
-def library(package: str, version: str, inside: str) -> bytes:
-    """One DLL: from NuGet's folder on this machine, put there by dotnet if there is one, or from NuGet itself."""
-    here = dotnet.nuget_folder() / package.lower() / version / inside
+def library(package: str, version: str, inside: str) -> tuple[bytes, dict[str, bytes]]:
+    """One DLL, and the notices that its package carries: from NuGet's folder on this machine, put there by dotnet if
+    there is one, or from NuGet itself."""
+    name = package.lower()
+    file = f"{name}.{version}.nupkg"
+    here = dotnet.nuget_folder() / name / version / file
     if not here.exists() and dotnet.sdk():
         say(f"asking NuGet for {package} …")
         result = dotnet.restore(dotnet.NetMQ(""))
@@ -300,17 +311,18 @@ def library(package: str, version: str, inside: str) -> bytes:
                 f"{why}: nothing was copied; --scripts-only copies the scripts without NetMQ's DLLs,"
                 " for which docs/guide/unity_project.md has other routes"
             )
-    return here.read_bytes() if here.exists() else download(package, version, inside)
-
-
-def download(package: str, version: str, inside: str) -> bytes:
-    name = package.lower()
-    say(f"downloading {package} {version} from NuGet …")
     try:
-        with urllib.request.urlopen(f"{NUGET}/{name}/{version}/{name}.{version}.nupkg", timeout=20) as answer:
-            return zipfile.ZipFile(io.BytesIO(answer.read())).read(inside)
+        with zipfile.ZipFile(here if here.exists() else download(package, version, file)) as archive:
+            notices = {text: archive.read(text) for text in archive.namelist() if NOTICE.fullmatch(text)}
+            return archive.read(inside), notices
     except (OSError, urllib.error.URLError, zipfile.BadZipFile, KeyError) as error:
         raise KitError(f"NuGet gave no {package} {version} ({error}): nothing was copied") from None
+
+
+def download(package: str, version: str, file: str) -> io.BytesIO:
+    say(f"downloading {package} {version} from NuGet …")
+    with urllib.request.urlopen(f"{NUGET}/{package.lower()}/{version}/{file}", timeout=20) as answer:
+        return io.BytesIO(answer.read())
 
 
 def write(root: Path, files: dict[str, bytes], force: bool, dlls: bool) -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from kitlib.lessons import lessons
 from kitlib.setup import dotnet, python_setup
-from kitlib.unity.install import NETMQ
+from kitlib.unity.inventory import NETMQ
 from tests.programs import ROOT, finished
 
 # Files whose idea does not fit, and may not grow either.

@@ -4,6 +4,8 @@ import contextlib
 import json
 import os
 import re
+import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,29 @@ from kitlib.unity import install as unity_install
 from kitlib.unity.player import why
 
 TARGET = "Assets/NetMQExample"
+
+
+# What must lie beside NetMQ's DLLs.
+LICENCES = (
+    "GNU LESSER GENERAL",
+    "SPECIAL EXCEPTION",
+    "GNU GENERAL PUBLIC",
+    "Mozilla Public",
+    ".NET Foundation and Contr",
+)
+
+
+def a_dll(version):
+    """The words of a DLL's resources that say its version."""
+    return b"MZ" + f"FileVersion\0\0{version}\0".encode("utf-16-le")
+
+
+def put(root, files):
+    """Files of a project that is not the kit's doing."""
+    for name, data in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data if isinstance(data, bytes) else data.encode())
 
 
 @pytest.fixture
@@ -36,14 +61,22 @@ def python(monkeypatch):
     monkeypatch.setattr(python_setup, "interpreter", lambda *extras: Path("KIT/.venv/bin/python"))
 
 
+def fill(folder, begins="MZ"):
+    """A NuGet folder with stand-ins of the DLLs: what is copied does not depend on what is in them."""
+    for package, version, inside in unity_install.LIBRARIES:
+        name = package.lower()
+        path = folder / name / version / f"{name}.{version}.nupkg"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(inside, f"{begins} {package}")
+            if package == "System.ServiceModel.Primitives":
+                archive.writestr("THIRD-PARTY-NOTICES.TXT", "of others")
+
+
 @pytest.fixture
 def nuget(tmp_path, monkeypatch):
-    """A NuGet folder with stand-ins of the DLLs: what is copied does not depend on what is in them."""
     folder = tmp_path / "packages"
-    for package, version, inside in unity_install.LIBRARIES:
-        path = folder / package.lower() / version / inside
-        path.parent.mkdir(parents=True)
-        path.write_bytes(b"MZ " + package.encode())
+    fill(folder)
     monkeypatch.setenv("NUGET_PACKAGES", str(folder))
     yield folder
 
@@ -90,6 +123,10 @@ def test_copies_everything_with_its_meta(project, nuget, capsys):
     assert files["Plugins/NetMQ.dll"] == b"MZ NetMQ"
     assert files["LICENSE.md"] == (ROOT / "LICENSE").read_bytes()
     assert b"MPL-2.0" in files["THIRD-PARTY-NOTICES.md"]
+    texts = "\n".join(d.decode() for n, d in files.items() if n.startswith("Plugins/") and n.lower().endswith(".txt"))
+    for words in LICENCES:
+        assert words in texts
+    assert files["Plugins/System.ServiceModel.Primitives-THIRD-PARTY-NOTICES.TXT"] == b"of others"
     settings = files["Plugins/NetMQ.dll.meta"].decode()
     assert "validateReferences: 0" in settings and "Exclude WebGL: 1" in settings
     guids = re.findall(rb"^guid: (.+)$", b"\n".join(d for n, d in files.items() if n.endswith(".meta")), re.MULTILINE)
@@ -124,10 +161,9 @@ def test_again_changes_nothing(project, nuget, capsys):
 
 def test_a_newer_kit_replaces_what_it_wrote(project, nuget):
     unity_install.install(project, None, False)
-    dll = nuget / "netmq" / unity_install.LIBRARIES[0][1] / "lib" / "netstandard2.1" / "NetMQ.dll"
-    dll.write_bytes(b"MZ newer")
+    fill(nuget, "MZ newer")
     unity_install.install(project, None, False)
-    assert (project / TARGET / "Plugins" / "NetMQ.dll").read_bytes() == b"MZ newer"
+    assert (project / TARGET / "Plugins" / "NetMQ.dll").read_bytes() == b"MZ newer NetMQ"
 
 
 def test_never_overwrites_a_changed_file(project, nuget):
@@ -245,8 +281,7 @@ def test_what_is_there_by_another_route_is_not_added(project, nuget):
 
 def test_an_old_example_of_the_same_folder_is_not_mixed_with_the_kit(project, nuget, capsys):
     """Its scripts would become a part of the kit's assembly, and its NetMQ is years old."""
-    (project / "Assets" / "Plugins").mkdir()
-    (project / "Assets" / "Plugins" / "NetMQ.dll").write_bytes(b"MZ old")
+    put(project, {"Assets/Plugins/NetMQ.dll": a_dll("4.0.1.12")})
     old = project / TARGET / "Scripts" / "HelloClient.cs"
     old.parent.mkdir(parents=True)
     old.write_text("// old\n")
@@ -254,21 +289,25 @@ def test_an_old_example_of_the_same_folder_is_not_mixed_with_the_kit(project, nu
         unity_install.install(project, "1", False)
     (project / TARGET).rename(project / "Assets" / "Old")
     unity_install.install(project, "1", False)
-    assert "if Assets/Plugins/NetMQ.dll is older than 4.0.4.5, delete it" in capsys.readouterr().out
+    assert not (project / TARGET / "Plugins").exists()
+    printed = capsys.readouterr().out
+    assert "NetMQ is in this project already" in printed and "delete" not in printed
     # Whoever puts a script there later knows where it is.
     (project / TARGET / "Mine.cs").write_text("// mine\n")
     unity_install.install(project, "2", False)
 
 
-@pytest.mark.parametrize("where", ["packages-lock.json", "PackageCache", "packages.config"])
+@pytest.mark.parametrize(
+    "where",
+    ["packages-lock.json", "PackageCache", "Assets/packages.config", "Packages/nuget-packages/packages.config"],
+)
 def test_a_netmq_that_another_package_brings_is_seen(where, project, nuget):
     """manifest.json does not name it; Unity writes down what it has resolved."""
     if where == "PackageCache":
         (project / "Library" / "PackageCache" / "org.nuget.netmq@4.0.2-1234").mkdir(parents=True)
-    elif where == "packages.config":
+    elif "/" in where:
         # Fetched by NuGetForUnity when the project is opened.
-        listed = '<packages><package id="NetMQ" version="4.0.2" manuallyInstalled="true" /></packages>'
-        (project / "Assets" / where).write_text(listed)
+        put(project, {where: '<packages><package id="NetMQ" version="4.0.2" manuallyInstalled="true" /></packages>'})
     else:
         brought = {"dependencies": {"org.nuget.netmq": {"version": "4.0.2", "depth": 1, "source": "registry"}}}
         (project / "Packages" / where).write_text(json.dumps(brought))
@@ -287,10 +326,16 @@ def test_a_damaged_lock_or_record_is_none(text, project, nuget):
 
 ALL_DLLS = {Path(inside).name for _, _, inside in unity_install.LIBRARIES}
 SHARED_DLLS = [Path(inside).name for _, _, inside in unity_install.LIBRARIES if "/System." in inside]
-# As Unity wrote a .meta before Unity 6, and since: com.unity.collections has a DLL for builds alone.
-ENTRY = "  - first:\n      {}\n    second:\n      enabled: {}\n"
-FOR_BUILDS = ENTRY.format("Any: ", 1) + ENTRY.format("Editor: Editor", 0)
-FOR_EDITOR = "    Any:\n      enabled: 0\n      settings: {}\n    Editor:\n      enabled: 1\n"
+# A .meta as Unity wrote it before Unity 6, and since. The first of each is what a DLL has that somebody dropped in.
+ENTRY = "  - first:\n      {}\n    second:\n      enabled: {}\n      settings:\n        {}\n"
+DEFAULT = ENTRY.format("Any: ", 1, "{}") + ENTRY.format("Editor: Editor", 0, "DefaultValueInitialized: true")
+FOR_BUILDS = ENTRY.format("'': Any", 0, "Exclude Editor: 1") + DEFAULT
+FOR_EDITOR = DEFAULT.replace("enabled: 1", "enabled: 2").replace("enabled: 0", "enabled: 1").replace(": 2", ": 0")
+FOR_ONE = FOR_EDITOR + ENTRY.format("Standalone: Win64", 1, "CPU: AnyCPU")
+ENTRY_6 = "    {}:\n      enabled: {}\n      settings: {{}}\n"
+DEFAULT_6 = ENTRY_6.format("Any", 1) + ENTRY_6.format("Editor", 0)
+FOR_EDITOR_6 = ENTRY_6.format("Any", 0) + ENTRY_6.format("Editor", 1)
+CONSTRAINT = "  defineConstraints:\n  - '!UNITY_2021_2_OR_NEWER'\n"
 
 
 @pytest.mark.parametrize(
@@ -329,26 +374,167 @@ def test_a_dll_that_unity_ignores_is_none(project, nuget):
     assert plugins(project) == ALL_DLLS
 
 
-def test_the_dlls_go_where_netmq_comes_from_elsewhere(project, nuget):
+def test_the_dlls_go_where_netmq_comes_from_elsewhere(project, nuget, capsys):
     unity_install.install(project, "4", False)
+    unity_install.install(project, "4", False, scripts_only=True)
     (project / "Packages" / "manifest.json").write_text('{"dependencies": {"org.nuget.netmq": "4.0.4-5"}}')
     unity_install.install(project, "4", False, scripts_only=True)
     assert plugins(project) == ALL_DLLS, "the user said that they bring them"
+    assert "first bring the DLLs" not in capsys.readouterr().out
     unity_install.install(project, "4", False)
     assert not (project / TARGET / "Plugins").exists()
 
 
-@pytest.mark.parametrize(("theirs", "ours"), [(FOR_BUILDS, (0, 1)), (FOR_EDITOR, (1, 0))])
-def test_one_that_serves_builds_or_the_editor_alone_is_supplemented(theirs, ours, project, nuget):
-    cache = project / "Library" / "PackageCache" / "com.unity.some@1.0.0" / "Tests"
-    cache.mkdir(parents=True)
-    (cache / SHARED_DLLS[0]).write_bytes(b"MZ other")
-    (cache / f"{SHARED_DLLS[0]}.meta").write_text(f"fileFormatVersion: 2\nPluginImporter:\n  platformData:\n{theirs}")
+@pytest.mark.parametrize(
+    ("theirs", "ours"),
+    [
+        (DEFAULT, None),
+        (DEFAULT_6, None),
+        (FOR_ONE, None),
+        (FOR_BUILDS, (0, 1)),
+        (FOR_EDITOR, (1, 0)),
+        (FOR_EDITOR_6, (1, 0)),
+        ("  isOverridable: 1\n" + DEFAULT, (1, 1)),
+        (CONSTRAINT + DEFAULT, (1, 1)),
+        (CONSTRAINT.replace("!", "") + DEFAULT, None),
+    ],
+)
+def test_the_kit_adds_what_another_copy_does_not_serve(theirs, ours, project, nuget):
+    """With two for one platform nothing compiles. What an earlier run wrote is put right, too."""
     unity_install.install(project, "4", False)
-    meta = (project / TARGET / "Plugins" / f"{SHARED_DLLS[0]}.meta").read_text()
-    enabled = dict(re.findall(r"(Any|Editor):.*\n    second:\n      enabled: (\d)", meta))
+    cache = "Library/PackageCache/com.unity.some@1.0.0/Tests"
+    put(project, {f"{cache}/{SHARED_DLLS[0]}": b"MZ", f"{cache}/{SHARED_DLLS[0]}.meta": f"PluginImporter:\n{theirs}"})
+    unity_install.install(project, "4", False)
+    meta = project / TARGET / "Plugins" / f"{SHARED_DLLS[0]}.meta"
+    if ours is None:
+        assert not meta.exists() and plugins(project) == ALL_DLLS - {SHARED_DLLS[0]}
+        return
+    enabled = dict(re.findall(r"(Any|Editor):.*\n    second:\n      enabled: (\d)", meta.read_text()))
     assert enabled == {"Any": str(ours[0]), "Editor": str(ours[1])}
-    assert f"Exclude Editor: {1 - ours[1]}" in meta
+    assert f"Exclude Editor: {1 - ours[1]}" in meta.read_text()
+
+
+OLD_LIST = '<packages><package version="4.0.0.1" id="NetMQ" /></packages>'
+OLD_DLL = "Assets/Packages/NetMQ.4.0.0.1/lib/netstandard2.1/NetMQ.dll"
+
+
+@pytest.mark.parametrize(
+    ("theirs", "why"),
+    [
+        (
+            {"Assets/Plugins/NetMQ.dll": a_dll("3.3.3.4")},
+            "delete Assets/Plugins/NetMQ.dll with its AsyncIO.dll and NaCl",
+        ),
+        ({"Assets/Plugins/NetMQ.dll": a_dll("4.0.1.11")}, ""),
+        ({"Assets/Plugins/NetMQ.dll": b"MZ unknown"}, ""),
+        ({"Assets/Plugins/NetMQ.dll": b"version https://git-lfs.github.com/spec/v1"}, "run git lfs pull"),
+        (
+            {"Assets/packages.config": OLD_LIST, OLD_DLL: a_dll("4.0.0.1")},
+            "in NuGetForUnity's window or in Assets/pack",
+        ),
+        # The list is newer than what was fetched: Unity has not been opened since.
+        ({"Assets/packages.config": OLD_LIST.replace("0.0.1", "0.1.13"), OLD_DLL: a_dll("4.0.0.1")}, ""),
+        ({"Packages/nuget-packages/packages.config": OLD_LIST}, "window or in Packages/nuget-packages/packages.config"),
+        (
+            {"Packages/packages-lock.json": '{"dependencies": {"org.nuget.netmq": {"version": "4.0.0-1"}}}'},
+            "manifest.json",
+        ),
+        ({"Packages/packages-lock.json": '{"dependencies": {"org.nuget.netmq": {"version": "4.0.4-5"}}}'}, ""),
+        ({"Packages/a/package.json": '{"name": "com.a"}', "Packages/a/NetMQ.dll": a_dll("4.0.0.1")}, "; update com.a"),
+    ],
+)
+def test_a_netmq_that_is_too_old_is_named_with_the_cure_of_its_way(theirs, why, project, nuget, capsys):
+    put(project, theirs)
+    if why:
+        with refused(project, f"^(?=.*nothing was copied).*{re.escape(why)}"):
+            unity_install.install(project, "4", False)
+        return
+    unity_install.install(project, "4", False)
+    assert not plugins(project)
+    assert not re.search("delete|change|update|older", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("other", ["Assets/Packages/NetMQ.4.0.2.1/NetMQ.dll", "Assets/A/NetMQ.dll"])
+def test_netmq_twice_is_named(other, project, nuget, capsys):
+    put(project, {"Assets/Plugins/NetMQ.dll": a_dll("4.0.2.1"), other: a_dll("4.0.2.1")})
+    unity_install.install(project, "4", False)
+    assert f"NetMQ is here twice, by {other} and Assets/Plugins/NetMQ.dll: remove one" in capsys.readouterr().out
+
+
+def test_folders_of_packages_that_unity_does_not_read_are_none(project, nuget):
+    """Visual Studio's NuGet puts them there."""
+    put(project, {f"Packages/NetMQ.4.0.1.13/lib/{target}/NetMQ.dll": a_dll("4.0.1.13") for target in ("net45", "net6")})
+    unity_install.install(project, "4", False)
+    assert plugins(project) == ALL_DLLS
+
+
+@pytest.mark.parametrize("name", ["NetMQ.dll", "Newtonsoft.Json.dll"])
+@pytest.mark.parametrize("where", ["../shared/com.a", "Packages/com.a", "Library/PackageCache/com.a@1.0", "Assets/a"])
+def test_a_dll_is_found_wherever_unity_finds_it(where, name, project, nuget):
+    dependencies = {"com.a": "file:../../shared/com.a"} if where.startswith("..") else {}
+    manifest = json.dumps({"dependencies": dependencies})
+    put(project, {"Packages/manifest.json": manifest, f"{where}/package.json": '{"name": "com.a"}'})
+    put(project, {f"{where}/Lib/{name}": a_dll("4.0.1.13"), f"{where}/Lib/{name}.meta": DEFAULT_6})
+    unity_install.install(project, "4", False)
+    assert bool(plugins(project)) == (name != "NetMQ.dll")
+    added = "com.unity.nuget.newtonsoft-json" in (project / "Packages" / "manifest.json").read_text()
+    assert added == (name == "NetMQ.dll")
+
+
+@pytest.mark.parametrize(
+    "theirs",
+    [
+        {"Packages/manifest.json": '{"dependencies": {"jillejr.newtonsoft.json-for-unity": "13.0.102"}}'},
+        {"Packages/packages-lock.json": '{"dependencies": {"org.nuget.newtonsoft.json": {"version": "13.0.3"}}}'},
+        {"Packages/packages-lock.json": '{"dependencies": {"com.itisnajim.socketiounity": {"version": "1.1.4"}}}'},
+        {"Assets/packages.config": '<packages><package id="Newtonsoft.Json" version="13.0.3" /></packages>'},
+    ],
+)
+def test_json_that_a_package_brings_is_not_added(theirs, project, nuget):
+    put(project, theirs)
+    unity_install.install(project, "4", False)
+    assert "com.unity.nuget.newtonsoft-json" not in (project / "Packages" / "manifest.json").read_text()
+
+
+def test_json_for_the_editor_alone_is_none_for_a_game(project, nuget, capsys):
+    put(project, {"Assets/Photon/Editor/Newtonsoft.Json.dll": b"MZ", "Assets/b/Newtonsoft.Json.dll.meta": FOR_EDITOR})
+    unity_install.install(project, "4", False)
+    assert "com.unity.nuget.newtonsoft-json" in (project / "Packages" / "manifest.json").read_text()
+    assert "delete Assets/Photon/Editor/Newtonsoft.Json.dll: " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("begin", "newline", "indent", "end"),
+    [("", "\r\n", "\t", "\r\n"), ("\ufeff", "\n", "    ", ""), ("", "\n", "  ", "\n")],
+)
+@pytest.mark.parametrize(
+    "link", [False, pytest.param(True, marks=pytest.mark.skipif(os.name == "nt", reason="rights"))]
+)
+def test_a_manifest_changes_by_its_new_lines_alone(link, begin, newline, indent, end, project, nuget):
+    lines = ["{", f'{indent}"scopedRegistries": [],', f'{indent}"dependencies": {{', f'{indent * 2}"é": "1.0.0"']
+    before = begin + newline.join([*lines, f"{indent}}}", "}"]) + end
+    manifest = project / "Packages" / "manifest.json"
+    real = project / "shared.json" if link else manifest
+    real.write_bytes(before.encode())
+    if link:
+        manifest.unlink()
+        manifest.symlink_to(real)
+    unity_install.install(project, "2", False)
+    assert manifest.is_symlink() == link
+    added = f'"1.0.0",{newline}{indent * 2}"com.unity.modules.jsonserialize": "1.0.0"'
+    assert real.read_bytes().decode() == before.replace('"1.0.0"', added)
+
+
+def test_a_fresh_clone_without_assets_is_a_project(project, nuget):
+    (project / "Assets").rmdir()
+    unity_install.install(project, "1", False)
+    assert (project / TARGET / "01_request_reply" / "HelloClient.cs").exists()
+
+
+def test_an_assembly_of_the_same_name_is_refused(project, nuget):
+    put(project, {"Assets/Mine/Mine.asmdef": '\ufeff{"name": "NetMQExample"}'})
+    with refused(project, "^Assets/Mine/Mine.asmdef is an assembly with the name NetMQExample, too"):
+        unity_install.install(project, "1", False)
 
 
 def test_no_script_of_the_game_sees_the_dlls_of_nets_own(project, nuget):
@@ -393,9 +579,13 @@ def test_what_an_older_kit_wrote_and_this_one_has_not_is_deleted(project, nuget,
 @pytest.mark.parametrize(
     ("version", "lesson", "why"),
     [
-        ("2021.1.0f1", None, "NetMQ needs 2021.2 or later"),
-        ("2021.3.45f1", None, "the whole package needs 2022.3 or later: nothing was copied; --lesson 4"),
-        ("2021.3.45f1", "9", "lesson 9 steps physics, which needs 2022.3 or later: nothing was copied; --lesson 4"),
+        ("2021.1.0f1", None, "NetMQ needs 2021.2 or later.* nothing was copied; open a copy .* in Unity Hub$"),
+        (
+            "2021.3.45f1",
+            None,
+            "package needs 2022.3 or later: nothing was copied; --lesson takes 1, 2,.* 20 or 21 .*Hub",
+        ),
+        ("2021.3.45f1", "9", "lesson 9 steps physics, which needs 2022.3 or later: nothing was copied; --lesson takes"),
         ("2021.3.45f1", "4", ""),
         ("2022.3.76f1", None, ""),
         ("6000.7.0a1", None, ""),
@@ -433,8 +623,7 @@ def test_a_read_only_file_is_named_before_anything_is_copied(project, nuget, mon
     """On Windows it cannot be replaced; root can do anything, so the question itself is answered here."""
     unity_install.install(project, "1", False)
     (project / TARGET / "01_request_reply" / "HelloRequester.cs").unlink()
-    dll = nuget / "netmq" / unity_install.LIBRARIES[0][1] / "lib" / "netstandard2.1" / "NetMQ.dll"
-    dll.write_bytes(b"MZ newer")
+    fill(nuget, "MZ newer")
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "NetMQ.dll")
     with refused(project, r"Plugins/NetMQ\.dll is read-only: nothing was copied"):
         unity_install.install(project, "1", False)
@@ -514,16 +703,19 @@ def test_the_net_framework_is_advised_against(level, said, project, nuget, capsy
     settings = (
         f"PlayerSettings:\n  apiCompatibilityLevelPerPlatform:\n    Android: 6\n    Standalone: {level}\n  other: 3\n"
     )
-    (project / "ProjectSettings" / "ProjectSettings.asset").write_text(settings)
+    put(project, {"ProjectSettings/ProjectSettings.asset": settings, "Assets/Plugins/System.Memory.dll": b"MZ"})
     unity_install.install(project, "4", False)
-    assert ("Api Compatibility Level" in capsys.readouterr().out) == said
+    printed = capsys.readouterr().out
+    assert ("Api Compatibility Level" in printed) == ("delete System.Memory.dll" in printed) == said
 
 
-def test_two_copies_of_the_scripts_do_not_compile(project, nuget):
+@pytest.mark.parametrize("embedded", [False, True])
+def test_two_copies_of_the_scripts_do_not_compile(embedded, project, nuget):
     name = json.loads((PACKAGE / "package.json").read_text())["name"]
-    (project / "Packages" / "manifest.json").write_text(
-        json.dumps({"dependencies": {name: "https://example.org/x.git"}})
-    )
+    if embedded:
+        shutil.copytree(PACKAGE, project / "Packages" / "lessons", ignore=shutil.ignore_patterns("Plugins*"))
+    else:
+        put(project, {"Packages/manifest.json": json.dumps({"dependencies": {name: "https://example.org/x.git"}})})
     unity_install.install(project, None, False)
     assert not list((project / TARGET).rglob("*.cs"))
     # Unity reads no link.xml in a package, and the GUID of its .meta is taken.
@@ -559,20 +751,12 @@ def test_without_nuget_nothing_is_copied(sdk, why, project, tmp_path, monkeypatc
 
 
 def test_downloads_without_an_sdk(project, nuget, tmp_path, monkeypatch):
-    """NuGet's packages are zip files; here they come from a folder."""
-    import zipfile
-
-    for package, version, inside in unity_install.LIBRARIES:
-        name = package.lower()
-        path = tmp_path / "feed" / name / version / f"{name}.{version}.nupkg"
-        path.parent.mkdir(parents=True)
-        with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr(inside, b"MZ downloaded")
+    fill(tmp_path / "feed", "MZ downloaded")
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "empty"))
     monkeypatch.setattr(dotnet, "sdk", lambda: None)
     monkeypatch.setattr(unity_install, "NUGET", (tmp_path / "feed").as_uri())
     unity_install.install(project, "1", False)
-    assert (project / TARGET / "Plugins" / "AsyncIO.dll").read_bytes() == b"MZ downloaded"
+    assert (project / TARGET / "Plugins" / "AsyncIO.dll").read_bytes() == b"MZ downloaded AsyncIO"
 
 
 def test_the_real_dlls(project, netmq):

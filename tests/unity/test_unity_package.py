@@ -78,9 +78,11 @@ def test_it_holds_the_package_the_dlls_and_the_licences(packed, dlls):
     assert found.pop("Assets/NetMQExample/Plugins").keys() == {"asset.meta"}
     notices = found.pop("Assets/NetMQExample/THIRD-PARTY-NOTICES.md")
     assert notices["asset"] == (ROOT / "THIRD-PARTY-NOTICES.md").read_bytes()
-    libraries = {f"Assets/NetMQExample/Plugins/{dll.name}": dll.read_bytes() for dll in dlls.iterdir()}
+    beside = [*dlls.iterdir(), *(ROOT / "licences").iterdir()]
+    libraries = {f"Assets/NetMQExample/Plugins/{path.name}": path.read_bytes() for path in beside}
     assert {name: parts["asset"] for name, parts in found.items()} == libraries
-    assert all(b"Exclude WebGL: 1" in parts["asset.meta"] for parts in found.values())
+    for name, parts in found.items():
+        assert (b"Exclude WebGL: 1" in parts["asset.meta"]) == name.endswith(".dll"), name
 
 
 def test_no_guid_in_it_is_unknown(packed):

@@ -17,7 +17,7 @@ import pytest
 from kitlib.docs import guide
 from kitlib.lessons import PACKAGE
 from kitlib.unity import install as unity_install
-from kitlib.unity import modules
+from kitlib.unity import inventory, modules
 from kitlib.unity.meta import assets, behaviours, guid, meta_of, own_guid, scene
 from tests.programs import ROOT, finished
 from tests.unity.conftest import PREFAB
@@ -407,6 +407,9 @@ def manifest_faults(manifest):
             yield "a registry wants a name, an address and scopes"
 
 
+USED = re.compile(r"^using (NetMQ|AsyncIO|NaCl|Newtonsoft\.Json)\b", re.MULTILINE)
+
+
 def test_unity_compiles_the_assemblies_that_are_copied():
     # Lesson 16 has an assembly of its own.
     for lesson in (None, "4", "16"):
@@ -420,9 +423,14 @@ def test_unity_compiles_the_assemblies_that_are_copied():
             "name"
         ]
         assert not (definition["includePlatforms"] and definition["excludePlatforms"]), "Unity takes one of the two"
-        # Without overrideReferences Unity passes over this list.
-        assert definition["overrideReferences"] or not definition["precompiledReferences"]
+        # Or it gets each DLL of a game: with an old System.Memory.dll no use of Span compiles.
+        assert definition["overrideReferences"], definition["name"]
     assert all(Path(name).stem == json.loads(text)["name"] for name, text in copied().items() if ".asmdef" in name[-7:])
+    for name, text in copied().items():
+        used = {f"{one}.dll" for one in re.findall(USED, text) if name.endswith(".cs")}
+        if used:
+            has = json.loads(copied()[assembly(name, copied())])["precompiledReferences"]
+            assert used <= set(has), f"{name} is in an assembly without {used - set(has)}"
 
 
 def test_unity_takes_the_scripts():
@@ -489,7 +497,7 @@ def test_the_manifest_gets_netmq_from_a_scoped_registry():
     assert 'Include="Newtonsoft.Json" Version="13.' in lessons
     assert manifest["dependencies"][unity_install.JSON[0]] == unity_install.JSON[1]
     # UnityNuGet writes the fourth number of a version behind a hyphen.
-    assert manifest["dependencies"]["org.nuget.netmq"].replace("-", ".") == unity_install.NETMQ
+    assert manifest["dependencies"]["org.nuget.netmq"].replace("-", ".") == inventory.NETMQ
 
 
 def test_unity_is_a_version_that_can_have_netmq():
