@@ -13,6 +13,7 @@ from kitlib.lessons import PACKAGES, KitError, UsageError, lessons
 from kitlib.programs import step
 from kitlib.setup import dotnet, python_setup
 from kitlib.terminal import say
+from kitlib.unity.install import LICENCES
 
 # The tags that pip knows a system's wheels by, newer ones first.
 SYSTEMS = {
@@ -121,3 +122,5 @@ def nuget(folder: Path) -> None:
             raise KitError(f"{dotnet.refusal(result)}: no C# client in {folder}; try again with internet")
         for package in Path(fetched).glob("*/*/*.nupkg"):
             shutil.copy(package, folder)
+    # NetMQ's packages have none.
+    shutil.copytree(LICENCES, folder / LICENCES.name, dirs_exist_ok=True)

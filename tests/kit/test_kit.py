@@ -999,7 +999,7 @@ def test_a_room_without_internet_runs_from_what_was_packed(copy, netmq, bare_pyt
     packed = start(PYTHON, copy / "kit.py", "pack", copy / "packages")
     assert packed.wait(500) == 0, packed.output
     names = " ".join(path.name.lower() for path in (copy / "packages").iterdir())
-    for needed in ("pyzmq-", "numpy-", "pillow-", "netmq.", "asyncio.", "nacl.net."):
+    for needed in ("pyzmq-", "numpy-", "pillow-", "netmq.", "asyncio.", "nacl.net.", "licences"):
         assert needed in names, names
     note = (copy / "packages" / f"READ_ME_{python_setup.HERE}.txt").read_text(encoding="utf-8")
     assert dotnet.INSTALLER in note
@@ -1052,6 +1052,7 @@ def test_who_has_never_restored_a_package_can_pack(tmp_path, monkeypatch):
     monkeypatch.setenv("NUGET_PACKAGES", str(tmp_path / "never" / "made"))
     monkeypatch.setattr(pack, "step", lambda *_: Result(0 if (tmp_path / "never" / "made").is_dir() else 1, "error"))
     pack.nuget(tmp_path)
+    assert "SPECIAL EXCEPTION" in (tmp_path / "licences" / "NetMQ-COPYING.LESSER.txt").read_text()
 
 
 def test_what_to_pack_can_be_for_another_system(tmp_path, monkeypatch, start):
