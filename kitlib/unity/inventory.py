@@ -173,8 +173,9 @@ def by_file(root: Path, folders: dict[Path, str], packages: dict[str, str]) -> I
                 continue
             where = (path.relative_to(root) if path.is_relative_to(root) else path).as_posix()
             cure = f"update {package}" if package else f"delete {where} with its AsyncIO.dll and NaCl.dll"
+            default = {"editor"} if "/editor/" in f"{inside}/" else PARTS
             version = file_version(path, where) if path.name == "NetMQ.dll" else ""
-            yield Copy(path.name, where, served(path, unity), version, cure)
+            yield Copy(path.name, where, served(path, unity, default), version, cure)
 
 
 def file_version(dll: Path, where: str) -> str:
@@ -192,8 +193,8 @@ def numbers(version: str) -> list[int]:
     return [int(number) for number in re.findall(r"\d+", version)]
 
 
-def served(dll: Path, unity: tuple[int, int]) -> set[str]:
-    """Where a DLL is used, by its .meta, as PluginImporter reads it."""
+def served(dll: Path, unity: tuple[int, int], default: set[str]) -> set[str]:
+    """Where a DLL is used, by its .meta, as PluginImporter reads it; without one as by default in its folder."""
     meta = dll.with_name(f"{dll.name}.meta")
     text = meta.read_text(encoding="utf-8", errors="replace") if meta.exists() else ""
     limits = re.findall(r"^ *- '?(!?)UNITY_(\d+)_(\d+)_OR_NEWER'?$", text, re.MULTILINE)
@@ -205,7 +206,7 @@ def served(dll: Path, unity: tuple[int, int]) -> set[str]:
     entry = r"^[ -]*(?:first:\n *)?(\w[\w ]*):.*\n(?: *second:\n)? *enabled: (\d)"
     found = {name: on == "1" for name, on in re.findall(entry, text, re.MULTILINE)}
     if not found:
-        return {"editor"} if "Editor" in dll.parts else PARTS
+        return default
     for_any, for_editor = found.pop("Any", False), found.pop("Editor", False)
     if for_any:
         for_editor = "Exclude Editor: 1" not in text
