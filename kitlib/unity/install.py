@@ -265,7 +265,7 @@ def uses(code: str, name: str) -> bool:
 def libraries(folder: Path | None, ask: Callable[[str], set[str]] = lambda name: PARTS) -> dict[str, bytes]:
     """The DLLs with their import settings and licences; `ask` says where a DLL is missing, of PARTS."""
     found: dict[str, bytes] = {}
-    texts = {path.name: path.read_bytes() for path in LICENCES.glob("*.txt")}
+    texts = {path.name: path.read_bytes() for path in sorted(LICENCES.glob("*.txt"))}
     for package, version, inside in LIBRARIES:
         name = inside.rsplit("/", 1)[1]
         if not (parts := ask(name)):
