@@ -62,7 +62,7 @@ def main() -> None:
         sys.exit(str(error))
     # After a crash, and started in the same way, it goes on.
     before = reached(jobs, options.crash_on)
-    with contextlib.closing(jobs.workers), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
+    with contextlib.closing(jobs), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:
             turn(jobs, socket)
             if options.crash_on and reached(jobs, options.crash_on) - before:

@@ -46,7 +46,9 @@ async def serve(options: argparse.Namespace) -> None:
         return kind(context, getattr(options, name), options.timeout)
 
     async def show(request: web.Request) -> web.StreamResponse:
-        return web.FileResponse(Path(__file__).with_name("page.html"))
+        # In a frame of another page its clicks could be stolen.
+        headers = {"Content-Security-Policy": "frame-ancestors 'none'"}
+        return web.FileResponse(Path(__file__).with_name("page.html"), headers=headers)
 
     door = Door(options.origin, options.token)
     app = web.Application(middlewares=[door.look])

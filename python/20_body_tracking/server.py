@@ -3,6 +3,7 @@
     python python/20_body_tracking/server.py             prints: listening on tcp://127.0.0.1:5570
     python python/20_body_tracking/client.py             or: dotnet run --project csharp-console -- 20
     python python/20_body_tracking/server.py --camera    the persons in front of your webcam, see netmq_example/body
+    python python/20_body_tracking/server.py --camera walk.mp4    those in a film; or rtsp://…, a camera in the network
 
 Bytes: UTF-8 text, one frame: `pose/PERSON/ NUMBER SECONDS`, and then `x y z visibility` for each of the 33 landmarks
 that MediaPipe numbers: in metres from the middle of the hips, x to the right of the picture, y down, z away from the
@@ -23,9 +24,9 @@ sys.path[:0] = map(str, Path(__file__).resolve().parents[:2])
 import zmq
 from walker import persons
 
-from netmq_example.body.camera import watch
+from netmq_example.body.camera import device, watch
 from netmq_example.body.people import Hands, Landmark, People, Pictures, SourceError, as_text, begun, play, read
-from netmq_example.program import encoded, listening, run, server_options, whole
+from netmq_example.program import encoded, listening, option, run, server_options
 
 MODEL = Path("pose_landmarker_lite.task")
 # Listeners send only subscriptions, and those are short.
@@ -38,10 +39,7 @@ def pose(topic: str, number: int, seconds: float, landmarks: list[Landmark]) -> 
 
 
 def recording(text: str) -> Pictures:
-    try:
-        return read(Path(text))
-    except SourceError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    return option(lambda _, path: read(path), text, Path)
 
 
 def source(options: argparse.Namespace) -> Iterator[tuple[People, Hands]]:
@@ -55,7 +53,7 @@ def source(options: argparse.Namespace) -> Iterator[tuple[People, Hands]]:
 def main() -> None:
     parser = server_options(__doc__, "tcp://127.0.0.1:5570")
     parser.add_argument("--recording", type=recording, help="a file of yours; if left out, two persons are made up")
-    parser.add_argument("--camera", type=whole, nargs="?", const=0, help="a webcam instead; 0 is the first one")
+    parser.add_argument("--camera", type=device, nargs="?", const=0, help="a webcam, 0 is the first; a film; a stream")
     parser.add_argument("--model", type=Path, help=f"for --camera; if left out, {MODEL}")
     parser.add_argument("--persons", type=int, choices=range(1, 10), default=2, help="for --camera: how many at most")
     parser.add_argument("--hands", type=Path, help="for --camera: a model, to look for hands too")
@@ -69,6 +67,7 @@ def main() -> None:
                 for topic, landmarks in (bodies | hands).items():
                     # This never waits: a listener that is not there yet, or is too slow, does not get it.
                     socket.send(encoded(pose(topic, number, time.monotonic(), landmarks)))
+            print("the film is over", flush=True)
     except SourceError as error:
         sys.exit(f"no poses: {error}")
 

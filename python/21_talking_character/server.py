@@ -44,7 +44,7 @@ def main() -> None:
         jobs = Jobs(Journal(options.journal), {"talk": Kind(talk, most=1000)}, options.workers)
     except ValueError as error:
         parser.error(str(error))
-    with contextlib.closing(jobs.workers), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
+    with contextlib.closing(jobs), listening(zmq.ROUTER, options, prepare=few_answers_wait) as socket:
         while True:
             # A wait with a limit: on Windows Ctrl-C is heard only between two waits, and a worker's time may be over.
             zmq.select([socket, jobs.workers.wake_socket], [], [], 0.1)

@@ -19,6 +19,7 @@ from collections.abc import Callable
 import zmq
 
 from netmq_example import check
+from netmq_example.finalizers import finalizer
 from netmq_example.lazy_pirate import LazyPirate
 from netmq_example.one_process import OneProcess
 from netmq_example.program import Context
@@ -45,7 +46,7 @@ class BackgroundClient(OneProcess):
         self.waiting: Waiting = queue.SimpleQueue()
         # Which of the two callbacks gets a text: 0 the reply, 1 the error.
         self.done: queue.SimpleQueue[tuple[int, str]] = queue.SimpleQueue()
-        self.end = weakref.finalize(self, end, self.pirate, self.waiting)
+        self.end = finalizer(self, end, self.pirate, self.waiting)
         self.end.atexit = False
         words = (self.context, self.pirate, self.waiting, client)
         self.thread = threading.Thread(target=talk, args=words, daemon=True)

@@ -51,8 +51,9 @@ def number(name: str, value: Any, least: float = -math.inf, most: float = math.i
 
 
 def is_number(value: Any) -> bool:
-    """Also one of numpy's; NaN, infinity and a bool are none."""
-    if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
+    """Also one of numpy's; NaN, infinity, a bool and an array of one number are none."""
+    # Whether float() takes such an array, numpy's versions do not agree.
+    if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__") or getattr(value, "ndim", False):
         return False
     try:
         return math.isfinite(float(value))

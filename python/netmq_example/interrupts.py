@@ -7,6 +7,7 @@ there the signal comes again a moment later.
 """
 
 import _thread
+import contextlib
 import signal
 import sys
 import threading
@@ -32,9 +33,15 @@ def listen(*signals: int) -> None:
 def interrupt(number: int, frame: FrameType | None) -> None:
     """The handler; `frame` is what it interrupts."""
     if frame and (is_dropped(frame) or is_within(frame)):
-        threading.Timer(AGAIN_SECONDS, again, [number]).start()
+        later(number)
     else:
         raise KeyboardInterrupt
+
+
+def later(number: int) -> None:
+    # At the end of the interpreter no thread can be started any more; and the program ends.
+    with contextlib.suppress(RuntimeError):
+        threading.Timer(AGAIN_SECONDS, again, [number]).start()
 
 
 def again(number: int) -> None:

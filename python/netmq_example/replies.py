@@ -13,6 +13,7 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
+from netmq_example.json_text import shallow
 from netmq_example.program import encoded, printable, show
 from netmq_example.trouble import Trouble
 
@@ -83,8 +84,8 @@ def json_answer(answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[
 
 def read(text: str) -> Fields:
     try:
-        state = json.loads(text, object_hook=Fields)
-    except (ValueError, RecursionError) as error:
+        state = json.loads(shallow(text), object_hook=Fields)
+    except ValueError as error:
         raise Misfit(f"the request {printable(text, 80)!r} is no JSON: {error}") from None
     if not isinstance(state, Fields):
         raise Misfit(f"the request {printable(text, 80)!r} is no JSON object: send a class with fields")

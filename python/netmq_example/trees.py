@@ -35,6 +35,7 @@ import numpy as np
 from gymnasium.spaces import GraphInstance
 
 from netmq_example import check
+from netmq_example.json_text import shallow
 from netmq_example.messages import DECODER, DTYPES, ENCODER, LIMIT, Array, MessageError
 
 SIZE = struct.Struct("<I")
@@ -48,7 +49,7 @@ LONGEST_KEPT = 16 * 1024
 # In bytes. To read one takes a hundred times as much memory.
 LONGEST_FORM = 1024 * 1024
 # What is wrong with bytes that are none of these.
-REASONS = (ValueError, LookupError, TypeError, struct.error, RecursionError)
+REASONS = (ValueError, LookupError, TypeError, struct.error)
 
 # Takes the numbers and where its own begin; returns the value and where the next one's begin.
 Reader = Callable[[Any, int], tuple[Any, int]]
@@ -71,7 +72,7 @@ def write_pairs(pairs: list[tuple[str, Any]]) -> bytes:
 def written(form_and: Callable[[list[Any]], Any]) -> bytes:
     parts: list[Any] = []
     try:
-        form = ENCODER.encode(form_and(parts)).encode()
+        form = shallow(ENCODER.encode(form_and(parts))).encode()
     except (ValueError, RecursionError) as error:
         raise MessageError("bad-tree", f"it is no text, or has no end: {error!s:.80}") from None
     return b"".join([SIZE.pack(len(form)), form, *parts])
@@ -80,7 +81,7 @@ def written(form_and: Callable[[list[Any]], Any]) -> bytes:
 def pairs_of(form: bytes) -> list[tuple[str, Any]]:
     """The way back: texts with their forms."""
     try:
-        parsed = DECODER.decode(form.decode())
+        parsed = DECODER.decode(shallow(form.decode()))
         json.dumps(parsed, ensure_ascii=False).encode()
         return [(check.text("a locator", text), part) for text, part in check.instance("pairs", parsed, list)]
     except REASONS as error:
@@ -174,7 +175,7 @@ def reader_of(form: bytes) -> Reader:
 
 def new_reader(form: bytes) -> Reader:
     try:
-        parsed = DECODER.decode(form.decode())
+        parsed = DECODER.decode(shallow(form.decode()))
         json.dumps(parsed, ensure_ascii=False).encode()
         return reader(parsed)
     except REASONS as error:

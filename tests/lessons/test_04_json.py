@@ -70,7 +70,7 @@ ASKED = {
     "[1]": "error: the request '[1]' is no JSON object: send a class with fields",
     "null": "error: the request 'null' is no JSON object: send a class with fields",
     "hello\n": "error: the request 'hello?' is no JSON: Expecting value: line 1 column 1 (char 0)",
-    "[" * 60_000: f"error: the request '{'[' * 80}…' is no JSON: maximum recursion depth exceeded",
+    "[" * 60_000: f"error: the request '{'[' * 80}…' is no JSON: it nests more than 64 levels deep",
     '{"guest": "Cy", "result": "list"}': "error: answer returned []: return a dict",
     '{"guest": "Cy", "result": "nan"}': "error: answer returned what JSON cannot have: Out of range float values",
     '{"guest": "Cy", "result": "set"}': "error: answer returned what JSON cannot have: Object of type set is not JSON",

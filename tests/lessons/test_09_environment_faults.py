@@ -1,5 +1,6 @@
 """Lesson 09, what can go wrong: simulators that are lost, slow or wrong, two at once, and what may be left behind."""
 
+import _thread
 import gc
 import os
 import re
@@ -440,17 +441,24 @@ def test_a_forgotten_environment_ends_its_simulator(launch):
 
 
 def test_an_environment_that_an_interrupted_cell_has_left_ends_before_the_next_is_launched(make, launch):
-    """Nobody can close it any more: the traceback holds it, and itself."""
+    """Nobody can close it any more: the traceback holds it, and itself. Meanwhile the next cell is interrupted."""
     env = gymnasium.make(ID, launch=launch("python"))
     env.reset()
     running = process(env)
-    running.wait = lambda limit=None: subprocess.Popen.wait(running, LIMIT)
+
+    def interrupted(limit=None):
+        _thread.interrupt_main()
+        return subprocess.Popen.wait(running, LIMIT)
+
+    running.wait = interrupted
     gc.disable()
     try:
         env.unwrapped.traceback = [env]
         del env
         assert running.poll() is None
-        make(launch=launch("python"))
+        with pytest.raises(KeyboardInterrupt):
+            make(launch=launch("python"))
+            time.sleep(LIMIT)
         assert running.poll() == 0
     finally:
         gc.enable()

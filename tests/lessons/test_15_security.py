@@ -343,6 +343,11 @@ def test_keys_py_says_in_one_line_what_is_wrong(folder):
     }
     for run, cause in zip(ran(*wrong, folder=folder), wrong.values(), strict=True):
         assert run.code in (1, 2) and cause in run.lines[-1], run
+    # A list that cannot be read is none without names.
+    shutil.rmtree(folder / "allowed")
+    (folder / "allowed").touch()
+    for run in ran(("list",), ("enrol", f"bob={NOBODY}"), folder=folder):
+        assert run.code == 1 and run.lines[-1].startswith(f"{folder / 'allowed'}: "), run
 
 
 def test_the_server_on_the_page_knows_its_clients(folder, tmp_path, start, connect):

@@ -31,7 +31,7 @@ socketio = pytest.importorskip("socketio", reason="lesson 16 needs python-socket
 from netmq_example.errors import GaveUp  # noqa: E402
 from netmq_example.web.browser_socket import Listener, Requester  # noqa: E402
 from netmq_example.web.door import Door  # noqa: E402
-from netmq_example.web.requester import WebSocketRequester  # noqa: E402
+from netmq_example.web.requester import WebRequester, WebSocketRequester  # noqa: E402
 from netmq_example.web.socketio_requester import SocketIORequester  # noqa: E402
 
 KEY = "16_web_gateway"
@@ -266,6 +266,11 @@ def test_a_page_of_a_stranger_does_not_come_in(serve):
                 assert reply.status == 200 or "start with --origin" in await reply.text()
                 return reply.status
 
+    async def own_page():
+        async with aiohttp.ClientSession() as session, session.get(endpoint) as reply:
+            return reply.headers["Content-Security-Policy"]
+
+    assert asyncio.run(own_page()) == "frame-ancestors 'none'", "in a frame its clicks could be stolen"
     for origin in [*may, *may_not]:
         assert asyncio.run(by_socket_io(origin)) == (200 if origin in may else 403), origin
     why = "refused: the page of {!r} may not come in; if it is yours, start with --origin and its address"
@@ -305,6 +310,27 @@ def test_an_aiohttp_that_is_too_old_for_socket_io_is_named(serve, monkeypatch):
 
     with pytest.raises(GaveUp, match=r"^aiohttp is too old for this python-socketio .*pip install --upgrade aiohttp$"):
         asyncio.run(come())
+
+
+def test_a_timeout_holds_whatever_swallows_its_cancel():
+    """As asyncio.wait_for of Python 3.11 does, in which Socket.IO connects. A gateway that is full is asked again."""
+    tries = 0
+
+    class Swallowing(WebRequester):
+        async def connect(self):
+            nonlocal tries
+            tries += 1
+            assert tries < 5
+            with contextlib.suppress(asyncio.CancelledError):
+                await asyncio.sleep(LIMIT)
+            raise ConnectionError("it is full")
+
+        async def close(self):
+            pass
+
+    with pytest.raises(TimeoutError, match=r"within 0\.1 s; is the server running\? \(it is full\)$"):
+        asyncio.run(Swallowing("http://127.0.0.1:1", "hello", timeout=0.1).request("Hello"))
+    assert tries == 1
 
 
 def test_what_the_gateway_cannot_use_is_said(runs, tmp_path):

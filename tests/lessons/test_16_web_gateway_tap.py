@@ -268,6 +268,9 @@ def test_what_is_no_zeromq_or_has_no_server_is_let_go_and_said(what, line):
 def test_another_web_page_gets_nothing_and_a_slow_one_is_kept(tap):
     """It draws for seconds, or the browser has put it to sleep: the tap has not ended, and must not seem so."""
     _, _, page = tap(f"tcp://127.0.0.1:{free_port()}")
+    # It is shown in no frame, where its clicks could be stolen.
+    with urllib.request.urlopen(page, timeout=20) as own:
+        assert own.headers["Content-Security-Policy"] == "frame-ancestors 'none'"
     for headers in {"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "http://127.0.0.1:1"}:
         for path in ("", "live", "arrow/1", "recording.html"):
             with pytest.raises(urllib.error.HTTPError) as refused:

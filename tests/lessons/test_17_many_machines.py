@@ -12,7 +12,7 @@ import pytest
 import zmq
 
 from tests.conftest import CLIENTS, PYTHON
-from tests.programs import ROOT, free_port, python_runs, steady_endpoint, steady_port
+from tests.programs import ROOT, finished, free_port, python_runs, steady_endpoint, steady_port
 
 gymnasium = pytest.importorskip("gymnasium", reason="lesson 17 needs gymnasium: kit.py run 17 installs it")
 np = pytest.importorskip("numpy", reason="lesson 17 needs numpy: kit.py run 17 installs it")
@@ -52,6 +52,29 @@ def returns(episodes):
             steps, over = steps + 1, world.judge()["terminated"]
         found.append(steps)
     return found
+
+
+FORGOTTEN = """
+import gc, sys, zmq
+from netmq_example.fleet.trainer import FleetSocket
+gc.disable()
+for asked in (False, True):
+    socket = FleetSocket(sys.argv[1], "CartPole", 1)
+    if asked:
+        try:
+            socket.recv_multipart()
+        except zmq.Again:
+            pass
+    socket.itself = socket
+    del socket
+    print(gc.collect() > 0)
+"""
+
+
+def test_a_socket_of_the_fleet_that_nobody_closed_may_be_forgotten():
+    """In a cycle of references, as of a traceback, where its context may be the first to go."""
+    done = finished([PYTHON, "-c", FORGOTTEN, f"tcp://127.0.0.1:{steady_port()}"], cwd=ROOT / "python")
+    assert done.stdout == "True\nTrue\n", done
 
 
 @pytest.fixture

@@ -337,6 +337,35 @@ def test_a_cell_of_a_notebook(tmp_path):
     assert re.fullmatch("gave up: .* True", last), done
 
 
+# Ctrl-C as soon as it listens. What IPython keeps of it holds every object that was there.
+RUN_TWICE = """
+import _thread, io, runpy, sys
+
+class Console(io.TextIOBase):
+    def write(self, text):
+        sys.__stdout__.write(text)
+        if text.startswith("listening on"):
+            _thread.interrupt_main()
+        return len(text)
+
+kept, sys.argv, sys.stdout = [], sys.argv[1:], Console()
+for _ in range(2):
+    try:
+        runpy.run_path(sys.argv[0], run_name="__main__")
+    except SystemExit as end:
+        kept.append(end)
+"""
+
+
+@pytest.mark.parametrize("key", ["14_long_jobs", "21_talking_character"])
+def test_a_server_that_is_stopped_in_a_notebook_can_be_run_again(key, tmp_path):
+    """Its journal is in no use any more, although the process lives on."""
+    server = ROOT / "python" / key / "server.py"
+    words = ["--endpoint", "tcp://127.0.0.1:0", "--journal", "journal.sqlite3"]
+    done = finished([PYTHON, "-c", RUN_TWICE, server, *words], cwd=tmp_path)
+    assert done.stdout.count("listening on") == 2 and not done.stderr, done
+
+
 @pytest.mark.parametrize(
     ("package", "code"),
     [("gymnasium", "import netmq_example.envs"), ("pettingzoo", "from netmq_example.envs import ZmqParallelEnv")],

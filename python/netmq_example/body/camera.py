@@ -1,4 +1,4 @@
-"""Persons and hands in front of a webcam: MediaPipe finds them, and nothing else here needs it.
+"""Persons and hands in front of a webcam, or in a film: MediaPipe finds them, and nothing else here needs it.
 
     for people, hands in watch(0, Path("pose_landmarker_lite.task"), persons=2):
         print(people[0][26], hands)                             a landmark of the first person, or IndexError for nobody
@@ -9,6 +9,7 @@ Landmarks are as in people.py. MediaPipe's classes are in ai.google.dev/edge/med
 
 import contextlib
 import math
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,10 +24,19 @@ MODELS = "https://ai.google.dev/edge/mediapipe/solutions/vision"
 Place = tuple[float, float] | None
 
 
-def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> Iterator[tuple[People, Hands]]:
-    """The persons of each of the webcam's pictures, each always in the same place of the list; and with a model for
-    them the hands."""
-    check.count("device", device, least=0)
+def device(text: str) -> int | str:
+    """The type of an option: a webcam's number, a stream's address, or a film's file."""
+    return int(text) if text.isdecimal() else check.text("device", text)
+
+
+def watch(
+    device: int | str | Path, model: Path, persons: int, hands: Path | None = None
+) -> Iterator[tuple[People, Hands]]:
+    """The persons of each picture, each always in the same place of the list; and with a model for them the hands.
+
+    `device` is a webcam's number, a stream's address, or a film's file, which is played once.
+    """
+    device = str(device) if isinstance(device, str | Path) and str(device) else check.count("device", device, least=0)
     check.count("persons", persons)
     model = Path(check.instance("model", model, str, Path))
     hands = hands if hands is None else Path(check.instance("hands", hands, str, Path))
@@ -36,18 +46,23 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
             raise SourceError(f"there is no model {file.name!r:.80}: {cure}")
     with starting("cv2"):
         import cv2
-    webcam = cv2.VideoCapture(device)
-    # MediaPipe takes seconds to start, and prints much: that there is no webcam is said before.
-    picture = look(webcam, device)
-    with starting("mediapipe"):
-        import mediapipe
-    places: list[Place] = [None] * persons
-    start = time.monotonic()
-    milliseconds = -1
+    film = isinstance(device, str) and Path(device).is_file()
     with contextlib.ExitStack() as stack:
+        camera = cv2.VideoCapture(device)
+        # In a notebook an error would keep it, and no other call could have it.
+        stack.callback(camera.release)
+        there, picture = camera.read()
+        if not there:
+            raise no_picture(device)
+        # MediaPipe takes seconds to start, and prints much: that there is no webcam was said before.
+        with starting("mediapipe"):
+            import mediapipe
         bodies = stack.enter_context(landmarker(mediapipe, "Pose", model, num_poses=persons))
         fingers = stack.enter_context(landmarker(mediapipe, "Hand", hands, num_hands=2)) if hands else None
-        while True:
+        places: list[Place] = [None] * persons
+        start = time.monotonic()
+        milliseconds = -1
+        while there:
             # OpenCV has blue first.
             colours = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
             image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=colours)
@@ -55,7 +70,20 @@ def watch(device: int, model: Path, persons: int, hands: Path | None = None) -> 
             milliseconds = max(milliseconds + 1, int(1000 * (time.monotonic() - start)))
             people, places = in_order(bodies.detect_for_video(image, milliseconds), places)
             yield people, read_hands(fingers.detect_for_video(image, milliseconds)) if fingers else {}
-            picture = look(webcam, device)
+            there, picture = camera.read()
+            if film:
+                time.sleep(max(0, start + camera.get(cv2.CAP_PROP_POS_MSEC) / 1000 - time.monotonic()))
+            elif not there:
+                raise no_picture(device)
+
+
+def no_picture(device: int | str) -> SourceError:
+    if isinstance(device, int):
+        cure = "is it plugged in, not in use elsewhere, and allowed in the system's privacy settings?"
+        return SourceError(f"webcam {device} gives no picture: {cure}")
+    # Without the password that an address may have.
+    shown = re.sub("//[^/]*@", "//", device)
+    return SourceError(f"{shown!a:.200} gives no picture: is it a film's file or a stream's address, and whole?")
 
 
 @contextlib.contextmanager
@@ -75,14 +103,6 @@ def with_cure(error: Exception, cure: str) -> str:
     if "shared object" in text:
         cure = "on Debian and Ubuntu: apt install libgl1 libegl1 libgles2 libglib2.0-0"
     return f"{text}; {cure}"
-
-
-def look(webcam: Any, device: int) -> Any:
-    there, picture = webcam.read()
-    if not there:
-        cure = "is it plugged in, or does another program use it?"
-        raise SourceError(f"webcam {device} gives no picture: {cure}")
-    return picture
 
 
 def landmarker(mediapipe: Any, kind: str, model: Path, **options: int) -> Any:

@@ -15,7 +15,6 @@ It needs only pyzmq.
 import os
 import subprocess
 import time
-import weakref
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -23,6 +22,7 @@ import zmq
 
 from netmq_example import check, records
 from netmq_example.envs.launch import END_SECONDS, QUIET, end_program, program, say_waiting, start_program, why_ended
+from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, MessageError
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
@@ -206,12 +206,12 @@ class Simulators:
         self.connection = Connection(socket, timeout)
         self.process: subprocess.Popen[bytes] | None = None
 
-    def start(self, environment: object, accept: Accept) -> "weakref.finalize[[], object]":
+    def start(self, environment: object, accept: Accept) -> Callable[[], object]:
         """Find the first simulator. The function that is returned ends it, and is called once.
 
         It is called also when nobody does so: when the environment is forgotten, and at the end of the program.
         """
-        close_once = weakref.finalize(environment, self.close)
+        close_once = finalizer(environment, self.close)
         try:
             self.find(accept)
         except BaseException:

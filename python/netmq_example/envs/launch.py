@@ -4,7 +4,7 @@
     process = start_program([*words, "-batchmode"])
     end_program(process)
 
-It needs Python and errors.py.
+It needs pyzmq.
 """
 
 import contextlib
@@ -19,6 +19,7 @@ import time
 from collections.abc import Sequence
 
 from netmq_example.errors import shell
+from netmq_example.finalizers import undisturbed
 
 # How long a program gets to end by itself.
 END_SECONDS = 2
@@ -66,7 +67,7 @@ def start_program(words: Sequence[str]) -> subprocess.Popen[bytes]:
     Its standard input is a pipe of this process, from which it learns that this one has ended, in whatever way.
     """
     # An environment that nobody has any more, but what an interrupted cell of a notebook has left, ends its own now.
-    gc.collect()
+    undisturbed(gc.collect)
     environment = {**os.environ, "NETMQ_EXAMPLE_LAUNCHER": str(os.getpid())}
     try:
         process = subprocess.Popen(words, start_new_session=True, stdin=subprocess.PIPE, env=environment)
@@ -97,7 +98,9 @@ def end_program(process: subprocess.Popen[bytes]) -> None:
         pass
     finally:
         if sys.platform == "win32":
-            subprocess.run(["taskkill", "/T", "/F", "/PID", str(process.pid)], capture_output=True, check=False)
+            # Its lines go nowhere: to read them needs threads, which from 3.12 on no program can start at its end.
+            words = ["taskkill", "/T", "/F", "/PID", str(process.pid)]
+            subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
         else:
             # There may be nobody left.
             with contextlib.suppress(OSError):

@@ -27,6 +27,7 @@ from gymnasium import spaces
 from gymnasium.spaces import GraphInstance, Space
 from gymnasium.vector.utils import batch_space, create_empty_array, iterate
 
+from netmq_example.json_text import DEEPEST
 from netmq_example.locator import APPEND, Locator, LocatorError, Path, Step, quoted, spelled
 from netmq_example.messages import MessageError
 from netmq_example.space_bytes import together
@@ -36,7 +37,7 @@ from netmq_example.space_numbers import exactly
 MOST_ITEMS = 50_000
 NUMBERS = (bool, int, float, np.generic, np.ndarray)
 # What indexing and casting raise.
-REASONS = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RecursionError)
+REASONS = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError)
 
 
 class Chosen(tuple[Any, ...]):
@@ -55,6 +56,8 @@ def merge(observations: dict[str, Any], locator: Locator, value: Any, appended: 
         try:
             if not mapping.absolute:
                 raise ValueError("it names no agent")
+            if len(mapping.destination) > DEEPEST:
+                raise ValueError(f"it has more than {DEEPEST} steps")
             part = reduce(part_of, mapping.source, value)
             for agent in filter(mapping.names, observations) if mapping.everyone else mapping.agents:
                 place = f"{quoted(agent)}@{spelled(mapping.destination)}"

@@ -73,7 +73,7 @@ class Sight:
             return self.plans[form]
         try:
             plan = planned(self.name, self.space, form)
-        except (ValueError, RecursionError) as error:
+        except ValueError as error:
             raise trees.bad(error) from None
         if len(self.plans) >= trees.MOST_KEPT:
             self.plans.clear()

@@ -19,8 +19,7 @@ ValueError names what was called wrongly, OSError says that there is no view or 
 import importlib
 import os
 import shutil
-import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +29,7 @@ from netmq_example import check
 from netmq_example.envs.common import gives_pictures
 from netmq_example.envs.connection import FREE_PORT, Accept, Simulators
 from netmq_example.envs.take import Take
+from netmq_example.finalizers import finalizer
 from netmq_example.video.game import ENDPOINT, Lost, side
 
 MODES = ["rgb_array", "rgb_array_list", "video"]
@@ -57,9 +57,9 @@ class Rendered:
         if simulators.launch:
             simulators.launch += ["--ViewRecorder.endpoint", self.renderer.films.game.endpoint]
         # Also when nobody calls close, and when no simulator comes.
-        weakref.finalize(self, self.renderer.close)
+        finalizer(self, self.renderer.close)
 
-    def started(self, simulators: Simulators, accept: Accept) -> "weakref.finalize[[], object]":
+    def started(self, simulators: Simulators, accept: Accept) -> Callable[[], object]:
         """What ends the simulator that was found. Where none comes, the port of the views is free at once."""
         try:
             return simulators.start(self, accept)

@@ -16,6 +16,7 @@ from typing import Any
 import zmq
 
 from netmq_example import check
+from netmq_example.finalizers import finalizer
 from netmq_example.messages import LIMIT, Message, read, take
 from netmq_example.one_process import OneProcess
 from netmq_example.program import limit
@@ -39,7 +40,7 @@ class FleetSocket(OneProcess):
         self.prepare: Callable[[Any], object] | None = check.instance("prepare", prepare, Callable, type(None))
         self.join = Message("join", 0, {"name": self.name, "areas": self.areas})
         self.context = zmq.Context()
-        self.socket = self.context.socket(zmq.DEALER)
+        self.new_socket()
         # When something was sent, and whether it still waits for simulators.
         self.sent = 0.0
         self.waits = True
@@ -104,8 +105,8 @@ class FleetSocket(OneProcess):
             keys = ", and is this trainer's key on its list" if self.prepare else ", without keys"
             self.report(f"no answer from a hub at {self.endpoint}: is it there{keys}?")
         self.waits = True
-        self.socket.close()
-        self.socket = self.context.socket(zmq.DEALER)
+        self.end()
+        self.new_socket()
         # Nothing can be sent while there is no connection: so it is known whether there is one.
         self.socket.immediate = True
         limit(self.socket, 4 * LIMIT)
@@ -119,6 +120,11 @@ class FleetSocket(OneProcess):
         self.socket.connect(self.endpoint)
         self.sent = time.monotonic()
         self.socket.send_multipart(self.join.frames())
+
+    def new_socket(self) -> None:
+        self.socket = self.context.socket(zmq.DEALER)
+        # Forgotten in a cycle of references, the context may be the first to go, and would wait for its open socket.
+        self.end = finalizer(self, self.socket.close)
 
     def getsockopt_string(self, option: int) -> str:
         return self.endpoint

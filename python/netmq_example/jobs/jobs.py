@@ -1,7 +1,7 @@
 """The jobs of a server: each ends exactly once, whatever is lost and whichever side is started again.
 
     jobs = Jobs(Journal("long_jobs.sqlite3"), {"count": Kind(count, most=10_000)}, workers=2)
-    with closing(jobs.workers):
+    with closing(jobs):
         while True:
             zmq.select([socket, jobs.workers.wake_socket], [], [], 0.1)
             ...                                                 jobs.answer(client, frames), for each message that came
@@ -98,6 +98,11 @@ class Jobs:
             id = goal.values["job"]
             self.live[id] = Job(goal, news)
             self.interrupted(id, "the server was restarted")
+
+    def close(self) -> None:
+        """End the workers at once. Another server may have the journal from now on."""
+        self.workers.close()
+        self.journal.close()
 
     # Messages of clients
 

@@ -133,6 +133,10 @@ class Journal:
             raise ValueError(f"cannot use the journal {self.path}: {error}; {CURE}") from None
         return found
 
+    def close(self) -> None:
+        """Let the file go, which another server may have from now on."""
+        self.db.close()
+
     def write(self, statement: str, rows: list[tuple[object, ...]]) -> bool:
         try:
             if self.files() != self.opened:

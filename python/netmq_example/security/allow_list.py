@@ -22,7 +22,7 @@ from zmq.utils import z85
 
 from netmq_example import check
 from netmq_example.program import Context, Socket, show
-from netmq_example.security.keys import checked_path, example, key_in, load
+from netmq_example.security.keys import checked_path, example, key_in, listed, load
 from netmq_example.trouble import Trouble
 
 DOMAIN = b"lesson"
@@ -98,15 +98,21 @@ class AllowList:
         return self._look_up(key)
 
     def _look_up(self, key: str) -> str:
+        try:
+            return self._read_list(key)
+        except OSError as error:
+            # As many connections of strangers as files may be open. Whoever answers libzmq must outlive that.
+            self.trouble(f"cannot read the list: {error.strerror}; nobody new comes in until that is over")
+            return ""
+
+    def _read_list(self, key: str) -> str:
         # Strangers may come by the thousand, and a list be long: a tenth of the time is enough to read it.
         began = time.monotonic()
         if began >= self.look_again:
             try:
-                self.listed = {key_in(path): path for path in sorted(self.folder.glob("allowed/*.key"), reverse=True)}
-            except OSError as error:
-                # As many connections of strangers as files may be open. Whoever answers libzmq must outlive that.
-                self.trouble(f"cannot read the list: {error.strerror}; nobody new comes in until that is over")
-            self.look_again = time.monotonic() + min(1, 9 * (time.monotonic() - began))
+                self.listed = {key_in(path): path for path in reversed(listed(self.folder))}
+            finally:
+                self.look_again = time.monotonic() + min(1, 9 * (time.monotonic() - began))
         if key not in self.listed:
             return ""
         path = self.listed[key]

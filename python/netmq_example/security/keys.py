@@ -18,6 +18,7 @@ a file. ValueError says what is wrong with a name, a key or a file.
 
 import argparse
 import contextlib
+import errno
 import os
 import re
 import struct
@@ -86,7 +87,7 @@ def enrol(folder: Path, name: str, key: str) -> Path:
         raise ValueError(f"key takes 40 characters or the path of a file, not {key!r:.40}")
     text = str(key)
     public = checked(text.encode()) if len(text) == 40 and not Path(text).exists() else load(Path(text), NOT_THEIRS)[0]
-    others = {other.stem for other in path.parent.glob("*.key") if key_in(other) == public.decode()} - {name}
+    others = {other.stem for other in listed(path.parent.parent) if key_in(other) == public.decode()} - {name}
     if others:
         raise ValueError(f"that key is on the list already, as {others.pop()}, and could be revoked by one name only")
     write(path, public)
@@ -106,7 +107,10 @@ def example(folder: Path) -> None:
 
 
 def load(path: Path, cure: str = NO_KEY) -> tuple[bytes, bytes]:
-    """The public key in a file, and the secret one if it is a .key_secret; ValueError, with this cure, if not."""
+    """The public key in a file, and the secret one if it is a .key_secret; ValueError, with this cure, if not.
+
+    OSError: too many files are open, and nobody knows what is in this one.
+    """
     path = checked_path(path, "path")
     try:
         public, secret = zmq.auth.load_certificate(check.regular_file(path, LARGEST_FILE_BYTES))
@@ -115,7 +119,9 @@ def load(path: Path, cure: str = NO_KEY) -> tuple[bytes, bytes]:
         cure = "start as the user who made it, or give it to this one"
         raise ValueError(f"this user may not read {path.absolute()}; {cure}") from None
     # pyzmq raises the last one for a file that ends in the middle of its line.
-    except (OSError, ValueError, IndexError):
+    except (OSError, ValueError, IndexError) as error:
+        if getattr(error, "errno", 0) in (errno.EMFILE, errno.ENFILE):
+            raise
         raise ValueError(f"no key in {path.absolute()}; {cure}") from None
 
 
@@ -125,6 +131,17 @@ def key_in(path: Path) -> str:
         return load(path)[0].decode()
     except ValueError:
         return ""
+
+
+def listed(folder: Path) -> list[Path]:
+    """The files of the clients that may come in; OSError if the list cannot be read."""
+    allowed = folder / "allowed"
+    try:
+        # Not Path.glob: from 3.12 on it finds nothing where it cannot look.
+        names = os.listdir(allowed)
+    except FileNotFoundError:
+        return []
+    return [allowed / name for name in sorted(names) if name.endswith(".key")]
 
 
 def write(path: Path, public: bytes, secret: bytes = b"") -> None:
@@ -183,8 +200,8 @@ def checked_name(name: Any) -> str:
 def done(verb: str, words: list[str], folder: Path) -> str:
     """Do what the command line asks for, and say what was done."""
     if verb == "list":
-        allowed = sorted((folder / "allowed").glob("*.key"))
-        return "\n".join(f"{path.stem}: {key_in(path) or 'no key in it'}" for path in allowed) or "nobody may come in"
+        lines = [f"{path.stem}: {key_in(path) or 'no key in it'}" for path in listed(folder)]
+        return "\n".join(lines) or "nobody may come in"
     if verb == "revoke":
         revoke(folder, *words)
         return f"revoked: {words[0]}"

@@ -58,6 +58,9 @@ def answer_to(
 def reward_of(name: str, reward: Any) -> float:
     """Any number, also one of numpy's."""
     try:
+        # An array of one number is a number to an old numpy, and none to a new one.
+        if np.ndim(reward):
+            raise TypeError
         number = float(reward)
     except (TypeError, ValueError):
         raise MessageError("bad-reward", f"the reward of {name} is {reward!r:.40}, which is no number") from None

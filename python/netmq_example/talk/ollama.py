@@ -17,6 +17,7 @@ from urllib.parse import urlsplit
 
 from netmq_example import check
 from netmq_example.jobs.work import Step, WorkError
+from netmq_example.json_text import shallow
 
 PERSONA = "You keep an old bridge and talk to a traveller. Answer in a few short sentences of plain text."
 # A large model is loaded first.
@@ -62,7 +63,7 @@ def ollama_talk(count: int, finished: bytes, prompt: str, *, url: str, model: st
             raise WorkError(f"{url} ended in the middle: did Ollama crash?") from None
         why = getattr(error, "strerror", "") or type(error).__name__
         raise WorkError(f"no connection with {url} ({why}): start Ollama: ollama serve") from None
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError):
         raise WorkError(f"what answers at {url} is not Ollama: check --ollama") from None
     if not said.strip():
         if text.strip():
@@ -88,11 +89,11 @@ def pieces(connection: HTTPConnection, path: str, count: int, prompt: str, model
     connection.request("POST", path, json.dumps(request), {"Content-Type": "application/json"})
     response = connection.getresponse()
     if response.status != 200:
-        why = json.loads(response.read(LARGEST_LINE_BYTES))["error"]
+        why = json.loads(shallow(response.read(LARGEST_LINE_BYTES).decode()))["error"]
         cure = f"; try: ollama pull {model}" if response.status == 404 else ""
         raise WorkError(f"Ollama says: {why!s:.120}{cure}")
     while line := response.readline(LARGEST_LINE_BYTES):
-        news = json.loads(line)
+        news = json.loads(shallow(line.decode()))
         if "error" in news:
             raise WorkError(f"Ollama says: {news['error']!s:.120}")
         yield news["message"]

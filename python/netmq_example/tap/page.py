@@ -18,6 +18,7 @@ from collections.abc import Awaitable, Callable
 from aiohttp import WSMsgType, web
 
 from netmq_example import check
+from netmq_example.json_text import shallow
 from netmq_example.tap.arrows import HTML, WHOLE_BYTES, Arrows, recording
 from netmq_example.tap.passing import Trouble
 
@@ -53,7 +54,8 @@ class Page:
             await asyncio.sleep(0.2)
 
     async def html(self, request: web.Request) -> web.StreamResponse:
-        return web.FileResponse(HTML)
+        # In a frame of another page clicks on Drop and Cut could be stolen.
+        return web.FileResponse(HTML, headers={"Content-Security-Policy": "frame-ancestors 'none'"})
 
     async def live(self, request: web.Request) -> web.StreamResponse:
         # A page that draws much, or is not in front, is slow to answer: it would take a closed connection for the
@@ -84,8 +86,8 @@ class Page:
 
     def ask(self, text: str) -> None:
         """Do what the page asks for. A message that does not fit is not from our page."""
-        with contextlib.suppress(ValueError, KeyError, TypeError, RecursionError):
-            wish = json.loads(text)
+        with contextlib.suppress(ValueError, KeyError, TypeError):
+            wish = json.loads(shallow(text))
             if "slow" in wish and 0 <= float(wish["slow"]) <= SLOWEST_SECONDS:
                 self.trouble.slow = float(wish["slow"])
             if "fate" in wish:

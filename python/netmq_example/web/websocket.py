@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 from aiohttp import WSMessage, WSMsgType, web
 
+from netmq_example.json_text import shallow
 from netmq_example.web.browser_socket import LARGEST_BYTES, MOST_FRAMES, BrowserSocket
 from netmq_example.web.door import Door, refused
 
@@ -67,10 +68,10 @@ async def talk(browser: web.WebSocketResponse, socket: BrowserSocket) -> None:
 
 def unpack(message: WSMessage) -> list[bytes]:
     """The frames of a browser's message. A stranger may send anything: no JSON, no list, no texts, no such length."""
-    with contextlib.suppress(ValueError, AttributeError, RecursionError, struct.error):
+    with contextlib.suppress(ValueError, AttributeError, struct.error):
         if message.type == WSMsgType.BINARY:
             return split(message.data)
-        texts = json.loads(message.data)
+        texts = json.loads(shallow(message.data))
         if isinstance(texts, list):
             return [text.encode(errors="replace") for text in texts]
     raise ValueError('write a JSON list of texts, such as ["Hello"], or binary: each frame behind its length')

@@ -35,7 +35,7 @@ namespace NetMQExample
                 var text = Utf8.GetString(bytes);
                 if (!Words.IsMatch(text)) throw new JsonReaderException("it has a word that is none of JSON's");
                 using var json = new JsonTextReader(new StringReader(text));
-                json.MaxDepth = 32;
+                json.MaxDepth = 64;
                 json.DateParseHandling = DateParseHandling.None;
                 Next(json);
                 var value = Value(json);

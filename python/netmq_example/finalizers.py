@@ -1,0 +1,37 @@
+"""What tidies up behind an object that nobody has any more, also in a notebook, where Ctrl-C may come at any moment.
+
+    close = finalizer(environment, simulators.close)        a weakref.finalize: close() calls it now, and only once
+
+Python calls a finalizer wherever it is, and drops what is raised in it. A KeyboardInterrupt would end it half way, and
+nobody would hear of the Ctrl-C. So the signal comes again when it is done. It needs pyzmq.
+"""
+
+import signal
+import threading
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+from netmq_example.interrupts import later
+
+
+def finalizer(owner: object, function: Callable[..., object], *words: Any) -> "weakref.finalize[..., object]":
+    """A weakref.finalize that no Ctrl-C ends half way."""
+    return weakref.finalize(owner, undisturbed, function, *words)
+
+
+def undisturbed(function: Callable[..., object], *words: Any) -> None:
+    """Call it. A Ctrl-C, and what else a program here listens to, waits until it has ended."""
+    came: list[int] = []
+    handlers: dict[int, Any] = {}
+    try:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, getattr(signal, "SIGBREAK", signal.SIGTERM)):
+                if callable(signal.getsignal(number)):
+                    handlers[number] = signal.signal(number, lambda number, _: came.append(number))
+        function(*words)
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for number in set(came):
+            later(number)
